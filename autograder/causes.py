@@ -1,0 +1,215 @@
+"""
+Why a check failed: the likely cause, from what the probe saw and how the program ended.
+
+Each function returns the keyword arguments that :class:`~autograder.exam.Failed` adds to expected
+and observed: ``cause``, ``cause_id``, ``try_this``.  What a program printed about itself may name
+a cause; it never decides a verdict.  When nothing points anywhere, the cause stays empty: a
+misleading cause is worse than none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+import difflib
+import re
+
+from autograder.exam import Run
+
+Cause = dict[str, str]
+
+_FRAME = re.compile(r'File "[^"]*/(?P<file>[A-Za-z0-9_]+\.py)", line (?P<line>\d+)')
+_ERROR = re.compile(r'^(?P<type>[A-Za-z_][\w.]*(?:Error|Exception|Interrupt|Exit|Invalid\w*))\b')
+
+LIMITS = {
+    'wall_time_limit': ('the run took longer than 60 s', 'a loop that never ends or waits'),
+    'cpu_limit': ('it used more than 20 s of processor time', 'a loop that never waits'),
+    'busy_before_node': (
+        'it computed for 8 s of processor time without making a node',
+        'a loop that never ends before the node is created',
+    ),
+    'memory_limit': ('it used more than 1 GiB of memory', 'a list that grows without bound'),
+    'output_limit': ('it printed more than 8 MB', 'a print in a loop without a pause'),
+    'inode_limit': ('it made more than 20000 files', 'a loop that creates files'),
+    'too_much_recorded': ('it sent more than 32 MB', 'a publish in a loop without a pause'),
+    'too_many_events': ('it sent thousands of messages', 'a publish in a loop without a pause'),
+}
+
+
+def cause(cause_id: str, text: str, try_this: str) -> Cause:
+    """Return the three facts under their names."""
+    return {'cause_id': cause_id, 'cause': text, 'try_this': try_this}
+
+
+@dataclass(frozen=True)
+class Traceback:
+    """
+    The last exception a program died of.
+
+    :param error: type and message, one line
+    :param line: line of the student's file, None if no frame is in it
+    """
+
+    error: str
+    file: str
+    line: int | None
+
+    @property
+    def kind(self) -> str:
+        """Return the exception's class name."""
+        return self.error.partition(':')[0].rpartition('.')[2]
+
+
+def traceback_of(run: Run) -> Traceback | None:
+    """Return the exception at the end of standard error, if the program died of one."""
+    text = str(run.recording.process.get('stderr', ''))
+    if 'Traceback (most recent call last)' not in text and 'Error' not in text:
+        return None
+    lines = text.splitlines()
+    errors = [line for line in lines if _ERROR.match(line)]
+    if not errors:
+        return None
+    own = {name.rpartition('/')[2] for name in run.files}
+    frames = [match for match in map(_FRAME.search, lines) if match and match['file'] in own]
+    if not frames:
+        return Traceback(errors[-1][:200], '', None)
+    return Traceback(errors[-1][:200], frames[-1]['file'], int(frames[-1]['line']))
+
+
+def exception_cause(trace: Traceback) -> Cause:
+    """Name what a program died of, with the line of the learner's cell."""
+    # Line 1 of the cell is the magic line, so line n of the file is line n + 1 of the cell.
+    where = f' in line {trace.line + 1} of the cell' if trace.line else ''
+    if trace.kind == 'NotImplementedError':
+        return cause(
+            'not_started',
+            f'The exercise still raises NotImplementedError{where}.',
+            'Replace that line with your own code and run the cell again.',
+        )
+    if trace.kind in ('SyntaxError', 'IndentationError', 'TabError'):
+        return cause(
+            'syntax', f'Python cannot read the file{where}: {trace.error}.', 'Mend that line.'
+        )
+    if trace.kind in ('ModuleNotFoundError', 'ImportError'):
+        return cause(
+            'import',
+            f'An import fails{where}: {trace.error}.',
+            'Check the spelling of the package and of the name.',
+        )
+    return cause(
+        'exception',
+        f'The program stopped with an exception{where}: {trace.error}.',
+        'Read the last line of the traceback first, then the line of your cell that it names.',
+    )
+
+
+def why_it_ended(run: Run) -> Cause:
+    """Explain a program that is gone or was ended; empty if it was alive to the end."""
+    recording = run.recording
+    killed = str(recording.process.get('killed', '')) or recording.end_reason
+    if killed in LIMITS:
+        what, why = LIMITS[killed]
+        return cause(killed, f'The program was ended: {what}.', f'Look for {why}.')
+    trace = traceback_of(run)
+    if trace is not None and recording.process.get('exit') is not None:
+        return exception_cause(trace)
+    code = recording.process.get('exit')
+    if code == 0:
+        return cause(
+            'exited_early',
+            'The program ended by itself before anything could happen.',
+            'Does main() call rclpy.spin(node)? Without it the program runs to its end at once.',
+        )
+    if code is not None:
+        return cause('died', f'The program died with exit code {code}.', 'Run it in a terminal.')
+    return {}
+
+
+def close_name(wanted: str, names: Iterable[str]) -> str:
+    """Return the name that looks like a slip of the wanted one, or nothing."""
+    found = difflib.get_close_matches(wanted, sorted(set(names)), n=1, cutoff=0.6)
+    return found[0] if found else ''
+
+
+def why_no_node(run: Run, wanted: str) -> Cause:
+    """
+    Explain why a node was not seen.
+
+    :param wanted: full node name, ``/name``
+    """
+    others = [name for name in run.recording.nodes if name != wanted]
+    near = close_name(wanted, others) or (others[0] if others else '')
+    if near:
+        return cause(
+            'node_name',
+            f'There is a node called {near[1:]}.',
+            f"Give super().__init__() the name '{wanted[1:]}'.",
+        )
+    return why_it_ended(run) or cause(
+        'no_node',
+        'The program runs but never creates a node.',
+        'Create your node in main(): rclpy.init(), then the class, then rclpy.spin(node).',
+    )
+
+
+def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
+    """
+    Explain why no endpoint of the right name and type was seen.
+
+    :param kind: ``'publisher'`` or ``'subscription'``
+    """
+    recording = run.recording
+    create = f'create_{kind}'
+    for end in recording.endpoints(kind, topic):
+        if end['type'] != type_name:
+            return cause(
+                'wrong_type',
+                f'Your {kind} on {topic} has the type {end["type"]}.',
+                f'Pass the class {type_name.rpartition("/")[2]} to {create}().',
+            )
+    others = [end['topic'] for end in recording.endpoints(kind)]
+    near = close_name(topic, others) or next(
+        (end['topic'] for end in recording.endpoints(kind) if end['type'] == type_name), ''
+    )
+    if near:
+        return cause(
+            'topic_name',
+            f'Your {kind} uses the topic {near}; did you mean {topic}?',
+            f"Give {create}() the name '{topic[1:]}'.",
+        )
+    other = {'publisher': 'subscription', 'subscription': 'publisher'}[kind]
+    if recording.endpoints(other, topic):
+        return cause(
+            'wrong_direction',
+            f'Your node has a {other} on {topic}, not a {kind}.',
+            f'Use {create}().',
+        )
+    ended = why_it_ended(run)
+    if ended:
+        return ended
+    if not recording.nodes:
+        return why_no_node(run, '/?')
+    return cause(
+        'no_endpoint', f'Your node creates no {kind}.', f'Call self.{create}() in __init__().'
+    )
+
+
+def why_silent(run: Run) -> Cause:
+    """Explain a node whose endpoints are right and from which nothing comes."""
+    ended = why_it_ended(run)
+    if ended:
+        return ended
+    barriers = run.recording.of('barrier')
+    if run.recording.end_reason == 'unresponsive':
+        return cause(
+            'blocked',
+            'A callback of your node does not come to an end.',
+            'A callback must return: use a timer instead of a loop or time.sleep().',
+        )
+    if barriers and not any(event['answered'] for event in barriers):
+        return cause(
+            'never_spun',
+            'Your node exists but nobody spins it, so no callback ever runs.',
+            'Call rclpy.spin(node) in main(), with the node that you created.',
+        )
+    return {}

@@ -1,0 +1,160 @@
+"""
+One exam on one set of files: run it if nobody has yet, then judge the recording.
+
+A recording depends on the files, the scenario and the environment, and on nothing else.  It is
+kept under a digest of the three, so that equal files (an untouched stub handed in by half a class)
+run once, a rerun runs nothing, and a changed check is judged again in milliseconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+import hashlib
+import json
+from pathlib import Path
+import threading
+import time
+
+from autograder.errors import ProbeFailed, RecordingInvalid
+from autograder.exam import Exam, Run
+from autograder.judge import judge
+from autograder.observe import observe
+from autograder.recording import Recording
+from autograder.results import CheckResult, ExamResult, Verdict
+from autograder.sandbox import HERE, Sandbox
+
+_running: dict[str, threading.Lock] = {}
+_running_guard = threading.Lock()
+
+
+def examine(
+    exam: Exam,
+    files: Mapping[str, str],
+    *,
+    sandbox: Sandbox,
+    recordings: Path | None = None,
+    fresh: bool = False,
+) -> ExamResult:
+    """
+    Judge a student's files by an exam.
+
+    :param files: relative path to text, only the files that exist
+    :param sandbox: from :func:`autograder.sandbox.strongest`, or ``plain()`` for visible checks
+    :param recordings: folder that keeps recordings; None keeps nothing
+    :param fresh: run even if a recording is kept
+    :raises GraderError: for a fault of ours; then there is no verdict
+    """
+    missing = [name for name in exam.requires if name not in files]
+    if missing:
+        return _without(exam, missing)
+    timing: dict[str, float] = {}
+    if recordings is None:
+        recording, timing = _run(exam, files, sandbox)
+    else:
+        path = recordings / exam.name / f'{digest(exam, files, sandbox)}.jsonl'
+        with _one_at_a_time(str(path)):
+            recording, timing = _kept_or_run(exam, files, sandbox, path, fresh)
+    began = time.perf_counter()
+    checks = judge(exam, Run(files, recording, exam.facts))
+    timing['judge_s'] = time.perf_counter() - began
+    return ExamResult(
+        exam.name, checks, _note(recording), sandbox.mode, _flags(recording), timing
+    )
+
+
+def _kept_or_run(
+    exam: Exam, files: Mapping[str, str], sandbox: Sandbox, path: Path, fresh: bool
+) -> tuple[Recording, dict[str, float]]:
+    # A file made by this process is as fresh as can be: equal files of a class run once.
+    if path.exists() and (not fresh or path in _made_now):
+        try:
+            return Recording.load(path), {}
+        except RecordingInvalid:
+            pass  # damaged or of an older format: it is made again
+    recording, timing = _run(exam, files, sandbox)
+    recording.save(path)
+    _made_now.add(path)
+    return recording, timing
+
+
+_made_now: set[Path] = set()
+
+
+def _run(
+    exam: Exam, files: Mapping[str, str], sandbox: Sandbox
+) -> tuple[Recording, dict[str, float]]:
+    """Run once; if our own infrastructure hit its limit, once more, and say so."""
+    try:
+        return observe(exam.name, exam.scenario, files, sandbox)
+    except ProbeFailed:
+        return observe(exam.name, exam.scenario, files, sandbox)
+
+
+def _one_at_a_time(key: str) -> threading.Lock:
+    with _running_guard:
+        return _running.setdefault(key, threading.Lock())
+
+
+def digest(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> str:
+    """Return the name under which a run is kept."""
+    parts = [exam.name, exam.scenario_digest(), sandbox.mode, _environment(sandbox.ros.python)]
+    parts += [json.dumps(sorted(files.items()))]
+    return hashlib.sha256('\0'.join(parts).encode('utf-8', 'replace')).hexdigest()[:32]
+
+
+@lru_cache(maxsize=4)
+def _environment(python: str) -> str:
+    """Return a digest of what runs beside the student's code, and of the ROS in use."""
+    state = hashlib.sha256(python.encode())
+    described = Path(python).parent.parent / 'ros_environment.json'
+    ours = [HERE / name for name in ('probe.py', 'observe.py', 'sandbox.py', 'fastdds.xml')]
+    for path in (*ours, *sorted((HERE / 'inside').glob('*.py')), described):
+        state.update(path.read_bytes())
+    return state.hexdigest()
+
+
+def _without(exam: Exam, missing: list[str]) -> ExamResult:
+    """Return the result when a file is not there: what needs it fails, and says so."""
+    checks = tuple(
+        CheckResult(
+            check=check.name,
+            title=check.title,
+            verdict=Verdict.FAILED if number == 0 else Verdict.NOT_RUN,
+            points=0.0,
+            max_points=check.points,
+            expected=f'the file {", ".join(missing)}' if number == 0 else '',
+            observed='no such cell in the notebook' if number == 0 else '',
+            cause='The cell is missing, empty, or its first line is not the magic line.'
+            if number == 0
+            else '',
+            cause_id='missing_file' if number == 0 else '',
+            try_this='Put the cell back as it was released and write your answer in it.'
+            if number == 0
+            else '',
+            read=exam.read,
+            waits_for='' if number == 0 else exam.checks[0].name,
+        )
+        for number, check in enumerate(exam.checks)
+    )
+    return ExamResult(exam.name, checks, note='Nothing was run: a file is missing.')
+
+
+def _note(recording: Recording) -> str:
+    if recording.in_wall_time:
+        return 'Your program keeps its own time, so it was watched for a few real seconds.'
+    return ''
+
+
+def _flags(recording: Recording) -> tuple[str, ...]:
+    """Return what an instructor should look at; none of it changes a verdict."""
+    flags = []
+    if recording.endpoints('publisher', '/clock'):
+        flags.append('the program publishes on /clock, which the grader owns')
+    names = [name for graph in recording.of('graph', when='end') for name in graph['nodes']]
+    if len(names) != len(set(names)):
+        flags.append('two nodes have the same name')
+    killed = recording.process.get('killed')
+    if killed:
+        flags.append(f'ended by the grader: {killed}')
+    return tuple(flags)

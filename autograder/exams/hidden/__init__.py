@@ -1,0 +1,1 @@
+"""Hidden exams: never shipped, never inside a sandbox."""

@@ -1,0 +1,9 @@
+"""Lesson 07, part 1, as it is graded: with readings nobody can know."""
+
+from __future__ import annotations
+
+from autograder.exams.visible.temperature_message import build, random_reading
+from autograder.inputs import generator
+
+_draw = generator('temperature_message', 'readings')
+exam = build([random_reading(_draw) for _ in range(3)])

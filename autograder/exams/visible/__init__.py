@@ -1,0 +1,1 @@
+"""Visible exams: what a learner's notebook runs. Shipped with the course."""

@@ -1,0 +1,276 @@
+"""
+Lesson 07, part 2: the temperature publisher.
+
+The specification, as the lesson gives it: node ``temperature_publisher``; one
+``temp_monitor_pkg/msg/Temperature`` a second on ``temperature_topic``; unit ``Celsius``; sensor id
+``temp_sensor_01``; the stamp is the node's clock; readings vary and stay between -40 and 125 °C
+(the range of common digital sensors, such as the DS18B20's -55 to 125 °C); quality of service
+reliable and volatile, which is what depth 10 gives.
+"""
+
+from __future__ import annotations
+
+import math
+
+from autograder.causes import cause, why_no_endpoint, why_no_node, why_silent
+from autograder.exam import Advance, Exam, Failed, Run, Scenario
+from autograder.recording import Event
+
+NODE = '/temperature_publisher'
+TOPIC = '/temperature_topic'
+TYPE = 'temp_monitor_pkg/msg/Temperature'
+SENSOR = 'temp_sensor_01'
+COLDEST_C, HOTTEST_C = -40.0, 125.0
+SECOND = 1_000_000_000
+
+
+def readings(run: Run) -> list[Event]:
+    """Return the readings that arrived, in order."""
+    return [event for event in run.recording.messages(TOPIC) if 'data' in event]
+
+
+def starts_its_node(run: Run) -> None:
+    """Your program starts a node called temperature_publisher."""
+    if NODE not in run.recording.nodes:
+        raise Failed(
+            expected='a node called temperature_publisher',
+            observed=_names(run.recording.nodes, 'no node'),
+            **why_no_node(run, NODE),
+        )
+
+
+def publishes_readings(run: Run) -> None:
+    """It publishes Temperature messages on temperature_topic."""
+    expected = f'messages of type {TYPE} on {TOPIC}'
+    ends = run.recording.endpoints('publisher', TOPIC)
+    if not any(end['type'] == TYPE for end in ends):
+        raise Failed(
+            expected=expected,
+            observed='no such publisher',
+            **why_no_endpoint(run, 'publisher', TOPIC, TYPE),
+        )
+    if not readings(run):
+        why = why_silent(run) or cause(
+            'no_timer',
+            'The publisher exists but publish() is never called.',
+            'Create a timer with self.create_timer(1.0, ...) whose callback publishes.',
+        )
+        raise Failed(expected=expected, observed='the publisher, but no message', **why)
+
+
+def publishes_once_per_second(run: Run) -> None:
+    """It publishes exactly once per second, measured on the ROS clock."""
+    seconds = int(run.facts['simulated_s'])
+    if run.recording.in_wall_time:
+        return _once_per_second_in_wall_time(run)
+    found = [event['clock_ns'] for event in readings(run)]
+    wrong = _first_wrong_second(found, seconds)
+    if wrong is None:
+        return None
+    rate = len(found) / seconds
+    why = why_silent(run)
+    if not why and abs(rate - 1.0) > 0.1:
+        why = cause(
+            'wrong_rate',
+            f'Your node publishes about {rate:.2g} times a second.',
+            'The first argument of create_timer() is the period in seconds: 1.0.',
+        )
+    raise Failed(
+        expected=f'{seconds} messages in {seconds} s of simulated time, one in every second',
+        observed=f'{len(found)} messages; first difference in second {wrong}',
+        **why,
+    )
+
+
+def _first_wrong_second(clocks_ns: list[int], seconds: int) -> int | None:
+    """
+    Return the first second without exactly one message, from 1, or None.
+
+    The timer fires on the first clock step at or after each whole second; a window of half a
+    second to either side leaves the step's length, at most a quarter second, as room.
+    """
+    nearest = [round(clock / SECOND - 0.25) for clock in clocks_ns]
+    for second in range(1, seconds + 1):
+        if nearest.count(second) != 1:
+            return second
+    return 0 if any(not 1 <= second <= seconds for second in nearest) else None
+
+
+def _once_per_second_in_wall_time(run: Run) -> None:
+    # Code with its own loop keeps real time; 20 % covers a busy machine.
+    times = [event['wall_s'] for event in readings(run)]
+    gaps = [later - earlier for earlier, later in zip(times, times[1:])]
+    if len(gaps) >= 3 and all(0.8 <= gap <= 1.2 for gap in gaps):
+        return
+    why = why_silent(run) if not gaps else {}
+    raise Failed(
+        expected='one message a second',
+        observed=f'{len(times)} messages in 6 s of real time, because your node has its own loop',
+        **(
+            why
+            or cause(
+                'own_loop',
+                'Your node does not spin, so it cannot follow the ROS clock.',
+                'Use self.create_timer(1.0, ...) and rclpy.spin(node) instead of a loop.',
+            )
+        ),
+    )
+
+
+def names_the_unit(run: Run) -> None:
+    """Every reading has the unit Celsius."""
+    _all_equal(run, 'unit', 'Celsius')
+
+
+def names_the_sensor(run: Run) -> None:
+    """Every reading has the sensor id temp_sensor_01."""
+    _all_equal(run, 'sensor_id', SENSOR)
+
+
+def _all_equal(run: Run, field: str, wanted: str) -> None:
+    others = {event['data'][field] for event in readings(run)} - {wanted}
+    if others:
+        shown = ', '.join(repr(text[:40]) for text in sorted(others)[:3])
+        near = any(text.strip().lower() == wanted.lower() for text in others)
+        slip = 'Upper and lower case and spaces count.' if near else f'The field is {field}.'
+        raise Failed(
+            expected=f"{field} '{wanted}' in every message",
+            observed=f'{field} {shown}',
+            **cause('wrong_text', slip, f"Set msg.{field} = '{wanted}' before you publish."),
+        )
+
+
+def stamps_follow_the_clock(run: Run) -> None:
+    """The timestamp of every reading is the node's own clock at that moment."""
+    if run.recording.in_wall_time:
+        raise Failed(
+            expected='stamps of the ROS clock',
+            observed='a program that does not follow the ROS clock',
+            **cause(
+                'own_loop',
+                'Your node does not spin, so its clock stands still.',
+                'Use self.create_timer(1.0, ...) and rclpy.spin(node) instead of a loop.',
+            ),
+        )
+    for event in readings(run):
+        stamp = event['data']['timestamp']
+        seconds = stamp['sec'] + stamp['nanosec'] / SECOND
+        clock = event['clock_ns'] / SECOND
+        # The message is taken in the step in which it was sent, or just after.
+        if not -1e-6 <= clock - seconds <= 0.3:
+            raise Failed(
+                expected=f'a stamp near {clock:.1f} s, the simulated time of that reading',
+                observed=_describe_stamp(seconds, clock),
+                **_stamp_cause(seconds, clock, stamp),
+            )
+
+
+def _describe_stamp(seconds: float, clock: float) -> str:
+    # Wall-clock values differ from run to run, so they are described and not shown.
+    if seconds > 1e9:
+        return "a stamp of this computer's own time of day"
+    return f'a stamp of {seconds:.9g} s'
+
+
+def _stamp_cause(seconds: float, clock: float, stamp: dict[str, int]) -> dict[str, str]:
+    right = 'Set msg.timestamp = self.get_clock().now().to_msg() in the callback.'
+    if seconds == 0:
+        return cause('missing_stamp', 'The timestamp is never set.', right)
+    if seconds > 1e9:
+        return cause('wall_clock', 'The stamp comes from the system time.', right)
+    if stamp['nanosec'] == 0 and stamp['sec'] == int(clock):
+        return cause('whole_seconds', 'The fraction of the second is lost.', right)
+    return cause('stale_stamp', 'The stamp is not taken at the moment of the reading.', right)
+
+
+def readings_are_plausible(run: Run) -> None:
+    """The readings are plausible temperatures, and they vary."""
+    values = [float(event['data']['temperature_value']) for event in readings(run)]
+    odd = [value for value in values if not COLDEST_C <= value <= HOTTEST_C]
+    if odd:
+        shown = f'{odd[0]:.4g}' if math.isfinite(odd[0]) else str(odd[0])
+        raise Failed(
+            expected=f'values from {COLDEST_C:g} to {HOTTEST_C:g} °C',
+            observed=f'a reading of {shown} °C',
+            **cause('implausible', 'No common sensor reads that.', 'Check your formula.'),
+        )
+    if len(values) > 1 and len(set(values)) < max(2, len(values) // 4):
+        raise Failed(
+            expected='readings that change from one to the next, as a real sensor has',
+            observed=f'{len(set(values))} different values in {len(values)} readings',
+            **cause(
+                'constant',
+                'The value hardly changes.',
+                'Compute the value in the callback, not once in __init__().',
+            ),
+        )
+
+
+def offers_reliable_qos(run: Run) -> None:
+    """Its quality of service is reliable and volatile, as depth 10 gives."""
+    for end in run.recording.endpoints('publisher', TOPIC):
+        qos = end['qos']
+        if qos['reliability'] != 'RELIABLE':
+            raise Failed(
+                expected='reliability RELIABLE',
+                observed=f'reliability {qos["reliability"]}',
+                **cause(
+                    'qos_reliability',
+                    'A subscription that asks for reliable delivery is not connected to it.',
+                    'Pass 10, or a QoSProfile with ReliabilityPolicy.RELIABLE.',
+                ),
+            )
+        if qos['durability'] != 'VOLATILE':
+            raise Failed(
+                expected='durability VOLATILE',
+                observed=f'durability {qos["durability"]}',
+                **cause(
+                    'qos_durability',
+                    'Late subscribers would get old readings as if they were new.',
+                    'Pass 10, or leave out the durability.',
+                ),
+            )
+
+
+def _names(names: tuple[str, ...], none: str) -> str:
+    return ', '.join(name.lstrip('/')[:60] for name in names[:5]) or none
+
+
+def build(seconds: int, phase_s: float) -> Exam:
+    """
+    Return the exam over some simulated time.
+
+    :param seconds: simulated seconds, >= 5
+    :param phase_s: first clock value, 0 < phase_s < 0.2 [s]
+    """
+    # The last step lies 0.5 s behind the last whole second, so that its tick is always due.
+    exam = Exam(
+        'temperature_publisher',
+        title='The temperature publisher',
+        assignment='07_temperature_monitor',
+        part=2,
+        cells=('temperature_publisher',),
+        requires=('temp_publisher.py',),
+        scenario=Scenario(
+            file='temp_publisher.py',
+            watch={TOPIC: TYPE},
+            steps=(Advance(seconds + 0.6, step_s=0.2, phase_s=phase_s),),
+        ),
+        read='Part 2: The publisher',
+        facts={'simulated_s': seconds},
+    )
+    exam.check(points=2)(starts_its_node)
+    exam.check(points=2)(publishes_readings)
+    for points, judge in (
+        (3, publishes_once_per_second),
+        (1, names_the_unit),
+        (1, names_the_sensor),
+        (3, stamps_follow_the_clock),
+        (2, readings_are_plausible),
+        (1, offers_reliable_qos),
+    ):
+        exam.check(points=points, needs='publishes_readings')(judge)
+    return exam
+
+
+exam = build(seconds=10, phase_s=0.1)

@@ -1,0 +1,434 @@
+"""
+Lesson 07, part 3: the temperature subscriber.
+
+The specification, as the lesson gives it: node ``temperature_subscriber`` listens on
+``temperature_topic``; logs every reading at INFO with its value; logs exactly one WARN for each
+reading strictly above 30.0 °C; converts Fahrenheit; answers any other unit with an ERROR and no
+warning; does not warn for NaN; uses the node's logger.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+import re
+from typing import Any
+
+from autograder.causes import cause, why_no_endpoint, why_no_node, why_silent
+from autograder.exam import Exam, Failed, Feed, Run, Scenario
+from autograder.recording import ERROR, INFO, WARN, Event
+
+NODE = '/temperature_subscriber'
+TOPIC = '/temperature_topic'
+TYPE = 'temp_monitor_pkg/msg/Temperature'
+THRESHOLD_C = 30.0
+NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?')
+LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
+
+
+@dataclass(frozen=True)
+class Reading:
+    """
+    One message that the probe sends.
+
+    :param kind: what it tries, in words that may be shown; never the value of a hidden one
+    """
+
+    value: float
+    kind: str
+    unit: str = 'Celsius'
+
+    @property
+    def celsius(self) -> float | None:
+        """Return the value in degrees Celsius, None for a unit nobody has heard of."""
+        if self.unit == 'Celsius':
+            return self.value
+        return (self.value - 32.0) / 1.8 if self.unit == 'Fahrenheit' else None
+
+    @property
+    def hot(self) -> bool:
+        """Tell whether a warning is due: strictly above the threshold."""
+        return self.celsius is not None and self.celsius > THRESHOLD_C
+
+    @property
+    def odd(self) -> bool:
+        """Tell whether it is no proper temperature."""
+        return self.celsius is None or math.isnan(self.celsius)
+
+    def message(self, number: int) -> dict[str, Any]:
+        """Return the fields that are sent."""
+        value: float | str = str(self.value) if math.isnan(self.value) else self.value
+        stamp = {'sec': 100 + number, 'nanosec': 250_000_000}
+        return {
+            'temperature_value': value,
+            'unit': self.unit,
+            'timestamp': stamp,
+            'sensor_id': 'temp_sensor_01',
+        }
+
+
+@dataclass(frozen=True)
+class Sent:
+    """Readings that were sent together, and the log lines that followed them."""
+
+    readings: tuple[Reading, ...]
+    logs: tuple[Event, ...]
+
+    def count(self, level: int) -> int:
+        """Return how many lines have a level."""
+        return sum(entry['level'] == level for entry in self.logs)
+
+
+def sent(run: Run) -> list[Sent]:
+    """Pair what was sent with what was logged after it."""
+    singles: Sequence[Reading] = run.facts['singles']
+    burst: Sequence[Reading] = run.facts['burst']
+    inputs = len(run.recording.of('input'))
+    groups = [
+        Sent((reading,), tuple(run.recording.logs(after_input=number)))
+        for number, reading in enumerate(singles[:inputs])
+    ]
+    if burst and inputs == len(singles) + len(burst):
+        logs: list[Event] = []
+        for number in range(len(singles), inputs):
+            logs += run.recording.logs(after_input=number)
+        groups.append(Sent(tuple(burst), tuple(logs)))
+    return groups
+
+
+def starts_its_node(run: Run) -> None:
+    """Your program starts a node called temperature_subscriber."""
+    if NODE not in run.recording.nodes:
+        names = ', '.join(name.lstrip('/')[:60] for name in run.recording.nodes[:5])
+        raise Failed(
+            expected='a node called temperature_subscriber',
+            observed=names or 'no node',
+            **why_no_node(run, NODE),
+        )
+
+
+def subscribes_to_readings(run: Run) -> None:
+    """It subscribes to Temperature messages on temperature_topic and receives them."""
+    ends = [
+        end for end in run.recording.endpoints('subscription', TOPIC) if end['type'] == TYPE
+    ]
+    expected = f'a subscription on {TOPIC} of type {TYPE}'
+    if not ends:
+        raise Failed(
+            expected=expected,
+            observed='no such subscription',
+            **why_no_endpoint(run, 'subscription', TOPIC, TYPE),
+        )
+    if run.recording.of('not_connected') or not run.recording.of('input'):
+        qos = ends[0]['qos']
+        why = why_silent(run) or cause(
+            'qos_incompatible',
+            'Your subscription asks for a quality of service that the publisher does not offer '
+            f'({qos["reliability"]}, {qos["durability"]}).',
+            'Pass the depth 10 as quality of service.',
+        )
+        raise Failed(expected=expected, observed='a subscription that gets nothing', **why)
+
+
+def logs_every_reading(run: Run) -> None:
+    """It logs every reading at level INFO with its value, through the node's logger."""
+    groups = sent(run)
+    proper = [
+        (reading, group) for group in groups for reading in group.readings if not reading.odd
+    ]
+    missing = [pair for pair in proper if not _shown(pair[0], pair[1].logs, INFO)]
+    if not missing and groups:
+        return
+    reading, group = missing[0] if missing else (None, None)
+    found = len(proper) - len(missing)
+    raise Failed(
+        expected=f'{len(proper)} readings sent, each in an INFO line with its value',
+        observed=f'{found} of them' + (f'; missing: {reading.kind}' if reading else ''),
+        **_why_not_logged(run, reading, group),
+    )
+
+
+def _shown(reading: Reading, logs: Sequence[Event], level: int | None) -> bool:
+    """Tell whether a line shows the reading's value, raw or converted, however rounded."""
+    wanted = [value for value in (reading.value, reading.celsius) if value is not None]
+    for entry in logs:
+        if level is None or entry['level'] == level:
+            # Half of the last place of one decimal, and a little.
+            for text in NUMBER.findall(entry['text']):
+                number = float(text.replace(',', '.'))
+                if any(abs(number - value) <= 0.051 for value in wanted):
+                    return True
+    return False
+
+
+def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> dict[str, str]:
+    why = why_silent(run)
+    if why:
+        return why
+    printed = str(run.recording.process.get('stdout', ''))
+    if not run.recording.logs() and any(
+        _shown(one, [{'level': 0, 'text': printed}], None)
+        for one in (*run.facts['singles'], *run.facts['burst'])
+        if not one.odd
+    ):
+        return cause(
+            'print_instead_of_logger',
+            'The readings are printed; print() reaches this terminal and nobody else.',
+            'Use self.get_logger().info(...): it also goes to the topic /rosout.',
+        )
+    if reading is not None and group is not None:
+        levels = [entry['level'] for entry in group.logs if _shown(reading, [entry], None)]
+        if levels:
+            return cause(
+                'wrong_level',
+                f'That reading is logged at level {LEVELS.get(levels[0], levels[0])} only.',
+                'Log every reading with self.get_logger().info(...), the warm ones too.',
+            )
+        if any(entry['level'] == INFO for entry in group.logs):
+            return cause(
+                'no_value',
+                'There is an INFO line, but the value of the reading is not in it.',
+                "Put msg.temperature_value into the text: f'{msg.temperature_value:.2f}'.",
+            )
+    return {}
+
+
+def warns_when_too_hot(run: Run) -> None:
+    """It logs exactly one WARN for each reading above 30 °C."""
+    short, long = None, None
+    groups = [group for group in sent(run) if any(one.hot for one in group.readings)]
+    groups = [group for group in groups if all(one.unit == 'Celsius' for one in group.readings)]
+    for group in groups:
+        due, found = sum(one.hot for one in group.readings), group.count(WARN)
+        short = short or (group if found < due else None)
+        long = long or (group if found > due else None)
+    worst = short or long
+    if worst is None and groups:
+        return
+    if worst is None:
+        raise Failed(
+            expected='a warning for each reading above 30 °C',
+            observed='the run ended before one was sent',
+            **why_silent(run),
+        )
+    due, found = sum(one.hot for one in worst.readings), worst.count(WARN)
+    raise Failed(
+        expected=f'{_lines(due, "WARN")} after {_what(worst)}',
+        observed=_lines(found, 'WARN'),
+        **_why_no_warning(run, worst, long is not None),
+    )
+
+
+def _why_no_warning(run: Run, group: Sent, too_many: bool) -> dict[str, str]:
+    why = why_silent(run)
+    if why:
+        return why
+    if too_many and group.count(WARN) > sum(one.hot for one in group.readings):
+        return cause(
+            'repeated_warning',
+            'The same reading is warned about more than once.',
+            'One call of self.get_logger().warning(...) in the callback, and no timer for it.',
+        )
+    levels = {entry['level'] for entry in group.logs} - {INFO, WARN}
+    if levels:
+        return cause(
+            'wrong_level',
+            f'A line at level {LEVELS.get(min(levels), min(levels))} comes instead.',
+            'Use self.get_logger().warning(...).',
+        )
+    printed = str(run.recording.process.get('stdout', '')).upper()
+    logged = ''.join(entry['text'] for entry in run.recording.logs()).upper()
+    if 'WARN' in printed and 'WARN' not in logged and not run.recording.logs(level=WARN):
+        return cause(
+            'print_instead_of_logger',
+            'The warning is printed; print() reaches this terminal and nobody else.',
+            'Use self.get_logger().warning(...).',
+        )
+    if run.recording.logs(level=WARN):
+        return cause(
+            'missed_warning',
+            'Other readings are warned about, this one is not.',
+            'Compare each reading by itself: value > 30.0, without rounding and without memory.',
+        )
+    return cause(
+        'no_warning',
+        'No warning is ever logged.',
+        'In the callback: if the value is above 30.0, call self.get_logger().warning(...).',
+    )
+
+
+def stays_quiet_otherwise(run: Run) -> None:
+    """It logs no warning for any other reading: 30.0 °C exactly is not above 30 °C."""
+    groups = [
+        group
+        for group in sent(run)
+        if all(one.unit == 'Celsius' and not one.odd and not one.hot for one in group.readings)
+    ]
+    for group in groups:
+        if group.count(WARN):
+            raise Failed(
+                expected=f'no WARN line after {_what(group)}',
+                observed=_lines(group.count(WARN), 'WARN'),
+                **_why_false_alarm(group),
+            )
+    if not groups or not _finished(run, groups):
+        raise Failed(
+            expected='INFO lines for cool readings and no warning',
+            observed='too few readings were handled to tell',
+            **why_silent(run),
+        )
+
+
+def _finished(run: Run, groups: Sequence[Sent]) -> bool:
+    """Silence proves nothing unless the node shows that it was listening."""
+    return all(group.logs for group in groups)
+
+
+def _why_false_alarm(group: Sent) -> dict[str, str]:
+    if any(one.value == THRESHOLD_C for one in group.readings):
+        return cause(
+            'warns_at_threshold',
+            'The comparison includes 30.0 itself.',
+            'Above means strictly greater: value > 30.0, not >=.',
+        )
+    return cause(
+        'false_alarm',
+        'A reading that is not above 30 °C is warned about.',
+        'Compare the value of this message with 30.0, without abs() and without memory.',
+    )
+
+
+def converts_fahrenheit(run: Run) -> None:
+    """It understands readings in Fahrenheit: 86 °F is 30 °C."""
+    groups = [
+        group for group in sent(run) if any(one.unit == 'Fahrenheit' for one in group.readings)
+    ]
+    for group in groups:
+        due, found = sum(one.hot for one in group.readings), group.count(WARN)
+        if due != found:
+            raise Failed(
+                expected=f'{_lines(due, "WARN")} after {_what(group)}',
+                observed=_lines(found, 'WARN'),
+                **(
+                    why_silent(run)
+                    or cause(
+                        'ignores_unit',
+                        'The number is compared with 30 whatever its unit is.',
+                        'Look at msg.unit first: celsius = (value - 32) / 1.8 for Fahrenheit.',
+                    )
+                ),
+            )
+    _was_listening(run, groups)
+
+
+def reports_an_unknown_unit(run: Run) -> None:
+    """An unknown unit gives an ERROR line, no warning, and the node goes on."""
+    groups = [group for group in sent(run) if group.readings[0].celsius is None]
+    for group in groups:
+        if group.count(WARN) or not group.count(ERROR):
+            raise Failed(
+                expected='an ERROR line and no WARN line after a reading in an unknown unit',
+                observed=f'{_lines(group.count(ERROR), "ERROR")}, '
+                f'{_lines(group.count(WARN), "WARN")}',
+                **(
+                    why_silent(run)
+                    or cause(
+                        'unknown_unit',
+                        'A number without a known unit cannot be compared with 30 °C.',
+                        'For any unit that you do not know: self.get_logger().error(...), return.',
+                    )
+                ),
+            )
+    _was_listening(run, groups)
+
+
+def does_not_warn_about_nan(run: Run) -> None:
+    """A reading that is not a number (NaN) brings no warning, and the node goes on."""
+    groups = [group for group in sent(run) if math.isnan(group.readings[0].value)]
+    for group in groups:
+        if group.count(WARN):
+            raise Failed(
+                expected='no WARN line after NaN',
+                observed=_lines(group.count(WARN), 'WARN'),
+                **cause(
+                    'nan',
+                    'NaN is not above 30, nor below: every comparison with it is false.',
+                    'Ask value > 30.0, not not (value <= 30.0); or test math.isnan(value).',
+                ),
+            )
+    _was_listening(run, groups)
+
+
+def _was_listening(run: Run, groups: Sequence[Sent]) -> None:
+    """Fail unless the odd reading was sent and a later, proper one was still handled."""
+    everything = sent(run)
+    if groups and everything[-1] not in groups and everything[-1].logs:
+        return
+    raise Failed(
+        expected='a node that goes on after every reading',
+        observed='no log line afterwards',
+        **why_silent(run),
+    )
+
+
+def _what(group: Sent) -> str:
+    if len(group.readings) > 1:
+        return f'a burst of {len(group.readings)} readings'
+    return group.readings[0].kind
+
+
+def _lines(count: int, level: str) -> str:
+    return f'{count or "no"} {level} line{"" if count == 1 else "s"}'
+
+
+def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
+    """
+    Return the exam for some readings.
+
+    :param singles: sent one by one; the first is above the threshold, the last is proper
+    :param burst: sent at once at the end, at most ten, Celsius only
+    """
+    messages = [reading.message(number) for number, reading in enumerate((*singles, *burst))]
+    steps = [Feed(TOPIC, messages[: len(singles)])]
+    if burst:
+        steps.append(Feed(TOPIC, messages[len(singles) :], burst=True))
+    exam = Exam(
+        'temperature_subscriber',
+        title='The temperature subscriber',
+        assignment='07_temperature_monitor',
+        part=3,
+        cells=('temperature_subscriber',),
+        requires=('temp_subscriber.py',),
+        scenario=Scenario(file='temp_subscriber.py', feed={TOPIC: TYPE}, steps=tuple(steps)),
+        read='Part 3: The subscriber',
+        facts={'singles': tuple(singles), 'burst': tuple(burst)},
+    )
+    exam.check(points=1)(starts_its_node)
+    exam.check(points=1)(subscribes_to_readings)
+    for points, judge in (
+        (3, logs_every_reading),
+        (3, warns_when_too_hot),
+        (3, stays_quiet_otherwise),
+        (2, converts_fahrenheit),
+        (1, reports_an_unknown_unit),
+        (1, does_not_warn_about_nan),
+    ):
+        exam.check(points=points, needs='subscribes_to_readings')(judge)
+    return exam
+
+
+exam = build(
+    [
+        Reading(99.0, 'a reading of 99.0 °C'),
+        Reading(21.5, 'a reading of 21.5 °C'),
+        Reading(30.0, 'a reading of exactly 30.0 °C'),
+        Reading(30.5, 'a reading of 30.5 °C'),
+        Reading(-12.25, 'a reading of -12.25 °C'),
+        Reading(70.0, 'a reading of 70.0 °F', 'Fahrenheit'),
+        Reading(95.0, 'a reading of 95.0 °F', 'Fahrenheit'),
+        Reading(300.0, 'a reading of 300 in the unknown unit Kelvinn', 'Kelvinn'),
+        Reading(math.nan, 'a reading that is not a number'),
+        Reading(24.75, 'a reading of 24.75 °C'),
+    ]
+)

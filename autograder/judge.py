@@ -1,0 +1,59 @@
+"""The judge: a pure function from a recording and an exam to verdicts."""
+
+from __future__ import annotations
+
+from autograder.errors import GraderError
+from autograder.exam import Check, Exam, Failed, Run
+from autograder.results import CheckResult, Verdict
+
+
+def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
+    """
+    Judge every check of an exam, in order.
+
+    :param exam: its checks
+    :param run: files and recording; nothing is executed
+    :raises GraderError: if a check itself breaks, which says nothing about the student
+    """
+    results: dict[str, CheckResult] = {}
+    for check in exam.checks:
+        results[check.name] = _judge_one(exam, check, run, results)
+    return tuple(results.values())
+
+
+def _judge_one(
+    exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResult]
+) -> CheckResult:
+    read = check.read or exam.read
+    if check.needs and earlier[check.needs].verdict is not Verdict.PASSED:
+        return CheckResult(
+            check=check.name,
+            title=check.title,
+            verdict=Verdict.NOT_RUN,
+            points=0.0,
+            max_points=check.points,
+            observed=f'This waits for: {earlier[check.needs].title}',
+            waits_for=check.needs,
+        )
+    try:
+        check.judge(run)
+    except Failed as failure:
+        return CheckResult(
+            check=check.name,
+            title=check.title,
+            verdict=Verdict.FAILED,
+            points=round(check.points * failure.share, 2),
+            max_points=check.points,
+            expected=failure.expected,
+            observed=failure.observed,
+            cause=failure.cause,
+            cause_id=failure.cause_id,
+            try_this=failure.try_this,
+            read=read,
+        )
+    except Exception as error:  # noqa: BLE001 - any other exception is ours, whatever its type
+        raise GraderError(
+            f'Check {check.name} of exam {exam.name} broke: {type(error).__name__}: {error}.',
+            'This says nothing about the submission; mend the exam and grade again.',
+        ) from error
+    return CheckResult(check.name, check.title, Verdict.PASSED, check.points, check.points)

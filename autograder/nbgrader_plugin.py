@@ -1,0 +1,219 @@
+"""
+Our parts inside nbgrader's own commands, named in ``nbgrader_config.py``.
+
+nbgrader would run student code and tests in one kernel and believe the outputs.  Instead
+
+* :class:`SubmissionExporter` reads what was handed in, whatever it is, and goes on with the
+  release plus the student's answers;
+* :class:`GradeOutside` stands where nbgrader executes the notebook: it grades in the sandbox
+  and writes each check cell's feedback and score as outputs;
+* :class:`SaveGrades` records them, and nothing where there is no score;
+* :class:`ClearSolutionsByKind` makes the stubs of a release.
+
+Formgrader, feedback and export then work unchanged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from nbconvert.exporters import NotebookExporter
+from nbconvert.filters import clean_html, markdown2html
+from nbformat import NotebookNode, from_dict
+from nbformat.v4 import new_output
+from nbgrader import utils
+from nbgrader.preprocessors import ClearSolutions, NbGraderPreprocessor, SaveAutoGrades
+from traitlets import Instance, Unicode
+from traitlets.utils.importstring import import_item
+
+from autograder.cells import UNSOLVED, CellSyntaxError, parse_cell
+from autograder.feedback import FOR_REVIEW, exam_text
+from autograder.inbox import read_file
+from autograder.layout import Layout
+from autograder.pipeline import Engine, Lesson, grade_opened, load_lesson
+from autograder.results import ExamResult, Problem, SubmissionResult
+from autograder.submission import Opened, open_submission, read_release
+
+CHECK_PREFIX = 'check_'
+_STUBS = {
+    'node': f'# {UNSOLVED}\nraise NotImplementedError()',
+    'rosmsg': f'# {UNSOLVED}',
+    'CMakeLists.txt': f'# {UNSOLVED}',
+    'package.xml': f'<!-- {UNSOLVED} -->',
+}
+
+Resources = dict[str, Any]
+Step = tuple[NotebookNode, Resources]
+
+
+def safe_markdown(source: str) -> str:
+    """Render a student's Markdown without scripts: instructors open it with their rights."""
+    return str(clean_html(markdown2html(source)))
+
+
+class ClearSolutionsByKind(ClearSolutions):
+    """nbgrader's ClearSolutions with a stub that fits the file a cell is."""
+
+    def preprocess_cell(self, cell: NotebookNode, resources: Resources, cell_index: int) -> Step:
+        """Replace the solution region by the stub of the cell's kind."""
+        try:
+            file = parse_cell(cell.source) if cell.cell_type == 'code' else None
+        except CellSyntaxError as error:
+            raise RuntimeError(f'{error} Cell contents are:\n{cell.source}') from error
+        if file is None:
+            return super().preprocess_cell(cell, resources, cell_index)
+        if utils.is_solution(cell) and self.begin_solution_delimeter not in cell.source:
+            raise RuntimeError(
+                f'{file.path}: expected a region from ### BEGIN SOLUTION to ### END SOLUTION, '
+                'got none: the magic line would be cleared with the solution.'
+            )
+        kind = file.name if file.kind == 'rospkg' else file.kind
+        self.code_stub = {**self.code_stub, kind: _STUBS[kind]}
+        cell, _ = super().preprocess_cell(cell, {**resources, 'language': kind}, cell_index)
+        return cell, resources
+
+
+class SubmissionExporter(NotebookExporter):
+    """Reads a submitted file as release plus answers; nbgrader's own files as they are."""
+
+    def from_filename(
+        self, filename: str, resources: Resources | None = None, **kw: Any
+    ) -> tuple[str, Resources]:
+        """Read a notebook that was handed in, or one that nbgrader wrote itself."""
+        if resources is None or not getattr(self.parent, '_sanitizing', True):
+            return super().from_filename(filename, resources=resources, **kw)
+        assignment = resources['nbgrader']['assignment']
+        coursedir = self.parent.coursedir
+        folder = coursedir.format_path(coursedir.release_directory, '.', assignment)
+        path = Path(folder) / f'{resources["nbgrader"]["notebook"]}.ipynb'
+        release = read_release(path)
+        where = f'submitted/{resources["nbgrader"]["student"]}/{assignment}/{path.name}'
+        data, problems = read_file(Path(filename), where)
+        opened = open_submission(data, release, where, problems)
+        for problem in opened.problems:
+            self.log.warning(problem.line())
+        return self.from_notebook_node(to_node(opened), resources=resources, **kw)
+
+
+def to_node(opened: Opened) -> NotebookNode:
+    """Return the notebook as nbformat has it, with the problems in its metadata."""
+    notebook = from_dict(opened.notebook)
+    notebook.metadata['autograder'] = {'problems': [asdict(one) for one in opened.problems]}
+    return notebook
+
+
+def from_node(notebook: NotebookNode) -> Opened:
+    """Undo :func:`to_node`."""
+    noted = notebook.metadata.get('autograder', {}).get('problems', [])
+    return Opened(notebook, tuple(Problem.from_json(problem) for problem in noted))
+
+
+class GradeOutside(NbGraderPreprocessor):
+    """Grades where no student code can reach, and writes the outcome into the check cells."""
+
+    engine_factory = Unicode(
+        'autograder.pipeline.grading_engine',
+        help='Function that returns the engine, called with the layout of the course.',
+    ).tag(config=True)
+    root = Unicode('', help='Folder of the course; empty for the one of this package.').tag(
+        config=True
+    )
+
+    _engine: Engine | None = Instance(object, allow_none=True)  # type: ignore[assignment]
+
+    def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
+        """Grade a notebook, unless the results came along (see :mod:`autograder.record`)."""
+        result = resources['nbgrader'].get('result')
+        if result is None:
+            result = self._grade(nb, resources)
+        if result.fault:
+            self.log.error('%s is for review: %s', result.student, result.fault)
+        write_outcomes(nb, result)
+        return nb, resources
+
+    def _grade(self, nb: NotebookNode, resources: Resources) -> SubmissionResult:
+        """Grade one notebook that nbgrader brought."""
+        layout = Layout(Path(self.root)) if self.root else Layout.here()
+        if self._engine is None:
+            self._engine = import_item(self.engine_factory)(layout)
+        lesson: Lesson = load_lesson(layout, resources['nbgrader']['assignment'], self._engine)
+        return grade_opened(from_node(nb), resources['nbgrader']['student'], lesson, self._engine)
+
+
+def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
+    """
+    Write one text and, where there is a score, one value into every check cell.
+
+    :param nb: a rebuilt notebook, changed in place
+    """
+    exams = {exam.exam: exam for exam in result.exams}
+    general = [problem for problem in result.problems if not problem.cells]
+    for cell in nb.cells:
+        if not is_check(cell):
+            continue
+        name = cell.metadata.nbgrader['grade_id'].removeprefix(CHECK_PREFIX)
+        exam = None if result.fault else exams.get(name)
+        maximum = float(cell.metadata.nbgrader['points'])
+        if exam is None or not 0 <= exam.points <= maximum + 1e-6:
+            cell.outputs = [_text(f'{FOR_REVIEW}\n')]
+            continue
+        problems = [*general, *_about(result, exam, nb)]
+        general = []
+        cell.outputs = [_text(exam_text(exam, problems)), _score(min(exam.points, maximum))]
+        cell.execution_count = 1
+
+
+def is_check(cell: NotebookNode) -> bool:
+    """Tell whether a cell is graded by an exam."""
+    return bool(
+        utils.is_grade(cell) and not utils.is_solution(cell) and cell.cell_type == 'code'
+    )
+
+
+def _about(result: SubmissionResult, exam: ExamResult, nb: NotebookNode) -> list[Problem]:
+    """Return the problems with the answers right above an exam's check cell."""
+    own: set[str] = set()
+    for cell in nb.cells:
+        if is_check(cell):
+            if cell.metadata.nbgrader['grade_id'] == f'{CHECK_PREFIX}{exam.exam}':
+                break
+            own.clear()
+        elif utils.is_solution(cell):
+            own.add(cell.metadata.nbgrader['grade_id'])
+    return [problem for problem in result.problems if own & set(problem.cells)]
+
+
+def _text(text: str) -> NotebookNode:
+    """Return a cell output of plain text."""
+    return new_output('stream', name='stdout', text=text)
+
+
+def _score(points: float) -> NotebookNode:
+    """Return the cell output that nbgrader reads as a partial grade."""
+    data: Mapping[str, str] = {'text/plain': repr(round(points, 3))}
+    return new_output('execute_result', data=data, execution_count=1)
+
+
+class SaveGrades(SaveAutoGrades):
+    """nbgrader's SaveAutoGrades, except that a check without a score waits for a person."""
+
+    def _add_score(self, cell: NotebookNode, resources: Resources) -> None:
+        """Record a score; nbgrader alone gives full points where there is none."""
+        scored = any(
+            output.output_type == 'execute_result' for output in cell.get('outputs', [])
+        )
+        if scored or not is_check(cell):
+            super()._add_score(cell, resources)
+            return
+        grade = self.gradebook.find_grade(
+            cell.metadata.nbgrader['grade_id'],
+            self.notebook_id,
+            self.assignment_id,
+            self.student_id,
+        )
+        grade.auto_score = None
+        grade.needs_manual_grade = True
+        self.gradebook.db.commit()

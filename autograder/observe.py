@@ -1,0 +1,281 @@
+"""
+One run: the student's program in the sandbox, the probe beside it, and a recording out of it.
+
+The grader's side of the pipes is one loop over file descriptors.  It reads what the probe and the
+program write, bounded; looks every 50 ms at what the sandbox uses; and ends the run when the
+probe is done, a limit is passed or the wall clock says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+import json
+import os
+from pathlib import Path
+import secrets
+import selectors
+import shutil
+import tempfile
+import time
+from typing import Any
+
+from autograder.errors import ProbeFailed
+from autograder.exam import Scenario
+from autograder.recording import Recording, header
+from autograder.sandbox import HERE, Confined, Limits, Program, Sandbox
+
+KEPT_OUTPUT = 64 * 1024
+LARGEST_RECORDING = 32 << 20
+WATCH_EVERY_S = 0.05
+TICK = os.sysconf('SC_CLK_TCK')
+PAGE = os.sysconf('SC_PAGESIZE')
+INSIDE = {str(HERE / 'inside'): '/grader/inside'}
+BUILD_LIMITS = Limits(cpu_s=60, processes=128)
+
+
+def program_for(scenario: Scenario, submission: Path, python: str) -> tuple[Program, Limits]:
+    """
+    Return what to run for a scenario.
+
+    :param submission: host folder with the student's files, readable by everyone
+    :param python: interpreter of the prepared environment
+    """
+    binds = {**INSIDE, str(submission): '/submission'}
+    if scenario.program == 'build':
+        argv = [python, '/grader/inside/build_package.py', '/submission']
+        argv += ['temp_monitor_pkg', 'temp_monitor_pkg/msg/Temperature']
+        return Program(argv, binds, course_messages=False), BUILD_LIMITS
+    argv = [python, '/grader/inside/run_node.py', f'/submission/{scenario.file}']
+    argv += ['--ros-args', '-p', 'use_sim_time:=true']
+    return Program(argv, binds), Limits()
+
+
+@contextmanager
+def laid_out(files: Mapping[str, str]) -> Iterator[tuple[Path, Path]]:
+    """
+    Write the student's files into a fresh folder and yield it with an empty home.
+
+    :param files: relative path to text; the paths come from our own cell parser
+    """
+    base = Path(tempfile.mkdtemp(prefix='run-'))
+    try:
+        base.chmod(0o755)
+        submission, home = base / 'submission', base / 'home'
+        for folder in (submission, home):
+            folder.mkdir(mode=0o755)
+        for name, text in files.items():
+            path = submission / name
+            path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
+            path.write_text(text, encoding='utf-8', errors='replace')
+            path.chmod(0o644)
+        yield submission, home
+    finally:
+        shutil.rmtree(base, ignore_errors=True)
+
+
+def observe(
+    exam_name: str, scenario: Scenario, files: Mapping[str, str], sandbox: Sandbox
+) -> tuple[Recording, dict[str, float]]:
+    """
+    Run a student's files through a scenario.
+
+    :param exam_name: for the recording's header
+    :param files: relative path to text
+    :returns: the recording, and wall-clock facts [s] that no verdict may use
+    :raises ProbeFailed: if our own observer died: there is no evidence then
+    :raises SandboxUnavailable: if the sandbox refuses
+    """
+    began = time.monotonic()
+    with laid_out(files) as (submission, home):
+        program, limits = program_for(scenario, submission, sandbox.ros.python)
+        student = sandbox.start(program, limits, home)
+        try:
+            watched = _Watched(student, limits, scenario, sandbox, home)
+            events = watched.run()
+        finally:
+            student.kill()
+    timing = {'run_s': time.monotonic() - began, 'ready_s': watched.ready_s - began}
+    return Recording(header(exam_name, sandbox.mode), events), timing
+
+
+class _Watched:
+    """The loop over one run's pipes."""
+
+    def __init__(
+        self,
+        student: Confined,
+        limits: Limits,
+        scenario: Scenario,
+        sandbox: Sandbox,
+        home: Path,
+    ) -> None:
+        self.student = student
+        self.limits = limits
+        self.isolated = sandbox.isolated
+        self.probe = sandbox.start_probe(student, home)
+        self.scenario = scenario
+        self.events: list[dict[str, Any]] = []
+        self.pending = b''
+        self.recorded = 0
+        self.output = {'stdout': b'', 'stderr': b''}
+        self.printed = 0
+        self.killed = ''
+        self.exit: int | None = None
+        self.ready_s = 0.0
+        self.done = False
+        self.deadline = time.monotonic() + limits.wall_s
+
+    def run(self) -> list[dict[str, Any]]:
+        """Drive the run to its end and return all events."""
+        try:
+            self._loop()
+        finally:
+            said = self._end_probe()
+        if not self.events or self.events[-1]['event'] != 'end':
+            if not self.killed:
+                raise ProbeFailed(f'The probe broke off: {said or "it said nothing"}.')
+            self.events.append({'event': 'end', 'clock_ns': None, 'reason': self.killed})
+        self.events.append(self._process_event())
+        return self.events
+
+    def _loop(self) -> None:
+        # A neutral name that no program can know beforehand.
+        order = {**self.scenario.to_json(), 'name': f'n{secrets.token_hex(6)}'}
+        assert self.probe.stdin and self.probe.stdout
+        self.probe.stdin.write(json.dumps(order).encode() + b'\n')
+        self.probe.stdin.flush()
+        with selectors.DefaultSelector() as pipes:
+            pipes.register(self.probe.stdout, selectors.EVENT_READ, 'probe')
+            ended = os.pidfd_open(self.student.process.pid)
+            try:
+                pipes.register(ended, selectors.EVENT_READ, 'ended')
+                for name in ('stdout', 'stderr'):
+                    pipes.register(
+                        getattr(self.student.process, name), selectors.EVENT_READ, name
+                    )
+                self._read_until_done(pipes)
+            finally:
+                os.close(ended)
+
+    def _read_until_done(self, pipes: selectors.BaseSelector) -> None:
+        look_again = 0.0
+        while not self.done:
+            for key, _ in pipes.select(WATCH_EVERY_S):
+                if key.data == 'ended':
+                    pipes.unregister(key.fileobj)
+                    self._student_ended()
+                else:
+                    self._read(pipes, key)
+            now = time.monotonic()
+            if now > look_again:
+                look_again = now + WATCH_EVERY_S
+                self.killed = self.killed or self._over_limit(now)
+            if self.killed:
+                return
+
+    def _read(self, pipes: selectors.BaseSelector, key: selectors.SelectorKey) -> None:
+        data = os.read(key.fd, 1 << 16)
+        if not data:
+            pipes.unregister(key.fileobj)
+            self.done = self.done or key.data == 'probe'
+        elif key.data == 'probe':
+            self._recorded(data)
+        else:
+            self.printed += len(data)
+            # The beginning and the end are kept: the end has the traceback.
+            kept = self.output[key.data] + data
+            if len(kept) > KEPT_OUTPUT:
+                kept = kept[: KEPT_OUTPUT // 4] + kept[-KEPT_OUTPUT * 3 // 4 :]
+            self.output[key.data] = kept
+
+    def _recorded(self, data: bytes) -> None:
+        self.recorded += len(data)
+        *lines, self.pending = (self.pending + data).split(b'\n')
+        for line in lines:
+            event = json.loads(line)
+            if event['event'] == 'ready':
+                self.ready_s = time.monotonic()
+                self.student.release()
+                continue
+            self.events.append(event)
+            self.done = self.done or event['event'] == 'end'
+        if self.recorded > LARGEST_RECORDING:
+            self.killed = 'too_much_recorded'
+
+    def _student_ended(self) -> None:
+        self.exit = self.student.process.wait()
+        assert self.probe.stdin
+        try:
+            self.probe.stdin.write(b'exited\n')
+            self.probe.stdin.flush()
+        except BrokenPipeError:
+            pass  # the probe ended first
+
+    def _over_limit(self, now: float) -> str:
+        """Return the name of the limit that is passed, or nothing."""
+        if now > self.deadline:
+            return 'wall_time_limit'
+        if self.printed > self.limits.output:
+            return 'output_limit'
+        if self.exit is not None:
+            return ''
+        resident, seconds = usage(self.student.pid)
+        if resident > self.limits.memory:
+            return 'memory_limit'
+        if seconds > self.limits.cpu_s:
+            return 'cpu_limit'
+        starting = not self.events
+        if starting and self.scenario.program == 'node' and seconds > 0.4 * self.limits.cpu_s:
+            return 'busy_before_node'
+        if self.isolated and self._inodes() > self.limits.inodes:
+            return 'inode_limit'
+        return ''
+
+    def _inodes(self) -> int:
+        try:
+            tmp = os.statvfs(f'/proc/{self.student.pid}/root/tmp')
+        except OSError:
+            return 0  # it has just ended
+        return tmp.f_files - tmp.f_ffree
+
+    def _end_probe(self) -> str:
+        """Wait for the probe, which is done or of no more use; return its last error line."""
+        if not self.done:
+            self.probe.kill()
+        try:
+            _, said = self.probe.communicate(timeout=2)
+        except Exception:  # noqa: BLE001 - it must go whatever it does
+            self.probe.kill()
+            _, said = self.probe.communicate()
+        return (said.decode(errors='replace').strip().splitlines() or [''])[-1]
+
+    def _process_event(self) -> dict[str, Any]:
+        ends = {name: data.decode(errors='replace') for name, data in self.output.items()}
+        return {'event': 'process', 'exit': self.exit, 'killed': self.killed, **ends}
+
+
+def usage(pid: int) -> tuple[int, float]:
+    """
+    Return what a process and all its descendants use.
+
+    In a sandbox every process descends from the first one, daemons too.
+
+    :param pid: host pid of the first process
+    :returns: resident memory [bytes], processor time [s]
+    """
+    resident, ticks, pids = 0, 0, [pid]
+    while pids:
+        current = pids.pop()
+        try:
+            stat = Path(f'/proc/{current}/stat').read_text('ascii', 'replace')
+            for task in os.listdir(f'/proc/{current}/task'):
+                children = Path(f'/proc/{current}/task/{task}/children').read_text('ascii')
+                pids += [int(child) for child in children.split()]
+        except (OSError, ValueError):
+            continue  # it ended while we looked
+        fields = stat.rpartition(')')[2].split()
+        # utime, stime and those of waited-for children, then the resident pages: proc(5)
+        ticks += sum(int(fields[number]) for number in (11, 12, 13, 14))
+        resident += int(fields[21]) * PAGE
+    return resident, ticks / TICK

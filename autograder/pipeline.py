@@ -1,0 +1,226 @@
+"""
+The stages put together: one submission, or a class of them in a pool of threads.
+
+The threads only wait for sandboxes.  Our own fault makes one submission "for review"; it never
+becomes a zero and never stops the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from autograder.errors import ExamInvalid, GraderError
+from autograder.extract import ExamFiles, answer_files, extract
+from autograder.inbox import Submission
+from autograder.layout import Layout
+from autograder.results import ExamResult, SubmissionResult
+from autograder.submission import Notebook, Opened, open_submission, read_release
+
+if TYPE_CHECKING:
+    from autograder.exam import Exam
+    from autograder.sandbox import Sandbox
+
+
+class Engine(Protocol):
+    """Where exams come from and how they run; tests put a quick one here."""
+
+    def exams(self, assignment: str) -> Sequence[Exam]:
+        """Return the exams of an assignment in the lesson's order."""
+
+    def run(self, exam: Exam, files: Mapping[str, str]) -> ExamResult:
+        """
+        Judge files by what they do.
+
+        :raises GraderError: if there is no verdict, through no fault of the files
+        """
+
+
+@dataclass(frozen=True)
+class SandboxEngine:
+    """
+    The real engine: hidden and visible exams, student code in a sandbox.
+
+    :param recordings: folder of recordings; an identical run is read, not repeated
+    :param fresh: repeat all runs
+    :param hidden: whether the hidden checks are part of it
+    """
+
+    sandbox: Sandbox
+    recordings: Path | None = None
+    fresh: bool = False
+    hidden: bool = True
+
+    def exams(self, assignment: str) -> Sequence[Exam]:
+        """Return the exams of an assignment in the lesson's order."""
+        from autograder import exams
+
+        return exams.for_assignment(assignment, hidden=self.hidden)
+
+    def run(self, exam: Exam, files: Mapping[str, str]) -> ExamResult:
+        """Run the files in the sandbox and judge the recording."""
+        from autograder.examine import examine
+
+        return examine(
+            exam, files, sandbox=self.sandbox, recordings=self.recordings, fresh=self.fresh
+        )
+
+
+def grading_engine(layout: Layout, fresh: bool = False) -> Engine:
+    """
+    Return the engine for grades: the strongest sandbox or none at all.
+
+    :raises SandboxUnavailable: if no isolation works that may run hidden exams
+    """
+    from autograder import sandbox
+
+    return SandboxEngine(sandbox.strongest(), layout.recordings, fresh)
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """
+    All that is needed to grade one assignment.
+
+    :param notebook: file name of the released notebook
+    :param release: its content
+    """
+
+    assignment: str
+    notebook: str
+    release: Notebook
+    exams: tuple[Exam, ...]
+
+
+@dataclass(frozen=True)
+class Graded:
+    """A submission with its result and the notebook that was graded."""
+
+    submission: Submission
+    opened: Opened
+    result: SubmissionResult
+
+
+def load_lesson(layout: Layout, assignment: str, engine: Engine) -> Lesson:
+    """
+    Read the release and the exams of an assignment.
+
+    :raises GraderError: if the course itself is incomplete
+    """
+    try:
+        path = layout.release(assignment)
+        release = read_release(path)
+        answer_files(release)
+    except (OSError, ValueError) as error:
+        raise ExamInvalid(
+            f'The release of {assignment} cannot be used: {error}',
+            'Regenerate it with: make release',
+        ) from error
+    return Lesson(assignment, path.name, release, tuple(engine.exams(assignment)))
+
+
+def open_one(submission: Submission, lesson: Lesson) -> Opened:
+    """Read what a student handed in."""
+    where = f'submitted/{submission.student}/{lesson.assignment}/{lesson.notebook}'
+    return open_submission(submission.data, lesson.release, where, submission.problems)
+
+
+def grade_opened(opened: Opened, student: str, lesson: Lesson, engine: Engine) -> SubmissionResult:
+    """Grade one submission, its exams one after the other."""
+    files = extract(opened, lesson.exams, lesson.release, f'submitted/{student}')
+    outcomes = {exam.name: _run(engine, exam, files[exam.name].files) for exam in lesson.exams}
+    return _assemble(opened, student, lesson, files, outcomes)
+
+
+def grade_notebook(
+    data: bytes | None, lesson: Lesson, student: str, engine: Engine
+) -> SubmissionResult:
+    """
+    Grade the bytes of one notebook.
+
+    :param data: content of the file, None if there is none
+    """
+    opened = open_submission(data, lesson.release, f'submitted/{student}/{lesson.notebook}')
+    return grade_opened(opened, student, lesson, engine)
+
+
+def grade_class(
+    submissions: Sequence[Submission],
+    lesson: Lesson,
+    engine: Engine,
+    jobs: int,
+    on_done: Callable[[], None] = lambda: None,
+    meanwhile: Callable[[], None] = lambda: None,
+) -> tuple[Graded, ...]:
+    """
+    Grade a class, (submission, exam) by (submission, exam).
+
+    :param jobs: how many runs at a time
+    :param on_done: called after each run, in any thread, for a progress bar
+    :param meanwhile: called in this thread while the pool works
+    :returns: in the order of the submissions
+    """
+    opened = [open_one(submission, lesson) for submission in submissions]
+    files = [
+        extract(one, lesson.exams, lesson.release, f'submitted/{submission.student}')
+        for submission, one in zip(submissions, opened, strict=True)
+    ]
+    tasks: dict[tuple[int, str], Future[ExamResult | GraderError]] = {}
+    pool = ThreadPoolExecutor(max_workers=max(1, jobs), thread_name_prefix='grade')
+    try:
+        for index, found in enumerate(files):
+            for exam in lesson.exams:
+                future = pool.submit(_run, engine, exam, found[exam.name].files)
+                future.add_done_callback(lambda _: on_done())
+                tasks[index, exam.name] = future
+        meanwhile()
+        wait(tasks.values())
+    finally:
+        # After Ctrl-C nothing new starts; what runs is ended by its sandbox's own limits.
+        pool.shutdown(wait=False, cancel_futures=True)
+    graded = []
+    for index, submission in enumerate(submissions):
+        outcomes = {exam.name: tasks[index, exam.name].result() for exam in lesson.exams}
+        result = _assemble(
+            opened[index], submission.student, lesson, files[index], outcomes
+        )
+        graded.append(Graded(submission, opened[index], result))
+    return tuple(graded)
+
+
+def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> ExamResult | GraderError:
+    """Run one exam; our own fault comes back as a value, so that the others go on."""
+    try:
+        return engine.run(exam, files)
+    except GraderError as error:
+        return error
+    except Exception as error:  # a defect of ours: no verdict, and a person has to look
+        return GraderError(
+            f'{exam.name}: the grader failed with {type(error).__name__}: {error}.',
+            'Please report this with the submission.',
+        )
+
+
+def _assemble(
+    opened: Opened,
+    student: str,
+    lesson: Lesson,
+    files: Mapping[str, ExamFiles],
+    outcomes: Mapping[str, ExamResult | GraderError],
+) -> SubmissionResult:
+    """Put the parts of one submission's result together."""
+    done = [outcome for outcome in outcomes.values() if isinstance(outcome, ExamResult)]
+    faults = [str(outcome) for outcome in outcomes.values() if isinstance(outcome, GraderError)]
+    problems = [*opened.problems]
+    for exam in lesson.exams:
+        problems += files[exam.name].problems
+    return SubmissionResult(
+        student=student,
+        assignment=lesson.assignment,
+        exams=tuple(done),
+        problems=tuple(problems),
+        fault=' '.join(dict.fromkeys(faults)),
+    )

@@ -1,0 +1,398 @@
+"""
+The probe: stands in the network of the student's sandbox, drives it, and writes what it sees.
+
+It knows the *scenario* (which topics to watch, what to send, how far to move the clock) and no
+expected value.  It reads one JSON line from standard input, runs the scenario, and writes one JSON
+event a line to standard output; :mod:`autograder.recording` documents the events.  It runs as a
+process of its own, confined and disposable, because it parses whatever the student's code sends.
+
+Three rules keep the recording the same from run to run, however slow the machine is:
+
+1. *Discovery barrier.*  No clock before one round trip to every student node's ``get_parameters``
+   service: created last on our side, it proves that the student's side knows all our endpoints.
+2. *Processing barrier.*  An executor takes one message a subscription and pass, and answers
+   services last, so after K messages K + 1 round trips prove that all were handled.
+3. *Log barrier.*  A first log line can be late while a reader fetches the history; the first input
+   of a scenario is waited for until its log arrives, or a bound is reached.
+
+This file imports nothing of this project: only its text enters the probe's sandbox.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import math
+import select
+import sys
+import time
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from rcl_interfaces.msg import Log
+from rcl_interfaces.srv import GetParameters
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+
+NANOSECONDS = 1_000_000_000
+RESEND_S = 0.5  # a request lost while endpoints still match; about one run in a hundred
+LONGEST_EVENT = 65536  # characters of one message's JSON; longer ones are recorded by their size
+MOST_EVENTS = 20000
+HIDDEN_TOPICS = ('/parameter_events', '/rosout', '/clock')
+
+
+class Stop(Exception):
+    """The scenario ends here; the reason goes into the ``end`` event."""
+
+
+def load_type(name: str) -> Any:
+    """Return the class of an interface type such as ``std_msgs/msg/String``."""
+    package, kind, cls = name.split('/')
+    return getattr(importlib.import_module(f'{package}.{kind}'), cls)
+
+
+def to_json(value: Any) -> Any:
+    """Turn a message into JSON types; floats that JSON lacks become 'nan', 'inf', '-inf'."""
+    if hasattr(value, 'get_fields_and_field_types'):
+        return {name: to_json(getattr(value, name)) for name in value.get_fields_and_field_types()}
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    if isinstance(value, (bytes, bytearray)):
+        return list(value)
+    if isinstance(value, (str, bool, int, float)):
+        return value
+    return [to_json(item) for item in value]
+
+
+def fill(message: Any, data: dict[str, Any]) -> Any:
+    """Set a message's fields from JSON types and return it."""
+    for name, value in data.items():
+        current = getattr(message, name)
+        if hasattr(current, 'get_fields_and_field_types'):
+            fill(current, value)
+        else:
+            setattr(message, name, float(value) if isinstance(current, float) else value)
+    return message
+
+
+def qos_json(profile: QoSProfile) -> dict[str, Any]:
+    """Return the policies that can be seen over the wire; unset periods are None."""
+    periods = {}
+    for name in ('deadline', 'lifespan', 'liveliness_lease_duration'):
+        nanoseconds = getattr(profile, name).nanoseconds
+        periods[f'{name}_ns'] = nanoseconds if 0 < nanoseconds < 2**62 else None
+    return {
+        'reliability': profile.reliability.name,
+        'durability': profile.durability.name,
+        'liveliness': profile.liveliness.name,
+        **periods,
+    }
+
+
+class Probe:
+    """
+    One run of one scenario.
+
+    :param scenario: see :class:`autograder.exam.Scenario`
+    """
+
+    def __init__(self, scenario: dict[str, Any]) -> None:
+        """Create every endpoint of ours before the student's code is let go."""
+        self.scenario = scenario
+        self.events = 0
+        self.clock_ns: int | None = None
+        self.input: int | None = None
+        self.logs = 0
+        self.student_exited = False
+        self.clients: dict[str, Any] = {}
+        self.unreachable: set[str] = set()
+        self.context = Context()
+        # Only our own command line counts, and we have none.
+        rclpy.init(args=[], context=self.context)
+        self.node = Node(
+            scenario['name'],
+            context=self.context,
+            start_parameter_services=False,
+            enable_rosout=False,
+            use_global_arguments=False,
+        )
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.clock = self.node.create_publisher(Clock, '/clock', 10)
+        self._watch_topics()
+        # Reliable and transient local satisfies a subscription of any reliability and durability.
+        sending = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.feeds = {
+            topic: (load_type(name), self.node.create_publisher(load_type(name), topic, sending))
+            for topic, name in scenario['feed'].items()
+        }
+
+    def _watch_topics(self) -> None:
+        # A best-effort, volatile reader matches every writer, so a QoS mistake is seen as what it
+        # is and not as silence.
+        hearing = QoSProfile(
+            depth=100,
+            reliability=ReliabilityPolicy.BEST_EFFORT,
+            durability=DurabilityPolicy.VOLATILE,
+        )
+        for topic, name in self.scenario['watch'].items():
+
+            def heard(message: Any, topic: str = topic) -> None:
+                self._message(topic, message)
+
+            self.node.create_subscription(load_type(name), topic, heard, hearing)
+        logs = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.node.create_subscription(Log, '/rosout', self._log, logs)
+
+    # -- writing ---------------------------------------------------------------------------
+
+    def emit(self, event: str, **facts: Any) -> None:
+        """Write one event; the clock is the last one that was published."""
+        self.events += 1
+        if self.events > MOST_EVENTS and event not in ('graph', 'end'):
+            raise Stop('too_many_events')
+        line = json.dumps({'event': event, 'clock_ns': self.clock_ns, **facts}, allow_nan=False)
+        print(line, flush=True)
+
+    def _message(self, topic: str, message: Any) -> None:
+        data = to_json(message)
+        size = len(json.dumps(data))
+        if size > LONGEST_EVENT:
+            self.emit('message', topic=topic, too_large=size)
+        else:
+            self.emit('message', topic=topic, data=data, after_input=self.input, wall_s=self.now())
+
+    def _log(self, entry: Log) -> None:
+        self.logs += 1
+        self.emit(
+            'log',
+            name=entry.name[:256],
+            level=int(entry.level),
+            text=entry.msg[:2000],
+            function=entry.function[:256],
+            line=entry.line,
+            after_input=self.input,
+        )
+
+    def now(self) -> float:
+        """Return wall seconds since the scenario began, to the millisecond."""
+        return round(time.monotonic() - self.began, 3)
+
+    # -- waiting ---------------------------------------------------------------------------
+
+    def spin(self, seconds: float) -> None:
+        """Handle what has arrived; wait at most this long for something to arrive."""
+        self.executor.spin_once(timeout_sec=seconds)
+        if select.select([sys.stdin], [], [], 0)[0]:
+            # The grader writes one line when the student's process has ended.
+            sys.stdin.readline()
+            self.student_exited = True
+
+    def drain(self) -> None:
+        """Handle everything that has already arrived."""
+        for _ in range(200):
+            before = self.events
+            self.executor.spin_once(timeout_sec=0)
+            if self.events == before:
+                return
+
+    def student_nodes(self) -> list[str]:
+        """Return the fully qualified names of all nodes but ours, sorted."""
+        own = self.scenario['name']
+        pairs = self.node.get_node_names_and_namespaces()
+        return sorted(
+            {
+                f'{namespace.rstrip("/")}/{name}'
+                for name, namespace in pairs
+                if name != own and name != '_NODE_NAME_UNKNOWN_'
+            }
+        )
+
+    def wait_for_nodes(self) -> None:
+        """Wait until the student's side shows a node."""
+        deadline = time.monotonic() + self.scenario['appear_s']
+        while not self.student_nodes():
+            if self.student_exited:
+                raise Stop('student_exited')
+            if time.monotonic() > deadline:
+                raise Stop('no_node')
+            self.spin(0.02)
+
+    def call(self, name: str, patience_s: float) -> bool:
+        """Do one round trip to a node's get_parameters service; False if it does not answer."""
+        client = self.clients.get(name)
+        if client is None:
+            client = self.node.create_client(GetParameters, f'{name}/get_parameters')
+            self.clients[name] = client
+        deadline = time.monotonic() + patience_s
+        while True:
+            ready = client.service_is_ready()
+            future = client.call_async(GetParameters.Request()) if ready else None
+            resend = min(time.monotonic() + (RESEND_S if future else 0.02), deadline)
+            while time.monotonic() < resend:
+                self.spin(max(0.0, min(resend - time.monotonic(), 0.05)))
+                if future is not None and future.done():
+                    return True
+                if self.student_exited:
+                    raise Stop('student_exited')
+            if future is not None:
+                client.remove_pending_request(future)
+            if time.monotonic() >= deadline:
+                return False
+
+    def barrier(self, rounds: int) -> None:
+        """Prove that every node that answers has handled all it was sent before."""
+        for name in self.student_nodes():
+            if name in self.unreachable:
+                continue
+            for _ in range(rounds):
+                if not self.call(name, self.scenario['answer_s']):
+                    self.emit('unresponsive', node=name)
+                    raise Stop('unresponsive')
+        self.drain()
+
+    def settle(self, in_flight: int) -> None:
+        """Run barriers until a round brings no further log or message."""
+        self.barrier(in_flight + 1)
+        for _ in range(5):
+            before = self.events
+            self.barrier(1)
+            if self.events == before:
+                return
+
+    # -- the scenario ----------------------------------------------------------------------
+
+    def run(self) -> None:
+        """Run the whole scenario; always ends with a graph and an ``end`` event."""
+        self.began = time.monotonic()
+        reason = 'complete'
+        try:
+            self.wait_for_nodes()
+            for name in self.student_nodes():
+                if not self.call(name, self.scenario['first_answer_s']):
+                    self.unreachable.add(name)
+                self.emit('barrier', node=name, answered=name not in self.unreachable)
+            self.graph('start')
+            lockstep = len(self.unreachable) < len(self.student_nodes())
+            for step in self.scenario['steps']:
+                getattr(self, f'step_{step["do"]}')(step, lockstep)
+        except Stop as stop:
+            reason = str(stop)
+        self.graph('end')
+        self.emit('end', reason=reason, wall_s=self.now())
+
+    def tick(self, nanoseconds: int) -> None:
+        """Publish the simulated time."""
+        self.clock_ns = nanoseconds
+        seconds, rest = divmod(nanoseconds, NANOSECONDS)
+        self.clock.publish(Clock(clock=Time(sec=seconds, nanosec=rest)))
+
+    def step_advance(self, step: dict[str, Any], lockstep: bool) -> None:
+        """Move the clock forward in equal steps, each proven to be handled."""
+        now = self.clock_ns or 0
+        if not lockstep:
+            return self._advance_in_wall_time(now, step['watch_s'])
+        for number in range(step['steps']):
+            self.tick(now + step['first_ns'] + number * step['step_ns'])
+            self.barrier(2)
+        return None
+
+    def _advance_in_wall_time(self, start_ns: int, seconds: float) -> None:
+        # Code that never answers the barrier keeps its own time; it is watched in ours.
+        self.emit('wall_time', seconds=seconds)
+        began = time.monotonic()
+        while (elapsed := time.monotonic() - began) < seconds:
+            self.tick(start_ns + int(elapsed * NANOSECONDS))
+            if self.student_exited:
+                raise Stop('student_exited')
+            self.spin(0.05)
+
+    def step_feed(self, step: dict[str, Any], lockstep: bool) -> None:
+        """Send readings one by one, or as one burst, and collect what follows each."""
+        cls, publisher = self.feeds[step['topic']]
+        if publisher.get_subscription_count() == 0:
+            self.emit('not_connected', topic=step['topic'])
+            raise Stop('not_connected')
+        for message in step['messages']:
+            self.input = 0 if self.input is None else self.input + 1
+            logs = self.logs
+            self.emit('input', index=self.input, topic=step['topic'], data=message)
+            publisher.publish(fill(cls(), message))
+            if step['burst']:
+                continue
+            if lockstep:
+                self.settle(1)
+            if self.input == 0:
+                self._wait_for_first_log(logs)
+            elif not lockstep:
+                self.wait_for_log(logs, 0.3)
+        if step['burst'] and lockstep:
+            self.settle(len(step['messages']))
+
+    def _wait_for_first_log(self, logs: int) -> None:
+        if not self.wait_for_log(logs, self.scenario['first_log_s']):
+            self.emit('no_first_log')
+
+    def wait_for_log(self, logs: int, seconds: float) -> bool:
+        """Wait until more than this many log lines have come, at most so long."""
+        deadline = time.monotonic() + seconds
+        while self.logs <= logs:
+            if self.student_exited:
+                raise Stop('student_exited')
+            if time.monotonic() > deadline:
+                return False
+            self.spin(0.05)
+        return True
+
+    def graph(self, when: str) -> None:
+        """Write down all nodes, and all endpoints that are not ours, with type and QoS."""
+        endpoints = []
+        for topic, _ in self.node.get_topic_names_and_types():
+            if topic in HIDDEN_TOPICS:
+                kinds = ('publisher',)
+            else:
+                kinds = ('publisher', 'subscription')
+            for kind in kinds:
+                endpoints += self._endpoints(topic, kind)
+        endpoints.sort(key=lambda e: (e['topic'], e['kind'], e['node'], e['type']))
+        names = [
+            f'{namespace.rstrip("/")}/{name}'
+            for name, namespace in self.node.get_node_names_and_namespaces()
+            if name != self.scenario['name']
+        ]
+        self.emit('graph', when=when, nodes=sorted(names)[:200], endpoints=endpoints[:500])
+
+    def _endpoints(self, topic: str, kind: str) -> list[dict[str, Any]]:
+        ask = {
+            'publisher': self.node.get_publishers_info_by_topic,
+            'subscription': self.node.get_subscriptions_info_by_topic,
+        }[kind]
+        return [
+            {
+                'topic': topic,
+                'kind': kind,
+                'node': f'{info.node_namespace.rstrip("/")}/{info.node_name}',
+                'type': info.topic_type,
+                'type_hash': str(info.topic_type_hash),
+                'qos': qos_json(info.qos_profile),
+            }
+            for info in ask(topic)
+            if info.node_name != self.scenario['name']
+        ]
+
+
+def main() -> None:
+    """Read the scenario, say that we are ready, run, and leave without a long good-bye."""
+    probe = Probe(json.loads(sys.stdin.readline()))
+    print(json.dumps({'event': 'ready'}), flush=True)
+    probe.run()
+    probe.node.destroy_node()
+    rclpy.shutdown(context=probe.context)
+
+
+if __name__ == '__main__':
+    main()

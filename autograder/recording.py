@@ -1,0 +1,168 @@
+"""
+The recording of one run: what the probe received, one JSON event a line.  Kept, and judged again.
+
+The first line is the header ``{"format": "ros2-course-recording", "version": 1, "exam": ...,
+"mode": ...}``.  Then, in order of observation, events of the probe:
+
+``barrier``
+    ``node`` answered a round trip, or did not: then the run is watched in wall time.
+``graph``
+    ``nodes`` and ``endpoints`` (topic, kind, node, type, type_hash, qos), at start and end.
+``message``
+    ``data`` received on a watched ``topic``, or ``too_large`` with its size.
+``log``
+    one entry of ``/rosout``: ``name``, ``level``, ``text``, ``function``, ``line``.
+``input``
+    message ``index`` that the probe sent; later events carry it as ``after_input``.
+``wall_time``, ``unresponsive``, ``not_connected``, ``no_first_log``
+    what kept the run from going as planned.
+``end``
+    ``reason``: ``complete``, or why the scenario was broken off.
+
+and one event of the grader, ``process``: how the student's process ended (``exit``, ``killed``)
+and the ends of its output.  What a process prints about itself helps to *explain*; it is never
+evidence.  ``clock_ns`` is the simulated time of the last ``/clock``, None before the first.
+Non-finite floats are the strings 'nan', 'inf' and '-inf'.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+import json
+from pathlib import Path
+from typing import Any
+import uuid
+
+from autograder.errors import RecordingInvalid
+
+FORMAT = 'ros2-course-recording'
+VERSION = 1
+Event = Mapping[str, Any]
+
+WARN = 30
+INFO = 20
+ERROR = 40
+
+
+@dataclass(frozen=True)
+class Recording:
+    """
+    One run, read-only.
+
+    :param header: first line of the file
+    :param events: the other lines, in order
+    """
+
+    header: Mapping[str, Any]
+    events: Sequence[Event]
+
+    def of(self, kind: str, **where: Any) -> list[Event]:
+        """
+        Return the events of one kind whose facts equal ``where``.
+
+        :param kind: an event name, see the module's documentation
+        """
+        return [
+            event
+            for event in self.events
+            if event['event'] == kind
+            and all(event.get(name) == value for name, value in where.items())
+        ]
+
+    def messages(self, topic: str) -> list[Event]:
+        """Return what was received on a topic, in order."""
+        return self.of('message', topic=topic)
+
+    def logs(self, *, level: int | None = None, after_input: int | None = None) -> list[Event]:
+        """
+        Return log entries, optionally of one level and after one input.
+
+        :param level: 10 DEBUG, 20 INFO, 30 WARN, 40 ERROR, 50 FATAL (rcl_interfaces/msg/Log)
+        """
+        return [
+            entry
+            for entry in self.of('log')
+            if (level is None or entry['level'] == level)
+            and (after_input is None or entry['after_input'] == after_input)
+        ]
+
+    @cached_property
+    def nodes(self) -> tuple[str, ...]:
+        """Return the full names of every node that was ever seen, sorted, without repeats."""
+        return tuple(sorted({name for graph in self.of('graph') for name in graph['nodes']}))
+
+    def endpoints(self, kind: str, topic: str | None = None) -> list[Event]:
+        """
+        Return the distinct endpoints seen in any graph of the run.
+
+        :param kind: ``'publisher'`` or ``'subscription'``
+        :param topic: full topic name, or None for all but the plumbing every node has
+        """
+        seen: dict[str, Event] = {}
+        for graph in self.of('graph'):
+            for end in graph['endpoints']:
+                hidden = end['topic'] in ('/rosout', '/parameter_events', '/clock')
+                wanted = not hidden if topic is None else end['topic'] == topic
+                if end['kind'] == kind and wanted:
+                    seen[json.dumps(end, sort_keys=True)] = end
+        return list(seen.values())
+
+    @cached_property
+    def end_reason(self) -> str:
+        """Return why the scenario ended; ``'complete'`` if it was run whole."""
+        ends = self.of('end')
+        return str(ends[-1]['reason']) if ends else 'broken_off'
+
+    @cached_property
+    def process(self) -> Event:
+        """Return how the student's process ended; empty if nothing is known."""
+        found = self.of('process')
+        return found[-1] if found else {}
+
+    @cached_property
+    def in_wall_time(self) -> bool:
+        """Tell whether the code kept its own time and was therefore watched in wall time."""
+        return bool(self.of('wall_time'))
+
+    # -- files -----------------------------------------------------------------------------
+
+    def lines(self) -> Iterator[str]:
+        """Return the file's lines."""
+        for line in (self.header, *self.events):
+            yield json.dumps(line, allow_nan=False)
+
+    def save(self, path: Path) -> None:
+        """Write the file whole or not at all."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        unfinished = path.with_name(f'.{path.name}.{uuid.uuid4().hex}')
+        unfinished.write_text('\n'.join(self.lines()) + '\n', encoding='utf-8')
+        unfinished.replace(path)
+
+    @classmethod
+    def load(cls, path: Path) -> Recording:
+        """
+        Read a file.
+
+        :raises RecordingInvalid: if it is not a whole recording of this version
+        """
+        try:
+            lines = [json.loads(line) for line in path.read_text('utf-8').splitlines()]
+        except (OSError, ValueError) as error:
+            raise RecordingInvalid(f'{path}: not readable as JSON Lines ({error}).') from error
+        header = lines[0] if lines and isinstance(lines[0], dict) else {}
+        if (header.get('format'), header.get('version')) != (FORMAT, VERSION):
+            raise RecordingInvalid(
+                f'{path}: expected a {FORMAT} of version {VERSION}, got '
+                f'{header.get("format")!r} of version {header.get("version")!r}.',
+                'Grade again with --fresh.',
+            )
+        if not all(isinstance(event, dict) and 'event' in event for event in lines[1:]):
+            raise RecordingInvalid(f'{path}: a line is no event.', 'Grade again with --fresh.')
+        return cls(header, lines[1:])
+
+
+def header(exam: str, mode: str) -> dict[str, Any]:
+    """Return the first line of a new recording."""
+    return {'format': FORMAT, 'version': VERSION, 'exam': exam, 'mode': mode}
