@@ -21,11 +21,14 @@ Cause = dict[str, str]
 _FRAME = re.compile(r'File "[^"]*/(?P<file>[A-Za-z0-9_]+\.py)", line (?P<line>\d+)')
 _ERROR = re.compile(r'^(?P<type>[A-Za-z_][\w.]*(?:Error|Exception|Interrupt|Exit|Invalid\w*))\b')
 
+BUSY_S = 1.5
+"""Processor time [s] that imports and a node's start never reach, four times what they use."""
+
 LIMITS = {
     'wall_time_limit': ('the run took longer than 60 s', 'a loop that never ends or waits'),
     'cpu_limit': ('it used more than 20 s of processor time', 'a loop that never waits'),
     'busy_before_node': (
-        'it computed for 8 s of processor time without making a node',
+        'it computes and computes without making a node',
         'a loop that never ends before the node is created',
     ),
     'memory_limit': ('it used more than 1 GiB of memory', 'a list that grows without bound'),
@@ -88,17 +91,17 @@ def exception_cause(trace: Traceback) -> Cause:
         )
     if trace.kind in ('SyntaxError', 'IndentationError', 'TabError'):
         return cause(
-            'syntax', f'Python cannot read the file{where}: {trace.error}.', 'Mend that line.'
+            'syntax', f'Python cannot read the file{where}: {trace.error}', 'Mend that line.'
         )
     if trace.kind in ('ModuleNotFoundError', 'ImportError'):
         return cause(
             'import',
-            f'An import fails{where}: {trace.error}.',
+            f'An import fails{where}: {trace.error}',
             'Check the spelling of the package and of the name.',
         )
     return cause(
         'exception',
-        f'The program stopped with an exception{where}: {trace.error}.',
+        f'The program stopped with an exception{where}: {trace.error}',
         'Read the last line of the traceback first, then the line of your cell that it names.',
     )
 
@@ -107,6 +110,8 @@ def why_it_ended(run: Run) -> Cause:
     """Explain a program that is gone or was ended; empty if it was alive to the end."""
     recording = run.recording
     killed = str(recording.process.get('killed', '')) or recording.end_reason
+    if killed == 'no_node' and recording.process.get('cpu_s', 0.0) > BUSY_S:
+        killed = 'busy_before_node'  # on a busy machine the clock strikes before the limit
     if killed in LIMITS:
         what, why = LIMITS[killed]
         return cause(killed, f'The program was ended: {what}.', f'Look for {why}.')
@@ -199,13 +204,13 @@ def why_silent(run: Run) -> Cause:
     ended = why_it_ended(run)
     if ended:
         return ended
-    barriers = run.recording.of('barrier')
     if run.recording.end_reason == 'unresponsive':
         return cause(
             'blocked',
             'A callback of your node does not come to an end.',
             'A callback must return: use a timer instead of a loop or time.sleep().',
         )
+    barriers = run.recording.of('barrier')
     if barriers and not any(event['answered'] for event in barriers):
         return cause(
             'never_spun',

@@ -5,7 +5,7 @@ An exam module reads like the lesson it grades::
 
     exam = Exam('talker', assignment='03_topics', cells=('talker',), scenario=Scenario(...))
 
-    @exam.check(points=2, needs='publishes')
+    @exam.check(points=2, needs=['publishes'])
     def one_message_a_second(run: Run) -> None:
         '''Your node publishes once per second.'''
         if len(run.recording.messages('/chatter')) != 60:
@@ -91,9 +91,9 @@ class Advance:
     """
 
     seconds: float
-    step_s: float = 0.2
+    step_s: float = 0.25
     phase_s: float = 0.1
-    watch_s: float = 6.0
+    watch_s: float = 3.0
 
     def to_json(self) -> dict[str, Any]:
         """Return the step as the probe reads it, in whole nanoseconds."""
@@ -164,16 +164,18 @@ class Check:
     """
     One line of the mark sheet.
 
-    :param needs: name of a check that must have passed, else this one is NOT_RUN
+    :param needs: names of checks that must have passed, else this one is NOT_RUN
     :param read: section of the lesson to read, empty for the exam's own
+    :param static: whether it looks at the files alone and never at the recording
     """
 
     name: str
     title: str
     points: float
     judge: Callable[[Run], None]
-    needs: str = ''
+    needs: tuple[str, ...] = ()
     read: str = ''
+    static: bool = False
 
 
 class Exam:
@@ -217,18 +219,21 @@ class Exam:
         self.checks: list[Check] = []
 
     def check(
-        self, *, points: float, needs: str = '', read: str = ''
+        self, *, points: float, needs: Sequence[str] = (), read: str = '', static: bool = False
     ) -> Callable[[Callable[[Run], None]], Callable[[Run], None]]:
         """
         Add the decorated function as a check.
 
         :param points: > 0
-        :param needs: name of an earlier check
+        :param needs: names of earlier checks
+        :param static: the check looks at the files alone; if what must be run waits for checks
+            that failed on the files, nothing is run
         :raises ExamInvalid: for a repeated name, no docstring, no points or an unknown need
         """
 
         def add(judge: Callable[[Run], None]) -> Callable[[Run], None]:
-            self.add(Check(judge.__name__, _title(judge), points, judge, needs, read))
+            name = judge.__name__
+            self.add(Check(name, _title(judge), points, judge, tuple(needs), read, static))
             return judge
 
         return add
@@ -247,11 +252,12 @@ class Exam:
             raise ExamInvalid(f'{where}: no docstring.', 'Write the sentence learners will read.')
         if check.points <= 0:
             raise ExamInvalid(f'{where}: expected points > 0, got {check.points}.')
-        if check.needs and check.needs not in names:
-            raise ExamInvalid(
-                f'{where}: needs {check.needs!r}, which is no earlier check.',
-                f'Earlier checks: {", ".join(names) or "none"}.',
-            )
+        for need in check.needs:
+            if need not in names:
+                raise ExamInvalid(
+                    f'{where}: needs {need!r}, which is no earlier check.',
+                    f'Earlier checks: {", ".join(names) or "none"}.',
+                )
         self.checks.append(check)
 
     @property

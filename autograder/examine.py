@@ -18,9 +18,9 @@ import time
 
 from autograder.errors import ProbeFailed, RecordingInvalid
 from autograder.exam import Exam, Run
-from autograder.judge import judge
+from autograder.judge import judge, worth_running
 from autograder.observe import observe
-from autograder.recording import Recording
+from autograder.recording import Recording, header
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.sandbox import HERE, Sandbox
 
@@ -49,7 +49,9 @@ def examine(
     if missing:
         return _without(exam, missing)
     timing: dict[str, float] = {}
-    if recordings is None:
+    if not worth_running(exam, files):
+        recording = Recording(header(exam.name, sandbox.mode), ())
+    elif recordings is None:
         recording, timing = _run(exam, files, sandbox)
     else:
         path = recordings / exam.name / f'{digest(exam, files, sandbox)}.jsonl'
@@ -58,9 +60,7 @@ def examine(
     began = time.perf_counter()
     checks = judge(exam, Run(files, recording, exam.facts))
     timing['judge_s'] = time.perf_counter() - began
-    return ExamResult(
-        exam.name, checks, _note(recording), sandbox.mode, _flags(recording), timing
-    )
+    return ExamResult(exam.name, checks, _note(recording), sandbox.mode, _flags(recording), timing)
 
 
 def _kept_or_run(

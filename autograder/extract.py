@@ -13,7 +13,7 @@ from typing import Protocol
 
 from autograder.cells import CellFile, CellSyntaxError, parse_cell
 from autograder.results import Problem
-from autograder.submission import Notebook, Opened, marks_of
+from autograder.submission import marks_of, Notebook, Opened
 
 _MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg'}
 

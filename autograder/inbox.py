@@ -12,12 +12,15 @@ from collections.abc import Collection
 from dataclasses import dataclass
 import os
 from pathlib import Path
+import re
 import stat
 
 from autograder.results import Problem
 from autograder.submission import MAX_BYTES
 
 MAX_NAME_CHARS = 100
+# nbgrader globs with the id, splits lists of ids at commas and exports it to CSV unquoted.
+_NAME = re.compile(rf'^\w[\w .@-]{{0,{MAX_NAME_CHARS - 1}}}(?<! )$')
 SUBMIT_AGAIN = 'ask the student to submit again'
 
 
@@ -70,10 +73,13 @@ def _student(
     """Look into one student's folder; None if there is only work for other assignments."""
     name = folder.name
     readable = name.encode('utf-8', 'surrogateescape').decode('utf-8', 'replace')
-    if readable != name or not name.isprintable() or len(name) > MAX_NAME_CHARS:
-        where = f'submitted/{readable[:MAX_NAME_CHARS]!r}'
-        limit = f'a folder name of at most {MAX_NAME_CHARS} printable characters'
-        problem = Problem(where, limit, 'another name', 'rename the folder to the student id')
+    if readable != name or not _NAME.match(name) or not name.isprintable():
+        problem = Problem(
+            f'submitted/{readable[:MAX_NAME_CHARS]!r}',
+            f'a student id of at most {MAX_NAME_CHARS} letters, digits and . _ - @',
+            'another folder name, which nbgrader would misread',
+            'rename the folder to the student id',
+        )
         return Submission(readable[:MAX_NAME_CHARS], folder, None, (problem,), recordable=False)
     where = f'submitted/{name}'
     try:
@@ -120,7 +126,7 @@ def open_folder(folder: Path, student: str, notebook: str) -> Submission:
         chosen = others[0]
         got = f'{chosen[:60]!r}, which was graded instead'
         notes = (Problem(where, f'the file {notebook}', got, 'keep the file name next time'),)
-    data, problems = read_file(folder / chosen, f'{where}/{notebook}')
+    data, problems = read_file(folder / chosen, notebook)
     return Submission(student, folder, data, problems or notes)
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from autograder.errors import GraderError
 from autograder.exam import Check, Exam, Failed, Run
+from autograder.recording import Recording
 from autograder.results import CheckResult, Verdict
 
 
@@ -21,19 +24,39 @@ def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
     return tuple(results.values())
 
 
-def _judge_one(
-    exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResult]
-) -> CheckResult:
+def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
+    """
+    Tell whether a run could change any verdict.
+
+    :param files: the student's files; checks that look at them alone are judged here
+    """
+    nothing = Run(files, Recording({}, ()), exam.facts)
+    results: dict[str, CheckResult] = {}
+    blocked = set()
+    for check in exam.checks:
+        if check.static:
+            results[check.name] = _judge_one(exam, check, nothing, results)
+            if results[check.name].verdict is not Verdict.PASSED:
+                blocked.add(check.name)
+        elif blocked & set(check.needs):
+            blocked.add(check.name)
+        else:
+            return True
+    return False
+
+
+def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResult]) -> CheckResult:
     read = check.read or exam.read
-    if check.needs and earlier[check.needs].verdict is not Verdict.PASSED:
+    waits = [name for name in check.needs if earlier[name].verdict is not Verdict.PASSED]
+    if waits:
         return CheckResult(
             check=check.name,
             title=check.title,
             verdict=Verdict.NOT_RUN,
             points=0.0,
             max_points=check.points,
-            observed=f'This waits for: {earlier[check.needs].title}',
-            waits_for=check.needs,
+            observed=f'This waits for: {earlier[waits[0]].title}',
+            waits_for=waits[0],
         )
     try:
         check.judge(run)

@@ -76,7 +76,6 @@ class Layout:
         found = sorted((self.notebooks / assignment).glob('*.ipynb'))
         if not found:
             raise FileNotFoundError(
-                f'notebooks/{assignment}/ has no released notebook. '
-                'Generate it with: make release'
+                f'notebooks/{assignment}/ has no released notebook. Generate it with: make release'
             )
         return found[0]

@@ -22,20 +22,20 @@ from typing import Any
 
 from nbconvert.exporters import NotebookExporter
 from nbconvert.filters import clean_html, markdown2html
-from nbformat import NotebookNode, from_dict
+from nbformat import from_dict, NotebookNode
 from nbformat.v4 import new_output
 from nbgrader import utils
 from nbgrader.preprocessors import ClearSolutions, NbGraderPreprocessor, SaveAutoGrades
 from traitlets import Instance, Unicode
 from traitlets.utils.importstring import import_item
 
-from autograder.cells import UNSOLVED, CellSyntaxError, parse_cell
-from autograder.feedback import FOR_REVIEW, exam_text
+from autograder.cells import CellSyntaxError, parse_cell, UNSOLVED
+from autograder.feedback import exam_text, FOR_REVIEW
 from autograder.inbox import read_file
 from autograder.layout import Layout
-from autograder.pipeline import Engine, Lesson, grade_opened, load_lesson
+from autograder.pipeline import Engine, grade_opened, Lesson, load_lesson
 from autograder.results import ExamResult, Problem, SubmissionResult
-from autograder.submission import Opened, open_submission, read_release
+from autograder.submission import open_submission, Opened, read_release
 
 CHECK_PREFIX = 'check_'
 _STUBS = {
@@ -54,7 +54,7 @@ def safe_markdown(source: str) -> str:
     return str(clean_html(markdown2html(source)))
 
 
-class ClearSolutionsByKind(ClearSolutions):
+class ClearSolutionsByKind(ClearSolutions):  # type: ignore[misc]
     """nbgrader's ClearSolutions with a stub that fits the file a cell is."""
 
     def preprocess_cell(self, cell: NotebookNode, resources: Resources, cell_index: int) -> Step:
@@ -71,7 +71,7 @@ class ClearSolutionsByKind(ClearSolutions):
                 'got none: the magic line would be cleared with the solution.'
             )
         kind = file.name if file.kind == 'rospkg' else file.kind
-        self.code_stub = {**self.code_stub, kind: _STUBS[kind]}
+        self.code_stub = {**_STUBS, **self.code_stub}
         cell, _ = super().preprocess_cell(cell, {**resources, 'language': kind}, cell_index)
         return cell, resources
 
@@ -90,11 +90,10 @@ class SubmissionExporter(NotebookExporter):
         folder = coursedir.format_path(coursedir.release_directory, '.', assignment)
         path = Path(folder) / f'{resources["nbgrader"]["notebook"]}.ipynb'
         release = read_release(path)
-        where = f'submitted/{resources["nbgrader"]["student"]}/{assignment}/{path.name}'
-        data, problems = read_file(Path(filename), where)
-        opened = open_submission(data, release, where, problems)
+        data, problems = read_file(Path(filename), path.name)
+        opened = open_submission(data, release, path.name, problems)
         for problem in opened.problems:
-            self.log.warning(problem.line())
+            self.log.warning('%s: %s', resources['nbgrader']['student'], problem.line())
         return self.from_notebook_node(to_node(opened), resources=resources, **kw)
 
 
@@ -168,9 +167,7 @@ def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
 
 def is_check(cell: NotebookNode) -> bool:
     """Tell whether a cell is graded by an exam."""
-    return bool(
-        utils.is_grade(cell) and not utils.is_solution(cell) and cell.cell_type == 'code'
-    )
+    return bool(utils.is_grade(cell) and not utils.is_solution(cell) and cell.cell_type == 'code')
 
 
 def _about(result: SubmissionResult, exam: ExamResult, nb: NotebookNode) -> list[Problem]:
@@ -202,9 +199,7 @@ class SaveGrades(SaveAutoGrades):
 
     def _add_score(self, cell: NotebookNode, resources: Resources) -> None:
         """Record a score; nbgrader alone gives full points where there is none."""
-        scored = any(
-            output.output_type == 'execute_result' for output in cell.get('outputs', [])
-        )
+        scored = any(output.output_type == 'execute_result' for output in cell.get('outputs', []))
         if scored or not is_check(cell):
             super()._add_score(cell, resources)
             return

@@ -122,6 +122,7 @@ class _Watched:
         self.printed = 0
         self.killed = ''
         self.exit: int | None = None
+        self.cpu_s = 0.0
         self.ready_s = 0.0
         self.done = False
         self.deadline = time.monotonic() + limits.wall_s
@@ -151,9 +152,7 @@ class _Watched:
             try:
                 pipes.register(ended, selectors.EVENT_READ, 'ended')
                 for name in ('stdout', 'stderr'):
-                    pipes.register(
-                        getattr(self.student.process, name), selectors.EVENT_READ, name
-                    )
+                    pipes.register(getattr(self.student.process, name), selectors.EVENT_READ, name)
                 self._read_until_done(pipes)
             finally:
                 os.close(ended)
@@ -193,7 +192,10 @@ class _Watched:
         self.recorded += len(data)
         *lines, self.pending = (self.pending + data).split(b'\n')
         for line in lines:
-            event = json.loads(line)
+            try:
+                event = json.loads(line)
+            except ValueError as error:
+                raise ProbeFailed(f'The probe wrote a line that is no event: {error}.') from error
             if event['event'] == 'ready':
                 self.ready_s = time.monotonic()
                 self.student.release()
@@ -221,12 +223,13 @@ class _Watched:
         if self.exit is not None:
             return ''
         resident, seconds = usage(self.student.pid)
+        self.cpu_s = max(self.cpu_s, seconds)
         if resident > self.limits.memory:
             return 'memory_limit'
         if seconds > self.limits.cpu_s:
             return 'cpu_limit'
         starting = not self.events
-        if starting and self.scenario.program == 'node' and seconds > 0.4 * self.limits.cpu_s:
+        if starting and self.scenario.program == 'node' and seconds > 0.25 * self.limits.cpu_s:
             return 'busy_before_node'
         if self.isolated and self._inodes() > self.limits.inodes:
             return 'inode_limit'
@@ -240,19 +243,15 @@ class _Watched:
         return tmp.f_files - tmp.f_ffree
 
     def _end_probe(self) -> str:
-        """Wait for the probe, which is done or of no more use; return its last error line."""
-        if not self.done:
-            self.probe.kill()
-        try:
-            _, said = self.probe.communicate(timeout=2)
-        except Exception:  # noqa: BLE001 - it must go whatever it does
-            self.probe.kill()
-            _, said = self.probe.communicate()
+        """End the probe, which is done or of no more use; return its last error line."""
+        self.probe.kill()
+        _, said = self.probe.communicate()
         return (said.decode(errors='replace').strip().splitlines() or [''])[-1]
 
     def _process_event(self) -> dict[str, Any]:
         ends = {name: data.decode(errors='replace') for name, data in self.output.items()}
-        return {'event': 'process', 'exit': self.exit, 'killed': self.killed, **ends}
+        facts = {'exit': self.exit, 'killed': self.killed, 'cpu_s': round(self.cpu_s, 2)}
+        return {'event': 'process', **facts, **ends}
 
 
 def usage(pid: int) -> tuple[int, float]:

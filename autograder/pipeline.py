@@ -11,14 +11,14 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol, TYPE_CHECKING
 
 from autograder.errors import ExamInvalid, GraderError
-from autograder.extract import ExamFiles, answer_files, extract
+from autograder.extract import answer_files, ExamFiles, extract
 from autograder.inbox import Submission
 from autograder.layout import Layout
 from autograder.results import ExamResult, SubmissionResult
-from autograder.submission import Notebook, Opened, open_submission, read_release
+from autograder.submission import Notebook, open_submission, Opened, read_release
 
 if TYPE_CHECKING:
     from autograder.exam import Exam
@@ -124,13 +124,12 @@ def load_lesson(layout: Layout, assignment: str, engine: Engine) -> Lesson:
 
 def open_one(submission: Submission, lesson: Lesson) -> Opened:
     """Read what a student handed in."""
-    where = f'submitted/{submission.student}/{lesson.assignment}/{lesson.notebook}'
-    return open_submission(submission.data, lesson.release, where, submission.problems)
+    return open_submission(submission.data, lesson.release, lesson.notebook, submission.problems)
 
 
 def grade_opened(opened: Opened, student: str, lesson: Lesson, engine: Engine) -> SubmissionResult:
     """Grade one submission, its exams one after the other."""
-    files = extract(opened, lesson.exams, lesson.release, f'submitted/{student}')
+    files = extract(opened, lesson.exams, lesson.release, lesson.notebook)
     outcomes = {exam.name: _run(engine, exam, files[exam.name].files) for exam in lesson.exams}
     return _assemble(opened, student, lesson, files, outcomes)
 
@@ -143,7 +142,7 @@ def grade_notebook(
 
     :param data: content of the file, None if there is none
     """
-    opened = open_submission(data, lesson.release, f'submitted/{student}/{lesson.notebook}')
+    opened = open_submission(data, lesson.release, lesson.notebook)
     return grade_opened(opened, student, lesson, engine)
 
 
@@ -164,10 +163,7 @@ def grade_class(
     :returns: in the order of the submissions
     """
     opened = [open_one(submission, lesson) for submission in submissions]
-    files = [
-        extract(one, lesson.exams, lesson.release, f'submitted/{submission.student}')
-        for submission, one in zip(submissions, opened, strict=True)
-    ]
+    files = [extract(one, lesson.exams, lesson.release, lesson.notebook) for one in opened]
     tasks: dict[tuple[int, str], Future[ExamResult | GraderError]] = {}
     pool = ThreadPoolExecutor(max_workers=max(1, jobs), thread_name_prefix='grade')
     try:
@@ -184,9 +180,7 @@ def grade_class(
     graded = []
     for index, submission in enumerate(submissions):
         outcomes = {exam.name: tasks[index, exam.name].result() for exam in lesson.exams}
-        result = _assemble(
-            opened[index], submission.student, lesson, files[index], outcomes
-        )
+        result = _assemble(opened[index], submission.student, lesson, files[index], outcomes)
         graded.append(Graded(submission, opened[index], result))
     return tuple(graded)
 

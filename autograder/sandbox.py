@@ -212,7 +212,16 @@ class Sandbox:
         argv += self._mounts(program, limits)
         for name, value in self.variables(program, '/tmp/home', 0).items():
             argv += ['--setenv', name, value]
-        argv += [*descriptors, '--chdir', '/tmp', '--remount-ro', '/dev', '--remount-ro', '/', '--']
+        argv += [
+            *descriptors,
+            '--chdir',
+            '/tmp',
+            '--remount-ro',
+            '/dev',
+            '--remount-ro',
+            '/',
+            '--',
+        ]
         if root:
             uid = str(next(_uids))
             argv += ['setpriv', '--reuid', uid, '--regid', uid, '--clear-groups']
@@ -352,9 +361,7 @@ class Sandbox:
         settings['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(HERE / 'fastdds.xml')
         assign = [f'{name}={value}' for name, value in settings.items()]
         run = [self.ros.python, str(HERE / 'probe.py')]
-        return _popen(
-            [*enter, '--', 'env', '-i', *assign, *limits.argv(), *run], fds, stdin=True
-        )
+        return _popen([*enter, '--', 'env', '-i', *assign, *limits.argv(), *run], fds, stdin=True)
 
 
 _PIPES: dict[str, Any] = {

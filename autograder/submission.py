@@ -163,7 +163,7 @@ def _read_cell(cell: object) -> StudentCell:
 
 
 def _clean(text: str) -> str:
-    """Return text with Unix line ends that can be written as UTF-8 (JSON may say \\ud800)."""
+    """Return text with Unix line ends and no half surrogate pairs, which no file can hold."""
     text = text.replace('\r\n', '\n').replace('\r', '\n')
     return text.encode('utf-8', 'replace').decode('utf-8')
 

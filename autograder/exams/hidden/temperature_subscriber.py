@@ -44,5 +44,5 @@ exam = build(
         *edges(_draw),
         Reading(21.5, 'a reading of 21.5 °C'),
     ],
-    burst=[Reading(45.0, 'a reading above 30 °C'), *usual(_draw, 7)],
+    burst=[Reading(45.0, 'a reading above 30 °C'), *usual(_draw, 4)],
 )

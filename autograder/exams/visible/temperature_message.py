@@ -232,7 +232,9 @@ def _why_no_build(run: Run) -> dict[str, str]:
     text = ''.join(str(run.recording.process.get(name, '')) for name in ('stdout', 'stderr'))
     killed = str(run.recording.process.get('killed', ''))
     if killed:
-        return cause(killed, 'The build was ended: it used more than it may.', 'Build it yourself.')
+        return cause(
+            killed, 'The build was ended: it used more than it may.', 'Build it yourself.'
+        )
     for sign, cause_id, advice in ADVICE:
         if sign in text:
             return cause(cause_id, f'colcon stops: {_line_with(text, sign)}', advice)
@@ -286,10 +288,12 @@ def build(sent: Sequence[dict[str, Any]]) -> Exam:
         read='Part 1: The message',
         facts={'sent': list(sent)},
     )
-    exam.check(points=3)(defines_the_fields)
-    exam.check(points=2)(declares_its_dependencies)
-    exam.check(points=2)(generates_the_interface)
-    exam.check(points=3)(builds_and_travels)
+    exam.check(points=3, static=True)(defines_the_fields)
+    exam.check(points=2, static=True)(declares_its_dependencies)
+    exam.check(points=2, static=True)(generates_the_interface)
+    exam.check(points=3, needs=['defines_the_fields', 'generates_the_interface'])(
+        builds_and_travels
+    )
     return exam
 
 

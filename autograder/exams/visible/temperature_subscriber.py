@@ -110,9 +110,7 @@ def starts_its_node(run: Run) -> None:
 
 def subscribes_to_readings(run: Run) -> None:
     """It subscribes to Temperature messages on temperature_topic and receives them."""
-    ends = [
-        end for end in run.recording.endpoints('subscription', TOPIC) if end['type'] == TYPE
-    ]
+    ends = [end for end in run.recording.endpoints('subscription', TOPIC) if end['type'] == TYPE]
     expected = f'a subscription on {TOPIC} of type {TYPE}'
     if not ends:
         raise Failed(
@@ -177,6 +175,12 @@ def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> di
             'The readings are printed; print() reaches this terminal and nobody else.',
             'Use self.get_logger().info(...): it also goes to the topic /rosout.',
         )
+    if group is not None and len(group.readings) > 1:
+        return cause(
+            'queue_depth',
+            'Readings that come at once are lost: the queue of your subscription is too short.',
+            'Pass the depth 10 as quality of service.',
+        )
     if reading is not None and group is not None:
         levels = [entry['level'] for entry in group.logs if _shown(reading, [entry], None)]
         if levels:
@@ -216,7 +220,7 @@ def warns_when_too_hot(run: Run) -> None:
     raise Failed(
         expected=f'{_lines(due, "WARN")} after {_what(worst)}',
         observed=_lines(found, 'WARN'),
-        **_why_no_warning(run, worst, long is not None),
+        **_why_no_warning(run, worst, found > due),
     )
 
 
@@ -224,7 +228,9 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> dict[str, str]:
     why = why_silent(run)
     if why:
         return why
-    if too_many and group.count(WARN) > sum(one.hot for one in group.readings):
+    if too_many and group.count(WARN) <= len(group.readings):
+        return _why_false_alarm(group)
+    if too_many:
         return cause(
             'repeated_warning',
             'The same reading is warned about more than once.',
@@ -310,16 +316,20 @@ def converts_fahrenheit(run: Run) -> None:
             raise Failed(
                 expected=f'{_lines(due, "WARN")} after {_what(group)}',
                 observed=_lines(found, 'WARN'),
-                **(
-                    why_silent(run)
-                    or cause(
-                        'ignores_unit',
-                        'The number is compared with 30 whatever its unit is.',
-                        'Look at msg.unit first: celsius = (value - 32) / 1.8 for Fahrenheit.',
-                    )
-                ),
+                **_why_not_converted(run, group, found > due),
             )
     _was_listening(run, groups)
+
+
+def _why_not_converted(run: Run, group: Sent, too_many: bool) -> dict[str, str]:
+    # Without a conversion the usual Fahrenheit numbers are all above 30: too many warnings.
+    if not too_many:
+        return _why_no_warning(run, group, too_many)
+    return why_silent(run) or cause(
+        'ignores_unit',
+        'The number is compared with 30 whatever its unit is.',
+        'Look at msg.unit first: celsius = (value - 32) / 1.8 for Fahrenheit.',
+    )
 
 
 def reports_an_unknown_unit(run: Run) -> None:
@@ -387,7 +397,8 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
     Return the exam for some readings.
 
     :param singles: sent one by one; the first is above the threshold, the last is proper
-    :param burst: sent at once at the end, at most ten, Celsius only
+    :param burst: sent at once at the end, Celsius only; at most five, so that the sensor-data
+        profile's depth is enough
     """
     messages = [reading.message(number) for number, reading in enumerate((*singles, *burst))]
     steps = [Feed(TOPIC, messages[: len(singles)])]
@@ -414,7 +425,7 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
         (1, reports_an_unknown_unit),
         (1, does_not_warn_about_nan),
     ):
-        exam.check(points=points, needs='subscribes_to_readings')(judge)
+        exam.check(points=points, needs=['subscribes_to_readings'])(judge)
     return exam
 
 

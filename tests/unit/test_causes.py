@@ -1,0 +1,85 @@
+"""Causes are read off the recording; when nothing points anywhere, none is named."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder import causes
+from autograder.exam import Run
+from autograder.recording import Recording
+
+TOPIC, TYPE = '/temperature_topic', 'temp_monitor_pkg/msg/Temperature'
+
+
+def run(*events, nodes=('/n',), endpoints=(), **process):
+    """Return a run that saw these things."""
+    graph = {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': list(endpoints)}
+    last = {'event': 'process', 'exit': None, 'killed': '', 'stdout': '', 'stderr': '', **process}
+    return Run({'temp_publisher.py': ''}, Recording({}, (*events, graph, last)))
+
+
+def end(topic=TOPIC, kind='publisher', type_name=TYPE):
+    """Return an endpoint."""
+    return {'topic': topic, 'kind': kind, 'node': '/n', 'type': type_name, 'qos': {}}
+
+
+def traceback(line, error):
+    """Return what Python prints, with a frame of the runner and one of the student."""
+    return (
+        'Traceback (most recent call last):\n'
+        '  File "/grader/inside/run_node.py", line 40, in main\n    runpy\n'
+        f'  File "/submission/temp_publisher.py", line {line}, in tick\n    x\n{error}\n'
+    )
+
+
+@pytest.mark.parametrize(
+    ('seen', 'cause_id', 'words'),
+    [
+        (run(endpoints=[end('/temprature_topic')]), 'topic_name', 'did you mean /temperature_t'),
+        (run(endpoints=[end(type_name='std_msgs/msg/String')]), 'wrong_type', 'std_msgs/msg/Str'),
+        (run(endpoints=[end(kind='subscription')]), 'wrong_direction', 'not a publisher'),
+        (run(), 'no_endpoint', 'creates no publisher'),
+        (run(nodes=(), exit=0), 'exited_early', 'ended by itself'),
+        (run(nodes=(), exit=139), 'died', 'exit code 139'),
+        (run(nodes=(), killed='memory_limit'), 'memory_limit', '1 GiB'),
+    ],
+    ids=lambda value: value if isinstance(value, str) and '_' in value else '',
+)
+def test_missing_publisher_is_explained_from_the_graph(seen, cause_id, words):
+    """The nearest thing that exists is named."""
+    found = causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE)
+
+    assert found['cause_id'] == cause_id
+    assert words in found['cause']
+    assert found['try_this']
+
+
+@pytest.mark.parametrize(
+    ('error', 'cause_id'),
+    [
+        ('NotImplementedError: write the callback', 'not_started'),
+        ("ModuleNotFoundError: No module named 'rclpi'", 'import'),
+        ("AttributeError: 'T' object has no attribute 'x'", 'exception'),
+        ('IndentationError: unexpected indent', 'syntax'),
+    ],
+)
+def test_exception_is_named_with_the_line_of_the_cell(error, cause_id):
+    """Line 7 of the file is line 8 of the cell, below the magic line."""
+    found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
+
+    assert found['cause_id'] == cause_id
+    assert 'line 8 of the cell' in found['cause']
+
+
+def test_node_that_never_answers_was_never_spun():
+    """The barrier is what tells silence from work."""
+    seen = run({'event': 'barrier', 'node': '/n', 'answered': False}, endpoints=[end()])
+
+    assert causes.why_silent(seen)['cause_id'] == 'never_spun'
+
+
+def test_living_silent_node_gets_no_invented_cause():
+    """When unsure, nothing is claimed."""
+    seen = run({'event': 'barrier', 'node': '/n', 'answered': True}, endpoints=[end()])
+
+    assert causes.why_silent(seen) == {}

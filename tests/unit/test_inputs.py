@@ -1,0 +1,46 @@
+"""Secret inputs: equal for all, different for each purpose, unknown without the secret."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder import inputs
+
+
+@pytest.fixture(autouse=True)
+def _forget_secret():
+    """Let each test choose its own secret."""
+    inputs.course_secret.cache_clear()
+    yield
+    inputs.course_secret.cache_clear()
+
+
+def test_same_secret_and_purpose_give_the_same_inputs(monkeypatch):
+    """An appeal can be replayed."""
+    monkeypatch.setenv('COURSE_SECRET', 'one')
+
+    assert inputs.generator('e', 'p').random() == inputs.generator('e', 'p').random()
+
+
+def test_purpose_exam_and_secret_each_change_the_inputs(monkeypatch):
+    """Knowing one gives nothing away about another."""
+    monkeypatch.setenv('COURSE_SECRET', 'one')
+    drawn = {inputs.generator(*names).random() for names in (('e', 'p'), ('e', 'q'), ('f', 'p'))}
+    inputs.course_secret.cache_clear()
+    monkeypatch.setenv('COURSE_SECRET', 'two')
+    drawn.add(inputs.generator('e', 'p').random())
+
+    assert len(drawn) == 4
+
+
+def test_secret_is_made_once_and_for_its_owner_alone(monkeypatch, tmp_path):
+    """The file survives and nobody else may read it."""
+    monkeypatch.delenv('COURSE_SECRET', raising=False)
+    monkeypatch.setattr(inputs, 'SECRET_FILE', tmp_path / 'work' / 'secret')
+    first = inputs.course_secret()
+    inputs.course_secret.cache_clear()
+
+    assert inputs.course_secret() == first
+    assert len(first) == 64
+    assert (tmp_path / 'work' / 'secret').stat().st_mode & 0o777 == 0o600
+    assert len(list((tmp_path / 'work').iterdir())) == 1

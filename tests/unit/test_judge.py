@@ -1,0 +1,154 @@
+"""The judge is pure: recordings made by hand are enough to test it."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.errors import ExamInvalid, GraderError
+from autograder.exam import Exam, Failed, Run, Scenario
+from autograder.judge import judge, worth_running
+from autograder.recording import Recording
+from autograder.results import Verdict
+
+NOTHING = Recording({}, ())
+
+
+def make_exam(**options):
+    """Return an exam without checks."""
+    facts = {'title': 'T', 'assignment': '01_x', 'part': 1, 'cells': ('a',), 'requires': ()}
+    return Exam('sample', scenario=Scenario(), **{**facts, **options})
+
+
+def passes(run):
+    """It works."""
+
+
+def fails(run):
+    """It fails."""
+    raise Failed(expected='1', observed='2', cause='why', cause_id='because', try_this='this')
+
+
+def breaks(run):
+    """It breaks."""
+    raise KeyError('ours')
+
+
+class TestJudge:
+    """Every verdict, and where points go."""
+
+    def test_passed_check_earns_its_points(self):
+        """A check that returns has passed."""
+        exam = make_exam()
+        exam.check(points=3)(passes)
+
+        (result,) = judge(exam, Run({}, NOTHING))
+
+        assert (result.verdict, result.points, result.title) == (Verdict.PASSED, 3, 'It works.')
+
+    def test_failed_check_tells_five_things(self):
+        """Expected, observed, cause, what to try and where to read reach the result."""
+        exam = make_exam(read='Part 1')
+        exam.check(points=2)(fails)
+
+        (result,) = judge(exam, Run({}, NOTHING))
+
+        assert result.verdict is Verdict.FAILED
+        assert result.points == 0
+        assert (result.expected, result.observed, result.cause) == ('1', '2', 'why')
+        assert (result.try_this, result.read, result.cause_id) == ('this', 'Part 1', 'because')
+
+    def test_check_whose_need_failed_is_not_run_and_names_it(self):
+        """A check that cannot be looked at is not failed."""
+        exam = make_exam()
+        exam.check(points=1)(fails)
+        exam.check(points=4, needs=['fails'])(passes)
+
+        result = judge(exam, Run({}, NOTHING))[1]
+
+        assert (result.verdict, result.points, result.waits_for) == (Verdict.NOT_RUN, 0, 'fails')
+        assert 'It fails.' in result.observed
+
+    def test_share_gives_part_of_the_points(self):
+        """Partial points are a share of the check's own."""
+        exam = make_exam()
+
+        @exam.check(points=4)
+        def half(run):
+            """Half."""
+            raise Failed(expected='all', observed='half', share=0.5)
+
+        assert judge(exam, Run({}, NOTHING))[0].points == 2
+
+    def test_broken_check_is_the_graders_fault(self):
+        """An unexpected exception is no verdict."""
+        exam = make_exam()
+        exam.check(points=1)(breaks)
+
+        with pytest.raises(GraderError, match='breaks of exam sample broke: KeyError'):
+            judge(exam, Run({}, NOTHING))
+
+
+class TestWorthRunning:
+    """Nothing is run when the files alone decide every verdict."""
+
+    def test_run_that_waits_for_a_failed_file_check_is_not_worth_it(self):
+        """The only dynamic check waits for a static one that fails."""
+        exam = make_exam()
+        exam.check(points=1, static=True)(fails)
+        exam.check(points=1, needs=['fails'])(passes)
+
+        assert not worth_running(exam, {})
+
+    def test_independent_check_makes_the_run_worth_it(self):
+        """One dynamic check without such a need is enough."""
+        exam = make_exam()
+        exam.check(points=1, static=True)(fails)
+        exam.check(points=1)(passes)
+
+        assert worth_running(exam, {})
+
+    def test_blocking_passes_on(self):
+        """A dynamic check that waits for a blocked one is blocked too."""
+        exam = make_exam()
+        exam.check(points=1, static=True)(fails)
+        exam.check(points=1, needs=['fails'])(passes)
+
+        @exam.check(points=1, needs=['passes'])
+        def later(run):
+            """Later."""
+
+        assert not worth_running(exam, {})
+
+
+class TestExam:
+    """Mistakes in an exam are refused with the place."""
+
+    def test_unknown_need_is_refused_with_the_earlier_names(self):
+        """The message lists what could have been meant."""
+        exam = make_exam()
+        exam.check(points=1)(passes)
+
+        with pytest.raises(ExamInvalid, match=r"needs 'pases'.*Earlier checks: passes"):
+            exam.check(points=1, needs=['pases'])(fails)
+
+    def test_name_used_twice_is_refused(self):
+        """Two checks of one name could not be told apart."""
+        exam = make_exam()
+        exam.check(points=1)(passes)
+
+        with pytest.raises(ExamInvalid, match='used twice'):
+            exam.check(points=1)(passes)
+
+    def test_check_without_points_is_refused(self):
+        """A check of no points would never be noticed missing."""
+        with pytest.raises(ExamInvalid, match='points > 0'):
+            make_exam().check(points=0)(passes)
+
+    def test_check_without_docstring_is_refused(self):
+        """The docstring is what the learner reads."""
+
+        def silent(run):
+            pass
+
+        with pytest.raises(ExamInvalid, match='no docstring'):
+            make_exam().check(points=1)(silent)
