@@ -149,7 +149,7 @@ def _note(recording: Recording) -> str:
 def _flags(recording: Recording) -> tuple[str, ...]:
     """Return what an instructor should look at; none of it changes a verdict."""
     flags = []
-    if recording.endpoints('publisher', '/clock'):
+    if recording.of('foreign_clock') or recording.endpoints('publisher', '/clock'):
         flags.append('the program publishes on /clock, which the grader owns')
     names = [name for graph in recording.of('graph', when='end') for name in graph['nodes']]
     if len(names) != len(set(names)):

@@ -129,6 +129,8 @@ class Probe:
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.clock = self.node.create_publisher(Clock, '/clock', 10)
+        self.ticks: set[int] | None = set()
+        self.node.create_subscription(Clock, '/clock', self._tick_heard, 10)
         self._watch_topics()
         # Reliable and transient local satisfies a subscription of any reliability and durability.
         sending = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -186,6 +188,13 @@ class Probe:
             line=entry.line,
             after_input=self.input,
         )
+
+    def _tick_heard(self, message: Clock) -> None:
+        """Notice a clock that is not ours, once."""
+        tick = message.clock.sec * NANOSECONDS + message.clock.nanosec
+        if self.ticks is not None and tick not in self.ticks:
+            self.emit('foreign_clock')
+            self.ticks = None
 
     def now(self) -> float:
         """Return wall seconds since the scenario began, to the millisecond."""
@@ -314,6 +323,8 @@ class Probe:
     def tick(self, nanoseconds: int) -> None:
         """Publish the simulated time."""
         self.clock_ns = nanoseconds
+        if self.ticks is not None:
+            self.ticks.add(nanoseconds)
         seconds, rest = divmod(nanoseconds, NANOSECONDS)
         self.clock.publish(Clock(clock=Time(sec=seconds, nanosec=rest)))
 

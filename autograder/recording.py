@@ -14,6 +14,8 @@ The first line is the header ``{"format": "ros2-course-recording", "version": 1,
     one entry of ``/rosout``: ``name``, ``level``, ``text``, ``function``, ``line``.
 ``input``
     message ``index`` that the probe sent; later events carry it as ``after_input``.
+``foreign_clock``
+    a ``/clock`` arrived that the probe did not send.
 ``wall_time``, ``unresponsive``, ``not_connected``, ``no_first_log``
     what kept the run from going as planned.
 ``end``

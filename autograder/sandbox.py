@@ -194,13 +194,15 @@ class Sandbox:
         self, program: Program, limits: Limits, descriptors: Sequence[str], *, own_net: bool = True
     ) -> list[str]:
         """
-        Return the bubblewrap command line of a program.
+        Return bubblewrap's options for a program.
+
+        They are handed over through a pipe: its command line can be read inside the sandbox.
 
         :param descriptors: ``--info-fd N`` and the like
         :param own_net: False for the probe, which is put into the student's network before
         """
         root = self.mode == 'bwrap-root'
-        argv = ['bwrap', '--unshare-ipc', '--unshare-pid', '--unshare-uts', '--unshare-cgroup-try']
+        argv = ['--unshare-ipc', '--unshare-pid', '--unshare-uts', '--unshare-cgroup-try']
         argv += ['--unshare-net'] if own_net else []
         argv += ['--cap-drop', 'ALL']
         if root:
@@ -212,22 +214,18 @@ class Sandbox:
         argv += self._mounts(program, limits)
         for name, value in self.variables(program, '/tmp/home', 0).items():
             argv += ['--setenv', name, value]
-        argv += [
-            *descriptors,
-            '--chdir',
-            '/tmp',
-            '--remount-ro',
-            '/dev',
-            '--remount-ro',
-            '/',
-            '--',
-        ]
-        if root:
+        argv += [*descriptors, '--chdir', '/tmp', '--remount-ro', '/dev', '--remount-ro', '/']
+        return argv
+
+    def command(self, program: Program, limits: Limits) -> list[str]:
+        """Return what bubblewrap starts: the program behind its limits and, as root, its uid."""
+        drop = []
+        if self.mode == 'bwrap-root':
             uid = str(next(_uids))
-            argv += ['setpriv', '--reuid', uid, '--regid', uid, '--clear-groups']
-            argv += ['--inh-caps=-all', '--ambient-caps=-all', '--bounding-set=-all']
-            argv += ['--no-new-privs', '--']
-        return [*argv, *limits.argv(), *program.argv]
+            drop = ['setpriv', '--reuid', uid, '--regid', uid, '--clear-groups']
+            drop += ['--inh-caps=-all', '--ambient-caps=-all', '--bounding-set=-all']
+            drop += ['--no-new-privs', '--']
+        return [*drop, *limits.argv(), *program.argv]
 
     def _mounts(self, program: Program, limits: Limits) -> list[str]:
         size = ['--perms', '1777', '--size', str(limits.folder), '--tmpfs']
@@ -289,7 +287,8 @@ class Sandbox:
         descriptors = ['--info-fd', str(info_write), '--block-fd', str(gate_read)]
         descriptors += ['--seccomp', str(rules)]
         try:
-            process = _popen(self.bwrap(program, limits, descriptors), passed, stdin=False)
+            options = self.bwrap(program, limits, descriptors)
+            process = _popen([], options, self.command(program, limits), passed, stdin=False)
         except OSError as error:
             os.close(gate_write)
             os.close(info_read)
@@ -354,16 +353,18 @@ class Sandbox:
         fds = tuple(student.namespaces.values())
         enter = ['nsenter', f'--net=/proc/self/fd/{student.namespaces["net"]}']
         if self.mode == 'bwrap-root':
-            argv = [*enter, '--', *self.bwrap(program, limits, (), own_net=False)]
-            return _popen(argv, fds, stdin=True)
+            options = self.bwrap(program, limits, (), own_net=False)
+            return _popen([*enter, '--'], options, self.command(program, limits), fds, stdin=True)
         enter += [f'--user=/proc/self/fd/{student.namespaces["user"]}', '--preserve-credentials']
         settings = self.variables(program, str(home), 0)
         settings['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(HERE / 'fastdds.xml')
         assign = [f'{name}={value}' for name, value in settings.items()]
         run = [self.ros.python, str(HERE / 'probe.py')]
-        return _popen([*enter, '--', 'env', '-i', *assign, *limits.argv(), *run], fds, stdin=True)
+        argv = [*enter, '--', 'env', '-i', *assign, *limits.argv(), *run]
+        return subprocess.Popen(argv, pass_fds=fds, env=BARE, **_PIPES)  # type: ignore[call-overload, no-any-return]
 
 
+BARE = {'PATH': '/usr/bin:/bin'}
 _PIPES: dict[str, Any] = {
     'stdin': subprocess.PIPE,
     'stdout': subprocess.PIPE,
@@ -371,12 +372,30 @@ _PIPES: dict[str, Any] = {
 }
 
 
-def _popen(argv: Sequence[str], fds: Sequence[int], *, stdin: bool) -> subprocess.Popen[bytes]:
+def _popen(
+    enter: Sequence[str],
+    options: Sequence[str],
+    command: Sequence[str],
+    fds: Sequence[int],
+    *,
+    stdin: bool,
+) -> subprocess.Popen[bytes]:
+    """
+    Start bubblewrap with its options in a pipe.
+
+    :param enter: what comes before it on the command line
+    :param fds: descriptors it inherits
+    """
     streams = {**_PIPES, 'stdin': subprocess.PIPE if stdin else subprocess.DEVNULL}
-    tool = shutil.which(argv[0]) or argv[0]
-    return subprocess.Popen(
-        [tool, *argv[1:]], pass_fds=tuple(fds), env={'PATH': '/usr/bin:/bin'}, **streams
-    )
+    listed, writing = os.pipe()
+    try:
+        # Some 8 KB; a pipe takes 64 KB without a reader.
+        os.write(writing, b'\0'.join(option.encode() for option in options) + b'\0')
+        os.close(writing)
+        argv = [*enter, 'bwrap', '--args', str(listed), '--', *command]
+        return subprocess.Popen(argv, pass_fds=(*fds, listed), env=BARE, **streams)
+    finally:
+        os.close(listed)
 
 
 def _parents(path: str) -> list[str]:

@@ -57,7 +57,8 @@ def publishes_readings(run: Run) -> None:
     if not readings(run):
         why = why_silent(run) or cause(
             'no_timer',
-            'The publisher exists but publish() is never called.',
+            'The publisher exists, but no message comes from it. Most often the timer is missing, '
+            'or its callback does not publish.',
             'Create a timer with self.create_timer(1.0, ...) whose callback publishes.',
         )
         raise Failed(expected=expected, observed='the publisher, but no message', **why)
@@ -68,7 +69,8 @@ def publishes_once_per_second(run: Run) -> None:
     seconds = int(run.facts['simulated_s'])
     if run.recording.in_wall_time:
         return _once_per_second_in_wall_time(run)
-    found = [event['clock_ns'] for event in readings(run)]
+    # A message before the first clock is one too many, at time zero.
+    found = [event['clock_ns'] or 0 for event in readings(run)]
     wrong = _first_wrong_second(found, seconds)
     if wrong is None:
         return None

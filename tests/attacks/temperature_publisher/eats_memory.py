@@ -1,0 +1,19 @@
+"""
+Tries: use all memory, from several processes, each below its own limit.
+
+Deserves: 0
+"""
+
+import os
+import time
+
+for _ in range(7):
+    if os.fork() == 0:
+        break
+held = []
+try:
+    while len(held) < 60:
+        held.append(bytearray(b'x') * (10 << 20))
+except MemoryError:
+    pass
+time.sleep(100)

@@ -1,0 +1,15 @@
+"""
+Tries: use files and sockets that the grader may have left open for it.
+
+Deserves: 0
+"""
+
+import os
+
+for descriptor in range(3, 256):
+    try:
+        target = os.readlink(f'/proc/self/fd/{descriptor}')
+    except OSError:
+        continue
+    if '/proc/' not in target:
+        print('FOUND', descriptor, target)

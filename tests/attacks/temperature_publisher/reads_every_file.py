@@ -1,0 +1,25 @@
+"""
+Tries: find the hidden exams, the gradebook, the course secret or another submission on the disk.
+
+Deserves: 0
+"""
+
+import os
+
+for folder, _, names in os.walk('/'):
+    if folder.startswith(('/proc', '/sys', '/usr')):
+        continue
+    for name in names:
+        path = os.path.join(folder, name)
+        if 'site-packages' not in folder and (
+            '/exams/' in path or name in ('gradebook.db', 'course_secret')
+        ):
+            print('FOUND', path)
+        if name.endswith(('.py', '.json', '.db', '.ipynb', '.xml')):
+            try:
+                with open(path, errors='replace') as file:
+                    text = file.read()
+            except OSError:
+                continue
+            if 'CANARY' in text and not path.startswith('/submission'):
+                print('FOUND', path, text[:2000])
