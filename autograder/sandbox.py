@@ -112,15 +112,22 @@ class Confined:
     process: subprocess.Popen[bytes]
     pid: int
     pidfd: int
-    gate: int | None = None
     namespaces: dict[str, int] = field(default_factory=dict)
 
     def release(self) -> None:
-        """Let the program run; until then it is held before its first instruction."""
-        if self.gate is not None:
-            os.write(self.gate, b'x')
-            os.close(self.gate)
-            self.gate = None
+        """
+        Let the program run; until then it waits, see :mod:`autograder.inside.gate`.
+
+        Not bubblewrap's own ``--block-fd``: a sandbox held there outlives a killed grader, and
+        runs.
+        """
+        assert self.process.stdin
+        try:
+            self.process.stdin.write(b'x')
+            self.process.stdin.close()
+        except BrokenPipeError:
+            pass  # it has died already; its exit is noticed elsewhere
+        self.process.stdin = None
 
     def kill(self) -> None:
         """End everything inside, then the launcher: killed first, that could leave orphans."""
@@ -135,14 +142,17 @@ class Confined:
                 pass
         self.process.kill()
         self.process.wait()
-        for descriptor in (self.pidfd, self.gate, *self.namespaces.values()):
-            if descriptor is not None:
-                os.close(descriptor)
-        self.gate = None
+        for descriptor in (self.pidfd, *self.namespaces.values()):
+            os.close(descriptor)
         self.namespaces = {}
-        for stream in (self.process.stdout, self.process.stderr, self.process.stdin):
+        for stream in (self.process.stdout, self.process.stderr):
             if stream is not None:
                 stream.close()
+        if self.process.stdin is not None:
+            try:
+                self.process.stdin.close()
+            except BrokenPipeError:
+                pass
 
 
 class Sandbox:
@@ -270,7 +280,7 @@ class Sandbox:
 
     def start(self, program: Program, limits: Limits, home: Path) -> Confined:
         """
-        Start a program, held until :meth:`Confined.release`.
+        Start a program of ours, which waits for :meth:`Confined.release`.
 
         Call it from a thread that lives longer than the program: the kernel ends the sandbox
         with the thread that started it.
@@ -281,21 +291,17 @@ class Sandbox:
         if not self.isolated:
             return self._start_plain(program, limits, home)
         info_read, info_write = os.pipe()
-        gate_read, gate_write = os.pipe()
         rules = os.open(HERE / 'seccomp' / f'{platform.machine()}.bpf', os.O_RDONLY)
-        passed = (info_write, gate_read, rules)
-        descriptors = ['--info-fd', str(info_write), '--block-fd', str(gate_read)]
-        descriptors += ['--seccomp', str(rules)]
+        descriptors = ['--info-fd', str(info_write), '--seccomp', str(rules)]
         try:
             options = self.bwrap(program, limits, descriptors)
-            process = _popen([], options, self.command(program, limits), passed, stdin=False)
+            process = _popen([], options, self.command(program, limits), (info_write, rules))
         except OSError as error:
-            os.close(gate_write)
             os.close(info_read)
             raise SandboxUnavailable(f'bubblewrap did not start: {error}.', FIX_MISSING) from error
         finally:
-            for descriptor in passed:
-                os.close(descriptor)
+            os.close(info_write)
+            os.close(rules)
         with os.fdopen(info_read) as info:
             text = info.read()
         try:
@@ -303,7 +309,6 @@ class Sandbox:
             pidfd = os.pidfd_open(pid)
             net = os.open(f'/proc/{pid}/ns/net', os.O_RDONLY)
         except (ValueError, OSError) as error:
-            os.close(gate_write)
             process.kill()
             _, said = process.communicate()
             what = said.decode(errors='replace').strip() or str(error)
@@ -312,7 +317,7 @@ class Sandbox:
         if self.mode == 'bwrap-user':
             # Not nsenter -t PID: bubblewrap moves on to a nested user namespace.
             namespaces['user'] = fcntl.ioctl(net, NS_GET_USERNS)
-        return Confined(process, pid, pidfd, gate_write, namespaces)
+        return Confined(process, pid, pidfd, namespaces)
 
     def _start_plain(self, program: Program, limits: Limits, home: Path) -> Confined:
         inside = {guest: host for host, guest in program.binds.items()}
@@ -325,10 +330,8 @@ class Sandbox:
             + [_outside(word, inside) for word in program.argv],
             env={**variables, 'TMPDIR': str(home)},
             cwd=home,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
             start_new_session=True,
+            **_PIPES,
         )
         return Confined(process, process.pid, os.pidfd_open(process.pid))
 
@@ -354,7 +357,7 @@ class Sandbox:
         enter = ['nsenter', f'--net=/proc/self/fd/{student.namespaces["net"]}']
         if self.mode == 'bwrap-root':
             options = self.bwrap(program, limits, (), own_net=False)
-            return _popen([*enter, '--'], options, self.command(program, limits), fds, stdin=True)
+            return _popen([*enter, '--'], options, self.command(program, limits), fds)
         enter += [f'--user=/proc/self/fd/{student.namespaces["user"]}', '--preserve-credentials']
         settings = self.variables(program, str(home), 0)
         settings['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(HERE / 'fastdds.xml')
@@ -377,8 +380,6 @@ def _popen(
     options: Sequence[str],
     command: Sequence[str],
     fds: Sequence[int],
-    *,
-    stdin: bool,
 ) -> subprocess.Popen[bytes]:
     """
     Start bubblewrap with its options in a pipe.
@@ -386,14 +387,13 @@ def _popen(
     :param enter: what comes before it on the command line
     :param fds: descriptors it inherits
     """
-    streams = {**_PIPES, 'stdin': subprocess.PIPE if stdin else subprocess.DEVNULL}
     listed, writing = os.pipe()
     try:
         # Some 8 KB; a pipe takes 64 KB without a reader.
         os.write(writing, b'\0'.join(option.encode() for option in options) + b'\0')
         os.close(writing)
         argv = [*enter, 'bwrap', '--args', str(listed), '--', *command]
-        return subprocess.Popen(argv, pass_fds=(*fds, listed), env=BARE, **streams)
+        return subprocess.Popen(argv, pass_fds=(*fds, listed), env=BARE, **_PIPES)
     finally:
         os.close(listed)
 

@@ -14,9 +14,12 @@ import shutil
 import subprocess
 import sys
 
+import gate
+
 
 def main() -> None:
     """Build and carry on as the echo node, or end with colcon's exit code."""
+    gate.wait()
     source, package, type_name = sys.argv[1:4]
     workspace = Path('/tmp/ws') if not os.environ.get('TMPDIR') else Path(os.environ['TMPDIR'])
     shutil.copytree(source, workspace / 'src' / package)

@@ -14,6 +14,8 @@ from pathlib import Path
 import runpy
 import sys
 
+import gate
+
 
 def runs_by_itself(source: str) -> bool:
     """Tell whether executing the file as a script starts something."""
@@ -28,6 +30,7 @@ def runs_by_itself(source: str) -> bool:
 
 def main() -> None:
     """Run the file that the command line names."""
+    gate.wait()
     path, sys.argv = sys.argv[1], sys.argv[1:]
     sys.path.insert(0, str(Path(path).parent))
     try:

@@ -1,0 +1,101 @@
+"""What the sandbox promises, tried from both sides."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+import select
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from autograder.exam import Scenario
+from autograder.observe import INSIDE, laid_out, observe, usage
+from autograder.sandbox import Limits, plain, Program, strongest
+
+pytestmark = [pytest.mark.attacks, pytest.mark.ros]
+
+LAUNCHER = """
+import sys
+from pathlib import Path
+from autograder.sandbox import Limits, Program, strongest
+box = strongest()
+argv = (box.ros.python, '/grader/inside/run_node.py', '/submission/x.py')
+program = Program(argv, {sys.argv[1]: '/grader/inside', sys.argv[2]: '/submission'})
+confined = box.start(program, Limits(), Path('/'))
+if sys.argv[3] == 'running':
+    confined.release()
+    confined.process.stdout.readline()
+print(confined.pid, flush=True)
+sys.stdin.read()
+"""
+
+
+def gone(pidfd: int, seconds: float) -> bool:
+    """Wait until a process has ended, at most so long."""
+    return bool(select.select([pidfd], [], [], seconds)[0])
+
+
+@pytest.mark.parametrize('moment', ['held', 'running'])
+def test_nothing_outlives_a_killed_grader(moment):
+    """A grader that dies at any moment takes its sandboxes along."""
+    endless = 'print("up", flush=True)\nwhile True:\n    pass\n'
+    with laid_out({'x.py': endless}) as (submission, _):
+        grader = subprocess.Popen(
+            [sys.executable, '-c', LAUNCHER, *INSIDE, str(submission), moment],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+        pidfd = os.pidfd_open(int(grader.stdout.readline()))
+        grader.send_signal(signal.SIGKILL)
+        grader.communicate()
+        try:
+            assert gone(pidfd, 10)
+        finally:
+            os.close(pidfd)
+
+
+def test_environment_and_command_line_of_the_launcher_say_nothing(monkeypatch):
+    """The first process inside shows neither our variables nor our paths."""
+    monkeypatch.setenv('GRADER_SECRET', 'CANARY')
+    box = strongest()
+    code = 'print(open("/proc/1/environ").read(), open("/proc/1/cmdline").read())'
+    confined = box.start(Program((box.ros.python, '-c', code)), Limits(), Path('/'))
+    try:
+        confined.release()
+        said, _ = confined.process.communicate(timeout=20)
+    finally:
+        confined.kill()
+
+    assert b'CANARY' not in said
+    assert str(Path(__file__).parents[1]).encode() not in said
+
+
+def test_usage_counts_the_memory_of_children():
+    """A daemon cannot hide from the watchdog."""
+    code = (
+        'import os\nif os.fork() == 0:\n    held = bytearray(b"x") * (64 << 20)\n'
+        '    print("held", flush=True)\n    input()\nelse:\n    os.wait()\n'
+    )
+    with subprocess.Popen(
+        [sys.executable, '-c', code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as parent:
+        parent.stdout.readline()
+        resident, seconds = usage(parent.pid)
+        parent.communicate(b'\n')
+
+    assert resident > 64 << 20
+    assert seconds >= 0
+
+
+def test_visible_checks_run_without_a_sandbox_and_say_so():
+    """On a laptop without bubblewrap a plain child process does it."""
+    code = "import rclpy\nrclpy.init()\nrclpy.spin(rclpy.create_node('alone'))\n"
+    recording, _ = observe('x', Scenario(file='n.py'), {'n.py': code}, plain())
+
+    assert recording.header['mode'] == 'plain'
+    assert '/alone' in recording.nodes
+    assert json.loads(next(recording.lines()))['mode'] == 'plain'
