@@ -1,0 +1,81 @@
+# The course in a few words. Every goal first prepares what it needs: a virtual environment with
+# ROS 2, the course's ROS package and a Jupyter kernel. The second time that takes no time.
+#
+#   make lab                  JupyterLab with the notebooks
+#   make grade                grade all of submitted/ (ARGS='--jobs 2' passes options on)
+#   make test                 all tests, without the browser and the benchmarks
+#   make check                style, types, and whether generated files are up to date
+#   make publisher            run the course's publisher node in this terminal ...
+#   make subscriber           ... and its subscriber in another one
+#   make release              generate notebooks/ from solutions/
+#   make doctor               what is there and what is missing; needs no network
+#   make clean                remove everything that was prepared
+#
+# Choices: PYTHON=python3.11 (which Python), VENV=.venv-3.11 (where), ROS_SOURCE=wheels|sourced.
+
+VENV ?= .venv
+PYTHON ?=
+ROS_SOURCE ?=
+ARGS ?=
+export VENV PYTHON ROS_SOURCE
+
+SHELL := /bin/sh
+.DEFAULT_GOAL := help
+# The goals share one environment and one terminal; each does its own work in parallel.
+.NOTPARALLEL:
+.PHONY: help prepare lab grade test check release publisher subscriber doctor clean
+
+# An absolute VENV stays as it is, a relative one is seen from here.
+PY = $(VENV)/bin/python
+WITH_ROS = $(PY) -S -E -m environment run
+NODES = $(VENV)/workspace/install/temp_monitor_pkg/lib/temp_monitor_pkg
+# JupyterLab refuses to run as root unless it is told that this is meant, as in a container.
+AS_ROOT = $(if $(filter 0,$(shell id -u)),--allow-root)
+
+help:
+	@sed -n '3,14s/^# \{0,1\}//p' Makefile
+
+prepare:
+	@sh environment/prepare.sh
+
+# The whole project is the server's root, because nbgrader's formgrader needs to see it; the file
+# browser opens in notebooks/.
+lab: prepare
+	@exec $(WITH_ROS) jupyter lab $(AS_ROOT) --ServerApp.root_dir='$(CURDIR)' \
+	  --FileContentsManager.preferred_dir='$(CURDIR)/notebooks' \
+	  --MultiKernelManager.default_kernel_name=ros2_jazzy $(ARGS)
+
+grade: prepare
+	@exec $(PY) -m autograder grade $(ARGS)
+
+test: prepare
+	@exec $(WITH_ROS) python -m pytest $(ARGS)
+
+check: prepare
+	$(PY) -m ruff check
+	$(PY) -m ruff format --check
+	$(PY) -m mypy
+	$(PY) -m autograder.course check
+
+release: prepare
+	@exec $(PY) -m autograder.course release $(ARGS)
+
+publisher: prepare
+	@exec $(WITH_ROS) '$(NODES)/temp_publisher' $(ARGS)
+
+subscriber: prepare
+	@exec $(WITH_ROS) '$(NODES)/temp_subscriber' $(ARGS)
+
+# Without preparing: it says what preparing would lack.
+doctor:
+	@for python in '$(PY)' python3 python3.12 python3.11 python3.13 python3.10 /usr/bin/python3; do \
+	  if "$$python" -S -E -c 'import sys; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then \
+	    exec "$$python" -S -E -m environment doctor; \
+	  fi; \
+	done; \
+	echo 'missing  python       no Python 3.10 to 3.13; sudo apt-get install -y python3 python3-venv python3-dev'; \
+	exit 1
+
+clean:
+	rm -rf '$(VENV)' '$(VENV).lock' .mypy_cache .pytest_cache .ruff_cache
+	find . -path ./.git -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +

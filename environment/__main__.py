@@ -1,0 +1,91 @@
+"""
+Command line of the set-up, run from the root of the project by any Python from 3.10 on.
+
+    python3 -m environment prepare   prepare everything (what make does first)
+    python3 -m environment ready     end with code 0 if there is nothing to prepare
+    python3 -m environment doctor    one line for each requirement: state and fix; offline
+    python3 -m environment run CMD   run a command with the ROS environment
+    python3 -m environment lock      resolve requirements.in into requirements.lock
+
+The environment variables VENV, PYTHON and ROS_SOURCE (wheels or sourced) choose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+import os
+import sys
+
+from environment.places import Places
+
+
+def main(arguments: Sequence[str], environ: Mapping[str, str]) -> int:
+    """Run one command and return its exit code."""
+    command, rest = (arguments[0] if arguments else ''), list(arguments[1:])
+    places = Places.of(environ.get('VENV') or '.venv')
+    # Imported where they are used: `ready` runs before every make goal and has to be quick.
+    if command == 'ready':
+        from environment.stamps import is_ready
+
+        return 0 if is_ready(places, environ) else 1
+    if command == 'prepare':
+        from environment import prepare
+
+        prepare.leave_venv(places)
+        return 0 if prepare.prepare(places, environ) else 1
+    if command == 'doctor':
+        from environment.doctor import run_doctor
+
+        return run_doctor(places, environ)
+    if command == 'run' and rest:
+        return run(rest, places, environ)
+    if command == 'lock':
+        return lock(environ)
+    print(__doc__.strip(), file=sys.stderr)
+    return 2
+
+
+def run(command: Sequence[str], places: Places, environ: Mapping[str, str]) -> int:
+    """Replace this process by a command with the ROS environment."""
+    from environment.ros import EnvironmentError_, ros_environment
+
+    try:
+        ros = ros_environment(places.venv)
+    except EnvironmentError_ as error:
+        print(error, file=sys.stderr)
+        return 1
+    path = f'{places.venv}/bin{os.pathsep}{environ.get("PATH", "/usr/bin:/bin")}'
+    env = {**environ, **ros.variables, 'PATH': path}
+    try:
+        os.execvpe(command[0], list(command), env)
+    except OSError as error:
+        print(f'{command[0]}: {error.strerror}', file=sys.stderr)
+        return 127
+
+
+def lock(environ: Mapping[str, str]) -> int:
+    """Resolve with every supported Python of this machine; each has to be there."""
+    from environment import interpreters
+    from environment.lock import oldest_of_each, write_lock
+
+    paths = dict.fromkeys(interpreters.candidates(environ))
+    found = [item for path in paths if (item := interpreters.probe(path, environ))]
+    chosen = oldest_of_each([item for item in found if item.supported and item.complete])
+    missing = set(interpreters.PREFERRED) - {item.version for item in chosen}
+    if missing:
+        print(f'lock: no Python {", ".join(sorted(missing))} found', file=sys.stderr)
+        return 1
+    write_lock(chosen)
+    return 0
+
+
+if __name__ == '__main__':
+    try:
+        sys.exit(main(sys.argv[1:], os.environ))
+    except BrokenPipeError:
+        # The reader, such as head, has seen enough; Python would complain once more at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        sys.exit(1)
+    except KeyboardInterrupt:
+        print('\nstopped; the same command goes on where it stopped', file=sys.stderr)
+        sys.exit(130)

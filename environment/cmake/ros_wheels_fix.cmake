@@ -1,0 +1,18 @@
+# The wheels were built in a container, and some of their exported targets still name its Python
+# headers under /opt/python. CMake refuses include directories that do not exist. They are not
+# needed (the generated code finds Python and NumPy by itself), so they are dropped after all
+# find_package() calls of the top-level project and before CMake checks them.
+function(_ros_wheels_drop_missing_include_dirs)
+  get_property(_targets DIRECTORY "${CMAKE_SOURCE_DIR}" PROPERTY IMPORTED_TARGETS)
+  foreach(_target IN LISTS _targets)
+    get_target_property(_dirs "${_target}" INTERFACE_INCLUDE_DIRECTORIES)
+    if(_dirs)
+      list(FILTER _dirs EXCLUDE REGEX "^/opt/python/")
+      set_property(TARGET "${_target}" PROPERTY INTERFACE_INCLUDE_DIRECTORIES "${_dirs}")
+    endif()
+  endforeach()
+endfunction()
+
+if(CMAKE_SOURCE_DIR STREQUAL CMAKE_CURRENT_SOURCE_DIR)
+  cmake_language(DEFER CALL _ros_wheels_drop_missing_include_dirs)
+endif()

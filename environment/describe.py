@@ -1,0 +1,150 @@
+"""
+Describe a prepared environment: which variables make ROS 2 work in a fresh process.
+
+With the wheels everything lies in the venv. With a sourced installation the variables that its
+setup file exported are kept, so that later nobody needs to source anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+import os
+from pathlib import Path
+
+from environment.places import Places
+from environment.ros import RosEnvironment
+
+SYSTEM_PATH = ('/usr/local/sbin', '/usr/local/bin', '/usr/sbin', '/usr/bin', '/sbin', '/bin')
+
+# What every process of the course wants, wherever ROS comes from.
+COMMON = {
+    # Assigning a string to a number field is an error at once, not a crash at publish time.
+    'ROS_PYTHON_CHECK_FIELDS': '1',
+    # nbgrader gives 0 to a grade cell with any stderr, and JupyterLab paints it red.
+    'RCUTILS_LOGGING_USE_STDOUT': '1',
+    'RCUTILS_COLORIZED_OUTPUT': '1',
+    'RCUTILS_CONSOLE_OUTPUT_FORMAT': '[{severity}] [{name}]: {message}',
+    # A class in one room must not hear each other.
+    'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+}
+
+# What a sourced installation exports and its programs need; PYTHONPATH, PATH and
+# LD_LIBRARY_PATH are treated apart.
+SOURCED_NAMES = (
+    'AMENT_PREFIX_PATH',
+    'CMAKE_PREFIX_PATH',
+    'COLCON_PREFIX_PATH',
+    'CONDA_PREFIX',
+    'PKG_CONFIG_PATH',
+    'RMW_IMPLEMENTATION',
+    'ROS_DISTRO',
+    'ROS_PYTHON_VERSION',
+    'ROS_VERSION',
+)
+
+
+def join_paths(*parts: str | Path | Iterable[str | Path]) -> str:
+    """Return the parts as one search path: in order, without empty and repeated entries."""
+    flat: list[str] = []
+    for part in parts:
+        flat += (
+            [part]
+            if isinstance(part, str)
+            else map(str, [part] if isinstance(part, Path) else part)
+        )
+    entries = [entry for item in flat for entry in item.split(os.pathsep) if entry]
+    return os.pathsep.join(dict.fromkeys(entries))
+
+
+def describe_wheels(places: Places, base_prefix: str) -> RosEnvironment:
+    """
+    Describe a venv that holds the ROS 2 wheels.
+
+    :param places: the prepared folders
+    :param base_prefix: installation of the interpreter that the venv was made from
+    """
+    venv, site = places.venv, places.site_packages()
+    base = {
+        **COMMON,
+        'VIRTUAL_ENV': str(venv),
+        'PATH': join_paths(venv / 'bin', SYSTEM_PATH),
+        'AMENT_PREFIX_PATH': str(venv),
+        # Without these two every Python start re-executes itself once to set them.
+        'LD_LIBRARY_PATH': join_paths(sorted(site.glob('ros_*.libs')), venv / 'lib'),
+        '_ROS_WHEELS_BOOTSTRAP_COMPLETE': '1',
+        'CMAKE_TOOLCHAIN_FILE': str(places.cmake / 'ros_wheels_toolchain.cmake'),
+    }
+    return _describe('wheels', places, base, [str(venv), base_prefix])
+
+
+def describe_sourced(
+    places: Places, base_prefix: str, environ: Mapping[str, str]
+) -> RosEnvironment:
+    """
+    Describe a venv that stands on a sourced ROS 2 installation (apt or conda).
+
+    :param places: the prepared folders
+    :param base_prefix: installation of the interpreter that the venv was made from
+    :param environ: the environment of the shell in which the installation was sourced
+    """
+    kept = {name: environ[name] for name in SOURCED_NAMES if environ.get(name)}
+    prefixes = environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
+    base = {
+        **COMMON,
+        **kept,
+        'VIRTUAL_ENV': str(places.venv),
+        'PATH': join_paths(places.venv / 'bin', [f'{p}/bin' for p in prefixes if p], SYSTEM_PATH),
+    }
+    for name in ('LD_LIBRARY_PATH', 'PYTHONPATH'):
+        if environ.get(name):
+            base[name] = join_paths(environ[name])
+    return _describe(
+        'sourced', places, base, [str(places.venv), base_prefix, *filter(None, prefixes)]
+    )
+
+
+def _describe(
+    kind: str, places: Places, base: dict[str, str], folders: list[str]
+) -> RosEnvironment:
+    return RosEnvironment(
+        kind=kind,
+        python=str(places.python),
+        variables=with_workspace(base, places.prefix),
+        base_variables=base,
+        read_only=tuple(_outermost(folders)),
+        workspace=str(places.prefix),
+    )
+
+
+def with_workspace(base: Mapping[str, str], prefix: Path) -> dict[str, str]:
+    """
+    Return the variables with a built workspace in front.
+
+    :param base: variables without it
+    :param prefix: where colcon installed the package
+    """
+    # Debian's own CMake rules may say local/lib and dist-packages; both are accepted.
+    python = [
+        folder
+        for pattern in ('lib/python3*/*-packages', 'local/lib/python3*/*-packages')
+        for folder in sorted(prefix.glob(pattern))
+    ]
+    variables = {
+        **base,
+        'AMENT_PREFIX_PATH': join_paths(prefix, base.get('AMENT_PREFIX_PATH', '')),
+        'LD_LIBRARY_PATH': join_paths(prefix / 'lib', base.get('LD_LIBRARY_PATH', '')),
+        'PYTHONPATH': join_paths(python, base.get('PYTHONPATH', '')),
+    }
+    return {name: value for name, value in variables.items() if value}
+
+
+def _outermost(folders: Iterable[str]) -> list[str]:
+    """Return the folders, real and existing, without /usr and without ones inside another."""
+    real = {str(Path(folder)) for folder in folders if Path(folder).is_dir()}
+    real |= {os.path.realpath(folder) for folder in real}
+    outer: list[str] = []
+    for folder in sorted(real):
+        inside = [*outer, '/usr']
+        if not any(folder == top or folder.startswith(top + os.sep) for top in inside):
+            outer.append(folder)
+    return outer

@@ -1,0 +1,298 @@
+"""
+`make doctor`: one line for each requirement, with its state and its fix. Uses no network.
+
+`missing` stops the course from working; `weak` leaves a part of it out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+import importlib.metadata
+import json
+import os
+from pathlib import Path
+import re
+import shutil
+import subprocess
+import sys
+
+from environment import install_files, interpreters, stamps, system
+from environment.interpreters import Interpreter
+from environment.pins import canonical, is_ros, pins_for
+from environment.places import COURSE_PACKAGE, LOCK_FILE, Places
+from environment.ros import EnvironmentError_, ros_environment, RosEnvironment
+
+OK, WEAK, MISSING = 'ok', 'weak', 'missing'
+PREPARE = 'make prepare'
+ANEW = 'make clean, then make prepare'
+DISK_MB, SHM_MB = 1500, 64
+
+_GENERATORS = """
+import pathlib, sys, tempfile
+from rosidl_adapter.msg import convert_msg_to_idl
+from rosidl_parser.parser import parse_idl_string
+with tempfile.TemporaryDirectory() as name:
+    folder = pathlib.Path(name)
+    (folder / 'Trial.msg').write_text('float64 value\\nstring unit\\n')
+    idl = convert_msg_to_idl(folder, 'trial', pathlib.Path('Trial.msg'), folder)
+    parse_idl_string(idl.read_text())
+"""
+_MESSAGES = """
+from temp_monitor_pkg.msg import Temperature
+type(Temperature).__import_type_support__()
+"""
+_UBUNTU_FIX = (
+    'on Ubuntu 24.04: sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0; in a '
+    'container see environment.md'
+)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """
+    The state of one requirement.
+
+    :param name: the requirement
+    :param state: ok, weak or missing
+    :param detail: what was found
+    :param fix: what to type or change, '' if nothing
+    """
+
+    name: str
+    state: str
+    detail: str
+    fix: str = ''
+
+    def line(self) -> str:
+        """Return the finding as one line."""
+        fix = f'  -> {self.fix}' if self.fix and self.state != OK else ''
+        return f'{self.state:<8} {self.name:<22} {self.detail}{fix}'
+
+
+def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
+    """Yield the findings, in the order in which things are built on one another."""
+    python = interpreters.probe(str(places.python), environ)
+    ros = _description(places)
+    yield check_python(interpreters.find(environ, environ.get('PYTHON', '')), ros)
+    yield check_venv(places, python)
+    yield from check_programs(places, environ)
+    yield check_bubblewrap(system.bubblewrap_failure(shutil.which('bwrap'), root=_is_root()))
+    if python:
+        yield from check_packages(places, python.version, ros is None or ros.kind == 'wheels')
+    yield from check_by_running(ros)
+    yield check_workspace(places)
+    yield check_kernel(places, ros)
+    yield check_up_to_date(places, environ)
+    yield check_room('disk space', places.project, DISK_MB, 'make room: the venv takes 0.9 GB')
+    yield check_room('/dev/shm', Path('/dev/shm'), SHM_MB, 'in Docker: --shm-size=512m')
+
+
+def _is_root() -> bool:
+    return os.geteuid() == 0
+
+
+def _description(places: Places) -> RosEnvironment | None:
+    try:
+        return ros_environment(places.venv)
+    except EnvironmentError_:
+        return None
+
+
+def check_python(found: Interpreter | None, ros: RosEnvironment | None) -> Finding:
+    """Judge the Python that a set-up would build on."""
+    if found is None:
+        packages = ' '.join(system.python_packages(None))
+        return Finding(
+            'python',
+            MISSING,
+            'no CPython 3.10 to 3.13 that runs',
+            f'sudo apt-get install -y {packages}, or make PYTHON=...',
+        )
+    detail = f'{found.release} at {found.path}'
+    if not found.complete:
+        packages = ' '.join(system.python_packages(found))
+        fix = f'sudo apt-get install -y {packages}' if packages else 'make PYTHON=... (another)'
+        return Finding('python', MISSING, f'{detail} has no {found.lacking()}', fix)
+    refusal = interpreters.wheels_refusal(found)
+    if refusal and (ros is None or ros.kind == 'wheels'):
+        return Finding('python', MISSING, refusal, 'environment.md: RoboStack, container, WSL2')
+    return Finding('python', OK, detail)
+
+
+def check_venv(places: Places, python: Interpreter | None) -> Finding:
+    """Judge the virtual environment: it exists, and its Python runs."""
+    if python:
+        return Finding('venv', OK, f'{places.venv} (Python {python.release})')
+    if places.python.is_symlink() or places.python.exists():
+        return Finding('venv', MISSING, f'{places.python} does not run', PREPARE)
+    return Finding('venv', MISSING, f'{places.venv} is not there', PREPARE)
+
+
+def check_programs(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
+    """Judge the compiler by compiling, make and cmake by starting them."""
+    compiler = shutil.which('g++')
+    fix = system.command_to_type([tool for tool in system.TOOLS if tool.required])
+    if not compiler:
+        yield Finding('C++ compiler', MISSING, 'no g++', fix)
+    else:
+        done = subprocess.run(
+            [compiler, '-x', 'c++', '-fsyntax-only', '-'],
+            input='#include <string>\nint main() { return std::string().size(); }\n',
+            capture_output=True,
+            text=True,
+        )
+        state = OK if done.returncode == 0 else MISSING
+        yield Finding('C++ compiler', state, compiler, fix)
+    yield _starts('make', shutil.which('make'), environ, fix)
+    cmake = places.venv / 'bin' / 'cmake'
+    yield _starts('cmake', str(cmake) if cmake.exists() else None, environ, PREPARE)
+
+
+def _starts(name: str, path: str | None, environ: Mapping[str, str], fix: str) -> Finding:
+    if path is None:
+        return Finding(name, MISSING, 'not installed', fix)
+    done = subprocess.run([path, '--version'], env=dict(environ), capture_output=True, text=True)
+    if done.returncode:
+        return Finding(name, MISSING, f'{path} does not start', fix)
+    return Finding(name, OK, done.stdout.splitlines()[0])
+
+
+def check_bubblewrap(failure: str) -> Finding:
+    """Judge the sandbox by what happened when it was tried."""
+    if not failure:
+        return Finding('bubblewrap', OK, 'a trial sandbox ran')
+    if failure == 'not installed':
+        fix = system.command_to_type([t for t in system.TOOLS if t.command == 'bwrap'])
+    else:
+        fix = _UBUNTU_FIX
+    return Finding('bubblewrap', WEAK, f'{failure}: lessons work, grading refuses', fix)
+
+
+def check_packages(places: Places, python_version: str, ros: bool) -> Iterator[Finding]:
+    """Compare the installed versions with the lock, one line for each purpose."""
+    pins = pins_for(LOCK_FILE.read_text(encoding='utf-8'), python_version, ros=ros)
+    have = installed_versions(places.site_packages())
+    purposes = purposes_of(LOCK_FILE.with_suffix('.in').read_text(encoding='utf-8'))
+    groups: dict[str, list[str]] = {}
+    for name in pins:
+        group = 'ROS 2 wheels' if is_ros(name) else purposes.get(name, 'their dependencies')
+        groups.setdefault(group, []).append(name)
+    for group, names in groups.items():
+        bad = [
+            f'{name} {have.get(name, "not there")} instead of {pins[name]}'
+            for name in names
+            if have.get(name) != pins[name]
+        ]
+        if bad:
+            more = f' and {len(bad) - 1} more' if len(bad) > 1 else ''
+            yield Finding(group, MISSING, bad[0] + more, ANEW)
+        else:
+            yield Finding(group, OK, f'{len(names)} packages as pinned')
+    yield Finding(
+        'nbgrader',
+        OK if have.get('nbgrader') == pins['nbgrader'] else MISSING,
+        have.get('nbgrader', 'not installed'),
+        ANEW,
+    )
+
+
+def installed_versions(site_packages: Path) -> dict[str, str]:
+    """Return name -> version of what is installed in a folder."""
+    return {
+        canonical(found.metadata['Name']): found.version
+        for found in importlib.metadata.distributions(path=[str(site_packages)])
+        if found.metadata['Name']
+    }
+
+
+def purposes_of(requirements: str) -> dict[str, str]:
+    """Return name -> the heading it stands under in requirements.in."""
+    purposes, heading = {}, ''
+    for line in requirements.splitlines():
+        if line.startswith('# --- '):
+            heading = line.strip('# -').strip()
+        elif match := re.match(r'[A-Za-z0-9._-]+', line):
+            purposes[canonical(match[0])] = heading
+    return purposes
+
+
+def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
+    """Import ROS, run the message generators and load the course's messages."""
+    trials = (
+        ('rclpy', 'import rclpy', 'base', ANEW),
+        ('message generators', _GENERATORS, 'base', ANEW),
+        ('course messages', _MESSAGES, 'full', PREPARE),
+    )
+    for name, code, which, fix in trials:
+        if ros is None:
+            yield Finding(name, MISSING, 'the environment is not prepared', PREPARE)
+            continue
+        variables = ros.variables if which == 'full' else ros.base_variables
+        try:
+            done = subprocess.run(
+                [ros.python, '-W', 'ignore', '-c', code],
+                env={'HOME': os.environ.get('HOME', '/tmp'), **variables},
+                capture_output=True,
+                text=True,
+                stdin=subprocess.DEVNULL,
+            )
+            words = done.stderr.strip().splitlines()
+        except OSError as error:
+            yield Finding(name, MISSING, str(error), PREPARE)
+            continue
+        if done.returncode:
+            yield Finding(name, MISSING, words[-1] if words else 'it crashed', fix)
+        else:
+            yield Finding(name, OK, f'tried ({ros.kind})')
+
+
+def check_workspace(places: Places) -> Finding:
+    """Judge the built course package: there, and built from the sources as they are."""
+    name = COURSE_PACKAGE
+    programs = places.prefix / 'lib' / COURSE_PACKAGE
+    if not programs.is_dir():
+        return Finding(name, MISSING, 'not built', PREPARE)
+    if not stamps.read_stamp(places, 'workspace'):
+        return Finding(name, MISSING, 'its build did not finish', PREPARE)
+    return Finding(name, OK, f'programs: {", ".join(sorted(p.name for p in programs.iterdir()))}')
+
+
+def check_kernel(places: Places, ros: RosEnvironment | None) -> Finding:
+    """Judge the Jupyter kernel: there, and with the environment as it is described."""
+    path = places.venv / 'share' / 'jupyter' / 'kernels' / install_files.KERNEL_NAME
+    try:
+        spec = json.loads((path / 'kernel.json').read_text(encoding='utf-8'))
+    except (OSError, ValueError):
+        return Finding('Jupyter kernel', MISSING, 'not installed', PREPARE)
+    if ros is None or spec != install_files.kernel_spec(ros):
+        return Finding('Jupyter kernel', WEAK, 'differs from the environment', PREPARE)
+    return Finding('Jupyter kernel', OK, str(spec['display_name']))
+
+
+def check_up_to_date(places: Places, environ: Mapping[str, str]) -> Finding:
+    """Tell whether the next make goal has something to prepare."""
+    if stamps.is_ready(places, environ):
+        return Finding('set-up', OK, 'complete and up to date')
+    return Finding('set-up', WEAK, 'the next make goal prepares something first', PREPARE)
+
+
+def check_room(name: str, folder: Path, need_mb: int, fix: str) -> Finding:
+    """Judge the free space of a folder."""
+    try:
+        free_mb = shutil.disk_usage(folder).free // 2**20
+    except OSError:
+        return Finding(name, WEAK, f'{folder} is not there', fix)
+    state = OK if free_mb >= need_mb else WEAK
+    return Finding(name, state, f'{free_mb} MB free, {need_mb} MB wanted', fix)
+
+
+def run_doctor(places: Places, environ: Mapping[str, str]) -> int:
+    """Print the findings as they come; return 1 if something is missing."""
+    worst = 0
+    for finding in findings(places, environ):
+        print(finding.line(), flush=True)
+        worst |= finding.state == MISSING
+    if worst:
+        print('Something is missing: the lines above say what to type.', file=sys.stderr)
+    return int(worst)

@@ -1,0 +1,77 @@
+"""Write the small files that make a venv the course's own: .pth, kernel, description, settings."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import shutil
+
+from environment.places import Places, PROJECT, write_atomically
+from environment.ros import FILE_NAME, RosEnvironment
+
+KERNEL_NAME = 'ros2_jazzy'
+KERNEL_TITLE = 'ROS 2 Jazzy'
+
+
+def copy_cmake_files(places: Places) -> None:
+    """Copy the CMake fix for the wheels into the venv."""
+    for source in (PROJECT / 'environment' / 'cmake').glob('*.cmake'):
+        write_atomically(places.cmake / source.name, source.read_text(encoding='utf-8'))
+
+
+def kernel_spec(ros: RosEnvironment) -> dict[str, object]:
+    """Return the content of kernel.json: it carries the ROS environment, so nobody sources it."""
+    # Jupyter fills in ${PATH}; the learner's own programs stay reachable behind the venv's.
+    variables = {**ros.variables, 'PATH': f'{Path(ros.python).parent}:${{PATH}}'}
+    return {
+        'argv': [ros.python, '-m', 'ipykernel_launcher', '-f', '{connection_file}'],
+        'display_name': KERNEL_TITLE,
+        'language': 'python',
+        'metadata': {'debugger': True},
+        'env': variables,
+    }
+
+
+def write_kernel(places: Places, ros: RosEnvironment) -> None:
+    """Install the Jupyter kernel of the course in the venv."""
+    folder = places.venv / 'share' / 'jupyter' / 'kernels' / KERNEL_NAME
+    write_atomically(folder / 'kernel.json', json.dumps(kernel_spec(ros), indent=1) + '\n')
+    stock = folder.with_name('python3')
+    for logo in stock.glob('logo-*'):
+        shutil.copyfile(logo, folder / logo.name)
+
+
+def write_jupyter_settings(places: Places) -> None:
+    """Switch off JupyterLab's question about news: it asks the network and nags learners."""
+    path = places.venv / 'etc' / 'jupyter' / 'labconfig' / 'page_config.json'
+    try:
+        settings = json.loads(path.read_text(encoding='utf-8'))
+    except (OSError, ValueError):
+        settings = {}
+    disabled = settings.setdefault('disabledExtensions', {})
+    disabled['@jupyterlab/apputils-extension:announcements'] = True
+    write_atomically(path, json.dumps(settings, indent=1) + '\n')
+
+
+def write_path_file(places: Places) -> None:
+    """Put the project root on the venv's module path."""
+    write_atomically(places.site_packages() / 'ros2_course.pth', f'{places.project}\n')
+
+
+def write_description(places: Places, ros: RosEnvironment) -> None:
+    """Write the description that :func:`environment.ros.ros_environment` reads."""
+    write_atomically(places.venv / FILE_NAME, ros.to_json())
+
+
+def silence_colcon(places: Places) -> None:
+    """Make the empty set-up files that colcon looks for in a prefix and warns without."""
+    for suffix in ('sh', 'bash'):
+        (places.venv / f'local_setup.{suffix}').touch()
+
+
+def install_files(places: Places, ros: RosEnvironment) -> None:
+    """Write everything that depends on the description of the environment."""
+    write_path_file(places)
+    write_kernel(places, ros)
+    write_jupyter_settings(places)
+    write_description(places, ros)

@@ -1,0 +1,176 @@
+"""Find a Python that can carry the course: CPython 3.10 to 3.13 with venv and headers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+import json
+from pathlib import Path
+import shutil
+import subprocess
+
+# In order of preference: 3.12 is what Ubuntu 24.04 and thus Jazzy uses; 3.11 is tested as often.
+PREFERRED = ('3.12', '3.11', '3.13', '3.10')
+
+# Runs in the candidate. A venv's Python answers for the interpreter behind it.
+_PROBE = """
+import importlib.util, json, os, platform, sys, sysconfig
+print(json.dumps({
+    'path': getattr(sys, '_base_executable', None) or sys.executable,
+    'release': '%d.%d.%d' % sys.version_info[:3],
+    'implementation': sys.implementation.name,
+    'base_prefix': sys.base_prefix,
+    'has_venv': all(importlib.util.find_spec(n) for n in ('venv', 'ensurepip')),
+    'has_headers': os.path.exists(os.path.join(sysconfig.get_path('include'), 'Python.h')),
+    'platform': sysconfig.get_platform(),
+    'libc': list(platform.libc_ver()),
+}))
+"""
+
+
+@dataclass(frozen=True)
+class Interpreter:
+    """
+    What a candidate said about itself.
+
+    :param path: the interpreter
+    :param release: '3.12.1'
+    :param implementation: 'cpython'
+    :param base_prefix: where it is installed
+    :param has_venv: whether it can make a virtual environment with pip
+    :param has_headers: whether Python.h is there, which generated message code includes
+    :param platform: such as 'linux-x86_64'
+    :param libc: name and version of the C library
+    """
+
+    path: str
+    release: str
+    implementation: str
+    base_prefix: str
+    has_venv: bool
+    has_headers: bool
+    platform: str
+    libc: tuple[str, str]
+
+    @property
+    def version(self) -> str:
+        """The version without the patch release: '3.12'."""
+        return '.'.join(self.release.split('.')[:2])
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """The release as numbers, to compare."""
+        return tuple(int(part) for part in self.release.split('.'))
+
+    @property
+    def supported(self) -> bool:
+        """Whether the lock has pins for it."""
+        return self.implementation == 'cpython' and self.version in PREFERRED
+
+    @property
+    def complete(self) -> bool:
+        """Whether nothing has to be installed beside it."""
+        return self.has_venv and self.has_headers
+
+    def lacking(self) -> str:
+        """Return what is missing, in words; '' if nothing is."""
+        words = [] if self.has_venv else ['venv']
+        words += [] if self.has_headers else ['headers (Python.h)']
+        return ' and '.join(words)
+
+
+def probe(path: str, environ: Mapping[str, str]) -> Interpreter | None:
+    """
+    Ask a candidate about itself.
+
+    :param path: a command or a file
+    :param environ: environment to run it in
+    :returns: None if it does not run: a pyenv shim without that version, a broken link
+    """
+    clean = {k: v for k, v in environ.items() if not k.startswith('PYTHON')}
+    try:
+        done = subprocess.run(
+            [path, '-I', '-S', '-c', _PROBE],
+            env=clean,
+            capture_output=True,
+            text=True,
+            timeout=30,
+            stdin=subprocess.DEVNULL,
+        )
+        answer = json.loads(done.stdout)
+        return Interpreter(**{**answer, 'libc': tuple(answer['libc'])})
+    except (OSError, ValueError, TypeError, KeyError, subprocess.TimeoutExpired):
+        return None
+
+
+def candidates(environ: Mapping[str, str]) -> Iterator[str]:
+    """Yield commands and files worth probing, the preferred versions first."""
+    path = environ.get('PATH')
+    pyenv = Path(environ.get('PYENV_ROOT') or Path(environ.get('HOME', '/'), '.pyenv'))
+    for version in PREFERRED:
+        for folder in (path, '/usr/local/bin:/usr/bin'):
+            found = shutil.which(f'python{version}', path=folder)
+            if found:
+                yield found
+        for home in sorted(pyenv.glob(f'versions/{version}*'), reverse=True):
+            yield str(home / 'bin' / f'python{version}')
+    for name in ('python3', 'python'):
+        found = shutil.which(name, path=path)
+        if found:
+            yield found
+
+
+def choose(found: Sequence[Interpreter]) -> Interpreter | None:
+    """
+    Return the best of the interpreters: complete before incomplete, then by preference.
+
+    :param found: in the order in which they were found
+    """
+    supported = [item for item in found if item.supported]
+    return min(
+        supported,
+        key=lambda item: (not item.complete, PREFERRED.index(item.version)),
+        default=None,
+    )
+
+
+def find(environ: Mapping[str, str], request: str = '') -> Interpreter | None:
+    """
+    Find the interpreter to build on.
+
+    :param environ: the environment of the shell
+    :param request: what the user typed as PYTHON=...; then only that one is considered
+    """
+    if request:
+        asked = probe(shutil.which(request, path=environ.get('PATH')) or request, environ)
+        return choose([asked]) if asked else None
+    found: list[Interpreter] = []
+    for path in dict.fromkeys(candidates(environ)):
+        item = probe(path, environ)
+        if item:
+            found.append(item)
+            if item.complete and item.version == PREFERRED[0] and item.supported:
+                break
+    return choose(found)
+
+
+def imports_rclpy(interpreter: Interpreter, environ: Mapping[str, str]) -> bool:
+    """Tell whether an interpreter finds rclpy with the variables of the shell."""
+    done = subprocess.run(
+        [interpreter.path, '-c', 'import rclpy'],
+        env=dict(environ),
+        capture_output=True,
+        stdin=subprocess.DEVNULL,
+    )
+    return done.returncode == 0
+
+
+def wheels_refusal(interpreter: Interpreter) -> str:
+    """Return why the ROS 2 wheels cannot be used on this machine; '' if they can."""
+    name, version = interpreter.libc
+    if interpreter.platform != 'linux-x86_64':
+        return f'the ROS 2 wheels are for Linux on x86_64, this is {interpreter.platform}'
+    numbers = tuple(int(part) for part in version.split('.') if part.isdigit())
+    if name != 'glibc' or numbers < (2, 28):
+        return f'the ROS 2 wheels need glibc 2.28 or newer, this is {name} {version}'.rstrip()
+    return ''

@@ -1,0 +1,116 @@
+"""
+Write requirements.lock: `python -m environment lock`, for developers and with network.
+
+Every supported Python that is found resolves requirements.in for itself; versions that differ get
+an environment marker. The lock names versions only: no index address, no hash, no path, so that
+any mirror serves it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+import json
+from pathlib import Path
+import subprocess
+import tempfile
+
+from environment.interpreters import Interpreter
+from environment.pins import canonical, is_ros, merge
+from environment.places import LOCK_FILE
+
+ROS_SECTION = '# --- ROS 2 Jazzy from PyPI'
+OTHER_SECTION = '# --- everything else'
+HEADER = """\
+# Exact versions of everything in the virtual environment, for CPython 3.10 to 3.13 on Linux
+# x86_64. Written by `python -m environment lock` from requirements.in; do not edit by hand.
+#
+# Install with `pip install --no-deps -r requirements.lock`: the list is complete, and one package
+# is left out on purpose. rosidl_parser asks for lark-parser, an old name under which lark was
+# published; both own the folder site-packages/lark, and which one wins would depend on the order
+# of installation. rosidl_parser works with lark 1.x (the apt installation of Jazzy uses 1.1.9),
+# while JupyterLab's rfc3987-syntax needs 1.x. So only lark is installed.
+"""
+RESOLVED = '#\n# Resolved with CPython '
+LEFT_OUT = {'lark-parser'}
+
+
+def pins_of_report(report: Mapping[str, object]) -> dict[str, str]:
+    """Return name -> version of what `pip install --report` would install."""
+    found = {}
+    for item in report['install']:  # type: ignore[attr-defined]
+        name = canonical(item['metadata']['name'])
+        if name not in LEFT_OUT:
+            found[name] = item['metadata']['version']
+    return found
+
+
+def render(lines: Sequence[str], releases: Sequence[str]) -> str:
+    """
+    Return the text of the lock file.
+
+    :param lines: requirement lines
+    :param releases: the Pythons that resolved them, such as '3.11.2'
+    """
+    ros = [line for line in lines if is_ros(line.split('==')[0])]
+    other = [line for line in lines if line not in ros]
+    return (
+        '\n'.join(
+            [
+                HEADER + RESOLVED + ', '.join(releases),
+                '',
+                ROS_SECTION,
+                *ros,
+                '',
+                OTHER_SECTION,
+                *other,
+            ]
+        )
+        + '\n'
+    )
+
+
+def resolve(python: str) -> dict[str, str]:
+    """
+    Resolve requirements.in with one interpreter, in a throw-away venv.
+
+    :param python: path of the interpreter
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([python, '-m', 'venv', folder], check=True)
+        report = Path(folder) / 'report.json'
+        subprocess.run(
+            [f'{folder}/bin/python', '-m', 'pip', 'install', '--quiet', '--dry-run']
+            + ['--ignore-installed', '--no-input', '--report', str(report)]
+            + ['-r', str(LOCK_FILE.with_suffix('.in'))],
+            check=True,
+        )
+        return pins_of_report(json.loads(report.read_text(encoding='utf-8')))
+
+
+def write_lock(interpreters: Sequence[Interpreter]) -> None:
+    """
+    Resolve with every interpreter and write the lock.
+
+    :param interpreters: one of each supported version
+    """
+    ordered = sorted(interpreters, key=lambda item: item.numbers)
+    pins = {}
+    for item in ordered:
+        print(f'resolving with Python {item.release} ...', flush=True)
+        pins[item.version] = resolve(item.path)
+    text = render(merge(pins), [item.release for item in ordered])
+    LOCK_FILE.write_text(text, encoding='utf-8')
+    print(f'{LOCK_FILE}: written')
+
+
+def oldest_of_each(found: Sequence[Interpreter]) -> list[Interpreter]:
+    """
+    Return the oldest release of each version.
+
+    Some packages ask for a patch release (3.11.5) that a distribution does not have (Debian 12:
+    3.11.2); what the oldest resolves, the newer ones can install too.
+    """
+    oldest: dict[str, Interpreter] = {}
+    for item in sorted(found, key=lambda item: item.numbers, reverse=True):
+        oldest[item.version] = item
+    return list(oldest.values())

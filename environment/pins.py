@@ -1,0 +1,93 @@
+"""
+Read and merge exact pins: what the lock file says for one Python.
+
+The lock serves four Pythons; where they differ, lines carry an environment marker. Only the few
+markers that :func:`merge` writes are understood, so no packaging library is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+import re
+
+# Belongs to the ROS packages too: NumPy must be the one that a sourced ROS 2 was compiled with.
+ROS_NAMES = {'numpy'}
+
+PIN = re.compile(
+    r'^(?P<name>[A-Za-z0-9][A-Za-z0-9._-]*)==(?P<version>[A-Za-z0-9.!+_-]+)(?P<rest>\s*;.*)?$'
+)
+MARKER = re.compile(r'python_version (==|>=|<) "3\.(\d+)"')
+
+
+def canonical(name: str) -> str:
+    """Return a project name in the one spelling that comparisons use."""
+    return re.sub(r'[-_.]+', '-', name).lower()
+
+
+def is_ros(name: str) -> bool:
+    """Tell whether a package comes with a sourced ROS 2 installation."""
+    return name.startswith('ros-') or name in ROS_NAMES
+
+
+def pins_for(text: str, python: str, *, ros: bool = True) -> dict[str, str]:
+    """
+    Return the pins of the lock for one Python.
+
+    :param text: text of the lock file
+    :param python: such as '3.12'
+    :param ros: False leaves out what a sourced ROS 2 installation brings
+    :returns: name -> version
+    """
+    pins = {}
+    for line in text.splitlines():
+        match = PIN.match(line)
+        if not match or not applies(match['rest'] or '', _minor(python)):
+            continue
+        if ros or not is_ros(canonical(match['name'])):
+            pins[canonical(match['name'])] = match['version']
+    return pins
+
+
+def applies(marker: str, minor: int) -> bool:
+    """Evaluate the few markers that :func:`merge` writes."""
+    tests = [
+        {'==': minor == int(bound), '>=': minor >= int(bound), '<': minor < int(bound)}[sign]
+        for sign, bound in MARKER.findall(marker)
+    ]
+    return any(tests) if ' or ' in marker else all(tests)
+
+
+def merge(pins: Mapping[str, Mapping[str, str]]) -> list[str]:
+    """
+    Merge the pins of several Pythons into requirement lines.
+
+    :param pins: for each Python ('3.12') its name -> version
+    :returns: sorted lines, with a marker where the Pythons differ
+    """
+    pythons = sorted(pins, key=_minor)
+    lines = []
+    for name in sorted({name for found in pins.values() for name in found}):
+        versions: dict[str, list[str]] = {}
+        for python in pythons:
+            if name in pins[python]:
+                versions.setdefault(pins[python][name], []).append(python)
+        for version, used_by in versions.items():
+            lines.append(f'{name}=={version}{_marker(used_by, pythons)}')
+    return lines
+
+
+def _marker(used_by: Sequence[str], pythons: Sequence[str]) -> str:
+    """Return the environment marker of the Pythons that use a version, '' for all of them."""
+    if list(used_by) == list(pythons):
+        return ''
+    first, last = used_by[0], used_by[-1]
+    span = pythons[pythons.index(first) : pythons.index(last) + 1]
+    if list(used_by) != list(span):
+        return ' ; ' + ' or '.join(f'python_version == "{python}"' for python in used_by)
+    bounds = [f'python_version >= "{first}"'] if first != pythons[0] else []
+    bounds += [f'python_version < "3.{_minor(last) + 1}"'] if last != pythons[-1] else []
+    return ' ; ' + ' and '.join(bounds)
+
+
+def _minor(python: str) -> int:
+    return int(python.split('.')[1])

@@ -1,0 +1,90 @@
+"""Names of the folders and files that the set-up makes, all of them inside the venv."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import os
+from pathlib import Path
+import tempfile
+
+PROJECT = Path(__file__).resolve().parent.parent
+LOCK_FILE = PROJECT / 'environment' / 'requirements.lock'
+COURSE_PACKAGE = 'temp_monitor_pkg'
+
+
+@dataclass(frozen=True)
+class Places:
+    """
+    Where things are in one prepared environment.
+
+    :param venv: the virtual environment, absolute
+    :param project: the root of the project
+    """
+
+    venv: Path
+    project: Path = PROJECT
+
+    @classmethod
+    def of(cls, venv: str, project: Path = PROJECT) -> Places:
+        """Return the places of a venv named as in `VENV=...`: relative to the project."""
+        return cls(venv=Path(os.path.normpath(project / venv)), project=project)
+
+    @property
+    def python(self) -> Path:
+        """The interpreter of the venv."""
+        return self.venv / 'bin' / 'python'
+
+    @property
+    def notes(self) -> Path:
+        """What the set-up remembers between runs: stamps and logs."""
+        return self.venv / 'ros2_course'
+
+    @property
+    def logs(self) -> Path:
+        """One log file for each step."""
+        return self.notes / 'logs'
+
+    @property
+    def ready(self) -> Path:
+        """Written last: the digest of everything that the prepared environment was made from."""
+        return self.notes / 'ready.json'
+
+    @property
+    def lock(self) -> Path:
+        """Held while the set-up runs. It lies beside the venv because the venv may be removed."""
+        return self.venv.with_name(self.venv.name + '.lock')
+
+    @property
+    def cmake(self) -> Path:
+        """Copy of the CMake files: inside the venv, so that a sandbox that binds it sees them."""
+        return self.notes / 'cmake'
+
+    @property
+    def workspace(self) -> Path:
+        """The colcon workspace with build, install and log."""
+        return self.venv / 'workspace'
+
+    @property
+    def prefix(self) -> Path:
+        """Install prefix of the course's own ROS package."""
+        return self.workspace / 'install' / COURSE_PACKAGE
+
+    @property
+    def package(self) -> Path:
+        """Sources of the course's own ROS package."""
+        return self.project / COURSE_PACKAGE
+
+    def site_packages(self) -> Path:
+        """Return the folder of the installed Python packages, whichever Python the venv has."""
+        found = sorted(self.venv.glob('lib/python3.*/site-packages'))
+        return found[0] if found else self.venv / 'lib' / 'site-packages'
+
+
+def write_atomically(path: Path, text: str) -> None:
+    """Write a file so that a reader or a kill at any moment sees the old or the new text."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f'.{path.name}.')
+    with os.fdopen(handle, 'w', encoding='utf-8') as file:
+        file.write(text)
+    os.chmod(name, 0o644)
+    os.replace(name, path)

@@ -1,0 +1,141 @@
+"""Decide what is to be prepared: from which ROS 2, on which Python, in which folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+import os
+from pathlib import Path
+
+from environment import describe, interpreters, stamps
+from environment.interpreters import Interpreter
+from environment.places import Places
+from environment.ros import EnvironmentError_, ros_environment, RosEnvironment
+from environment.steps import StepError
+
+# Variables that would make the venv's Python, pip or colcon load or do something else.
+_HARMFUL = (
+    # Ours when make calls; colcon's own make would look for the job server of the outer one.
+    'MAKEFLAGS',
+    'MAKELEVEL',
+    'MFLAGS',
+    'LD_LIBRARY_PATH',
+    'PYTHONHOME',
+    'PYTHONPATH',
+    'VIRTUAL_ENV',
+    '_ROS_WHEELS_BOOTSTRAP_COMPLETE',
+    '__PYVENV_LAUNCHER__',
+)
+
+
+@dataclass
+class Plan:
+    """
+    What is to be prepared.
+
+    :param places: the folders
+    :param environ: the environment of the shell, with a remembered sourced ROS 2 added
+    :param kind: 'wheels' or 'sourced'
+    :param interpreter: the Python to build on, None if there is none yet
+    """
+
+    places: Places
+    environ: Mapping[str, str]
+    kind: str
+    interpreter: Interpreter | None
+
+    @property
+    def python(self) -> Interpreter:
+        """The interpreter, which the first step makes sure of."""
+        assert self.interpreter is not None
+        return self.interpreter
+
+    @property
+    def origin(self) -> str:
+        """Where ROS 2 comes from, in words."""
+        return 'PyPI' if self.kind == 'wheels' else 'the sourced installation'
+
+    def clean_environ(self) -> dict[str, str]:
+        """Return the shell's environment without what harms a foreign Python."""
+        return {k: v for k, v in self.environ.items() if k not in _HARMFUL}
+
+    def description(self) -> RosEnvironment:
+        """Describe the environment as it is now."""
+        if self.kind == 'sourced':
+            return describe.describe_sourced(self.places, self.python.base_prefix, self.environ)
+        return describe.describe_wheels(self.places, self.python.base_prefix)
+
+    def digest(self, step: str) -> str:
+        """Return the digest that the stamp of a step must have to be up to date."""
+        python = self.python
+        # The same Python has several names: python3, python3.12.
+        path = os.path.realpath(python.path)
+        venv = stamps.digest_of(str(self.places.venv), path, python.version, self.kind)
+        packages = stamps.packages_digest(python.version, self.kind)
+        if step == 'venv':
+            return venv
+        if step == 'packages':
+            return packages
+        return stamps.digest_of(venv, packages, stamps.package_digest(self.places))
+
+
+def make_plan(places: Places, environ: Mapping[str, str]) -> Plan:
+    """
+    Decide on the source of ROS 2 and on the Python.
+
+    A shell in which ROS 2 Jazzy is sourced is used if its Python can import rclpy. A venv that
+    was once prepared so keeps it in later shells, where nothing is sourced.
+    """
+    wish = environ.get('ROS_SOURCE', '')
+    if wish not in ('', 'wheels', 'sourced'):
+        raise StepError(f'ROS_SOURCE: expected wheels or sourced, got {wish!r}')
+    request = environ.get('PYTHON', '')
+    if wish != 'wheels':
+        shell = _sourced_environ(places, environ)
+        names = [request] if request else _sourced_pythons(places, environ)
+        python = _python_with_rclpy(shell, names) if shell else None
+        if shell and python:
+            return Plan(places, shell, 'sourced', python)
+        if wish == 'sourced':
+            raise StepError(
+                'ROS_SOURCE=sourced: found no ROS 2 Jazzy with a Python that imports rclpy',
+                'source its setup file first, for example: source /opt/ros/jazzy/setup.bash',
+            )
+    kept = None if request else _python_of_venv(places, environ)
+    return Plan(places, environ, 'wheels', kept or interpreters.find(environ, request))
+
+
+def _python_of_venv(places: Places, environ: Mapping[str, str]) -> Interpreter | None:
+    """Return the Python of an existing venv, so that it is kept unless another is asked for."""
+    python = interpreters.probe(str(places.python), environ) if places.python.exists() else None
+    return python if python and python.supported and python.complete else None
+
+
+def _sourced_environ(places: Places, environ: Mapping[str, str]) -> dict[str, str] | None:
+    """Return an environment with ROS 2 sourced: the shell's, or the one remembered."""
+    if environ.get('ROS_DISTRO') == 'jazzy' and environ.get('AMENT_PREFIX_PATH'):
+        return dict(environ)
+    try:
+        ros = ros_environment(places.venv)
+    except EnvironmentError_:
+        return None
+    if ros.kind != 'sourced':
+        return None
+    return {**environ, **{k: v for k, v in ros.base_variables.items() if k != 'PATH'}}
+
+
+def _sourced_pythons(places: Places, environ: Mapping[str, str]) -> list[str]:
+    """Return whose rclpy to try: the one of before, conda's, the system's, the first found."""
+    names = [str(places.python)] if places.python.exists() else []
+    if environ.get('CONDA_PREFIX'):
+        names.append(str(Path(environ['CONDA_PREFIX'], 'bin', 'python3')))
+    return [*names, '/usr/bin/python3', 'python3', 'python3.12']
+
+
+def _python_with_rclpy(environ: Mapping[str, str], names: list[str]) -> Interpreter | None:
+    """Return the first of the named Pythons that the sourced ROS 2 belongs to."""
+    for name in names:
+        python = interpreters.find(environ, name)
+        if python and interpreters.imports_rclpy(python, environ):
+            return python
+    return None

@@ -1,0 +1,258 @@
+"""
+The steps from a fresh machine to a prepared environment.
+
+system programs -> virtual environment -> packages -> course package -> kernel and files -> trial
+
+Every step says whether it is needed, so a second run does nothing and a run that was stopped
+anywhere goes on. A virtual environment whose packages were not completely installed is made anew:
+pip cannot tell a half-copied package from a whole one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import os
+import shutil
+import sys
+
+from environment import install_files, interpreters, stamps, system
+from environment.pins import pins_for
+from environment.places import COURSE_PACKAGE, LOCK_FILE, Places
+from environment.plan import make_plan, Plan
+from environment.steps import Job, locked, run_steps, Screen, Step, StepError
+
+_TRIAL = """
+import rclpy
+from temp_monitor_pkg.msg import Num, Temperature
+for message in (Num, Temperature):
+    type(message).__import_type_support__()
+"""
+
+
+def prepare(places: Places, environ: Mapping[str, str]) -> bool:
+    """
+    Prepare everything; do nothing if it is already.
+
+    :returns: False if a step failed; what and why was shown
+    """
+    if stamps.is_ready(places, environ):
+        return True
+    screen = Screen.of(environ)
+    with locked(places.lock, screen) as handle:
+        if stamps.is_ready(places, environ):
+            return True
+        try:
+            plan = make_plan(places, environ)
+        except StepError as error:
+            screen.say(f'set-up: {error}')
+            screen.say(f'  try: {error.try_this}' if error.try_this else '')
+            return False
+        places.ready.unlink(missing_ok=True)
+        # Taken before: what is edited while the steps run is for the next time.
+        digest = stamps.whole_digest(places)
+        if not run_steps(steps_of(plan), places.logs, screen, (handle,)):
+            return False
+        stamps.write_ready(places, environ, plan.python.version, digest)
+        words = f'Python {plan.python.version}, ROS 2 Jazzy from {plan.origin}'
+        screen.say(f'prepared: {places.venv} ({words})')
+        if missing := system.missing_tools():
+            names = ', '.join(tool.title for tool in missing)
+            screen.say(f'  without {names}: lessons work, grading refuses')
+            screen.say(f'  try: {system.command_to_type(missing)}')
+    return True
+
+
+def steps_of(plan: Plan) -> list[Step]:
+    """Return the steps, in order."""
+
+    def unstamped(name: str) -> bool:
+        return stamps.read_stamp(plan.places, name) != plan.digest(name)
+
+    return [
+        Step(
+            'system',
+            'Programs from the system',
+            lambda: (
+                bool(plan.interpreter is None or not plan.interpreter.complete)
+                or any(tool.required for tool in system.missing_tools())
+                or bool(system.missing_tools() and system.apt_get(plan.environ))
+            ),
+            lambda job: check_system(plan, job),
+        ),
+        Step(
+            'venv',
+            'Virtual environment',
+            lambda: unstamped('venv') or unstamped('packages') or not _runs(plan),
+            lambda job: make_venv(plan, job),
+            try_this='remove the folder (make clean) and run the same command again',
+        ),
+        Step(
+            'packages',
+            'Python packages',
+            lambda: unstamped('packages'),
+            lambda job: install_packages(plan, job),
+            about='about a minute',
+            try_this='check the network, then run the same command again',
+        ),
+        Step(
+            'workspace',
+            f'ROS package {COURSE_PACKAGE}',
+            lambda: unstamped('workspace'),
+            lambda job: build_workspace(plan, job),
+            about='ten to thirty seconds',
+            try_this='read the whole log; make doctor tells what the machine lacks',
+        ),
+        Step(
+            'files',
+            'Jupyter kernel and settings',
+            lambda: True,
+            lambda job: install_files.install_files(plan.places, plan.description()),
+        ),
+        Step(
+            'trial',
+            'Trial: import rclpy and the course messages',
+            lambda: True,
+            lambda job: try_imports(plan, job),
+            try_this='make clean, then run the same command again; make doctor tells more',
+        ),
+    ]
+
+
+def _runs(plan: Plan) -> bool:
+    return interpreters.probe(str(plan.places.python), plan.clean_environ()) is not None
+
+
+def check_system(plan: Plan, job: Job) -> None:
+    """Install programs and complete or find the Python; refuse a machine that cannot do it."""
+    request = plan.environ.get('PYTHON', '')
+    if plan.interpreter is None and request:
+        raise StepError(
+            f'PYTHON={request}: expected CPython 3.10 to 3.13, found none that runs',
+            'leave PYTHON out, or name another interpreter',
+        )
+    system.install_missing(job, plan.environ, plan.interpreter)
+    if plan.interpreter is None or not plan.interpreter.complete:
+        plan.interpreter = interpreters.find(plan.environ, request)
+    if plan.interpreter is None:
+        raise StepError(
+            'expected CPython 3.10 to 3.13, found none',
+            f'type: {system.command_to_type([], system.python_packages(None))}',
+        )
+    if not plan.interpreter.complete:
+        raise StepError(
+            f'{plan.interpreter.path} has no {plan.interpreter.lacking()}',
+            'install them, or name another interpreter: make PYTHON=python3.12 ...',
+        )
+
+
+def make_venv(plan: Plan, job: Job) -> None:
+    """Make the virtual environment from nothing; a folder that is not ours is left alone."""
+    places = plan.places
+    if plan.kind == 'wheels' and (refusal := interpreters.wheels_refusal(plan.python)):
+        raise StepError(refusal, 'see environment.md: RoboStack, a container or WSL2')
+    clear_venv(places)
+    command = [plan.python.path, '-m', 'venv', str(places.venv)]
+    if plan.kind == 'sourced':
+        command.append('--system-site-packages')
+    job.run(command, plan.clean_environ(), 'python -m venv')
+    stamps.write_stamp(places, 'venv', plan.digest('venv'))
+
+
+def clear_venv(places: Places) -> None:
+    """
+    Empty the folder of the venv, but keep the notes, whose log is being written.
+
+    :raises StepError: if it holds something that neither venv nor this set-up made
+    """
+    if not places.venv.exists():
+        return
+    content = {path.name for path in places.venv.iterdir()}
+    if content and not content & {'pyvenv.cfg', places.notes.name}:
+        raise StepError(
+            f'{places.venv}: expected a virtual environment or nothing, got a folder with other '
+            'files',
+            'choose another place: make VENV=.venv-course ...',
+        )
+    for stamp in places.notes.glob('*.stamp'):
+        stamp.unlink()
+    for path in places.venv.iterdir():
+        if path == places.notes:
+            continue
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+
+
+def install_packages(plan: Plan, job: Job) -> None:
+    """Install the pins of the lock, byte-compiled: a sandbox cannot write the cache itself."""
+    places, version = plan.places, plan.python.version
+    digest = plan.digest('packages')
+    pins = pins_for(LOCK_FILE.read_text(encoding='utf-8'), version, ros=plan.kind == 'wheels')
+    chosen = places.notes / 'requirements.txt'
+    chosen.write_text(''.join(f'{n}=={v}\n' for n, v in pins.items()), encoding='utf-8')
+    env = {**plan.clean_environ(), '_ROS_WHEELS_BOOTSTRAP_COMPLETE': '1'}
+    python = str(places.python)
+    job.run(
+        [python, '-m', 'pip', 'install', '--no-input', '--progress-bar', 'off', '--no-deps']
+        + ['--no-compile', '--disable-pip-version-check', '-r', str(chosen)],
+        env,
+        'pip',
+    )
+    job.run(
+        # Some packages ship files for other Pythons, so a file that does not compile is normal.
+        [
+            python,
+            '-c',
+            'import compileall, sys; compileall.compile_dir(sys.argv[1], quiet=2, workers=0)',
+            str(places.site_packages()),
+        ],
+        env,
+        'compileall',
+    )
+    install_files.copy_cmake_files(places)
+    install_files.silence_colcon(places)
+    stamps.write_stamp(places, 'packages', digest)
+
+
+def build_workspace(plan: Plan, job: Job) -> None:
+    """Build the course's ROS package with colcon, from nothing: a removed file leaves no trace."""
+    places = plan.places
+    if not (places.package / 'package.xml').is_file():
+        raise StepError(f'{places.package}: expected the ROS package, found no package.xml')
+    digest = plan.digest('workspace')
+    if places.workspace.exists():
+        shutil.rmtree(places.workspace)
+    places.workspace.mkdir(parents=True)
+    env = {
+        **plan.clean_environ(),
+        **plan.description().base_variables,
+        # Without the user's own defaults, which may ask for another layout.
+        'COLCON_HOME': str(places.workspace / 'colcon'),
+    }
+    job.run(
+        [str(places.venv / 'bin' / 'colcon'), '--log-base', str(places.workspace / 'log')]
+        + ['build', '--base-paths', str(places.package)]
+        + ['--build-base', str(places.workspace / 'build')]
+        + ['--install-base', str(places.workspace / 'install')]
+        + ['--event-handlers', 'console_direct+']
+        + ['--cmake-args', '-DBUILD_TESTING=OFF', '-DCMAKE_BUILD_TYPE=Release']
+        + [f'-DPython3_EXECUTABLE={places.python}'],
+        env,
+        'colcon build',
+        cwd=places.workspace,
+    )
+    stamps.write_stamp(places, 'workspace', digest)
+
+
+def try_imports(plan: Plan, job: Job) -> None:
+    """Start a fresh Python with the described variables and load ROS and the messages."""
+    ros = plan.description()
+    job.run([ros.python, '-c', _TRIAL], {**plan.clean_environ(), **ros.variables}, 'python')
+
+
+def leave_venv(places: Places) -> None:
+    """Go on in the base interpreter if this Python is the venv's, which may have to be removed."""
+    base = getattr(sys, '_base_executable', sys.executable)
+    if os.path.realpath(sys.prefix) == os.path.realpath(places.venv) and base != sys.executable:
+        os.execv(base, [base, '-S', '-E', '-m', 'environment', *sys.argv[1:]])

@@ -1,0 +1,85 @@
+"""
+The one place that knows where ROS 2 is.
+
+`environment prepare` writes what it found to `<venv>/ros_environment.json`; everything else reads
+it through :func:`ros_environment` and so works alike with the wheels from PyPI and with a sourced
+installation. Nothing here imports ROS.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+import json
+from pathlib import Path
+import sys
+
+FILE_NAME = 'ros_environment.json'
+
+
+class EnvironmentError_(RuntimeError):  # noqa: N801 - EnvironmentError is a builtin
+    """Raised when the environment was not prepared or its description is damaged."""
+
+
+@dataclass(frozen=True)
+class RosEnvironment:
+    """
+    How to start a process that can use ROS 2.
+
+    :param kind: 'wheels' (from PyPI) or 'sourced' (an installation that was sourced)
+    :param python: interpreter of the prepared virtual environment
+    :param variables: all that a process needs to import rclpy and temp_monitor_pkg
+    :param base_variables: the same without the course's own workspace, to build student packages
+    :param read_only: directories that a sandbox binds read-only, without /usr
+    :param workspace: install prefix of the course's built temp_monitor_pkg
+    """
+
+    kind: str
+    python: str
+    variables: dict[str, str]
+    base_variables: dict[str, str]
+    read_only: tuple[str, ...]
+    workspace: str
+
+    def to_json(self) -> str:
+        """Return the description as the text of `ros_environment.json`."""
+        return json.dumps(asdict(self), indent=2) + '\n'
+
+    @classmethod
+    def from_json(cls, text: str) -> RosEnvironment:
+        """
+        Read a description back.
+
+        :param text: what :meth:`to_json` wrote
+        :raises ValueError: if it is no JSON, or a key is missing, unknown or of the wrong type
+        """
+        data = json.loads(text)
+        names = {field.name for field in fields(cls)}
+        if not isinstance(data, dict) or set(data) != names:
+            raise ValueError(f'expected exactly the keys {", ".join(sorted(names))}')
+        for name in ('variables', 'base_variables'):
+            if not isinstance(data[name], dict):
+                raise ValueError(f'{name} is no table of names and values')
+        return cls(**{**data, 'read_only': tuple(data['read_only'])})
+
+
+def ros_environment(venv: str | Path | None = None) -> RosEnvironment:
+    """
+    Return the prepared ROS environment of the running virtual environment.
+
+    :param venv: another virtual environment; by default the one this Python belongs to
+    :raises EnvironmentError_: if it is missing or unreadable, with what to type
+    """
+    path = Path(venv or sys.prefix) / FILE_NAME
+    try:
+        return RosEnvironment.from_json(path.read_text(encoding='utf-8'))
+    except FileNotFoundError:
+        raise EnvironmentError_(
+            f'{path}: expected the description of the ROS environment, found no such file. '
+            "Likely cause: this Python is not the course's own, or the set-up did not finish. "
+            'Try: make doctor'
+        ) from None
+    except (OSError, ValueError, TypeError) as error:
+        raise EnvironmentError_(
+            f'{path}: expected the description of the ROS environment, got: {error}. '
+            'Try: make doctor'
+        ) from error

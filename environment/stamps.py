@@ -1,0 +1,135 @@
+"""
+Know what is up to date: digests of what each step was made from.
+
+A step's stamp is written after the step succeeded, so a step that was killed has none and runs
+again. The stamp of the whole makes the second `make` instant: it is compared without starting
+anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+import hashlib
+import json
+from pathlib import Path
+
+from environment.pins import pins_for
+from environment.places import LOCK_FILE, Places, PROJECT, write_atomically
+
+# Not installed by colcon here, so a change in them needs no build.
+_SKIPPED = {'__pycache__', '.pytest_cache', '.ruff_cache', '.mypy_cache', 'test'}
+
+
+def digest_of(*texts: str) -> str:
+    """Return one digest of several texts; their borders count."""
+    sha = hashlib.sha256()
+    for text in texts:
+        data = text.encode()
+        sha.update(b'%d:' % len(data) + data)
+    return sha.hexdigest()
+
+
+def files_below(folder: Path) -> list[Path]:
+    """Return the source files of a folder, sorted, without caches and tests."""
+    if not folder.is_dir():
+        return []
+    return sorted(
+        path
+        for path in folder.rglob('*')
+        if path.is_file() and not _SKIPPED & set(path.relative_to(folder).parts)
+    )
+
+
+def digest_of_files(paths: Iterable[Path], root: Path) -> str:
+    """Return one digest of the names and contents of files."""
+    return digest_of(
+        *(
+            text
+            for path in paths
+            for text in (
+                str(path.relative_to(root)),
+                hashlib.sha256(path.read_bytes()).hexdigest(),
+            )
+        )
+    )
+
+
+def package_digest(places: Places) -> str:
+    """Return the digest of the sources of the course's ROS package."""
+    return digest_of_files(files_below(places.package), places.project)
+
+
+def whole_digest(places: Places) -> str:
+    """Return the digest of everything that a prepared environment is made from."""
+    own = files_below(PROJECT / 'environment')
+    return digest_of(
+        str(places.project),
+        str(places.venv),
+        digest_of_files(own, PROJECT),
+        package_digest(places),
+    )
+
+
+def packages_digest(python_version: str, kind: str) -> str:
+    """Return the digest of what pip installs: the pins for this Python only."""
+    text = LOCK_FILE.read_text(encoding='utf-8')
+    pins = pins_for(text, python_version, ros=kind == 'wheels')
+    return digest_of(kind, *(f'{name}=={version}' for name, version in sorted(pins.items())))
+
+
+def ros_request(environ: Mapping[str, str]) -> str:
+    """
+    Return which ROS 2 the shell asks for.
+
+    :returns: '' for no wish, else the value of ROS_SOURCE or the sourced prefixes
+    """
+    if environ.get('ROS_SOURCE'):
+        return environ['ROS_SOURCE']
+    return environ.get('AMENT_PREFIX_PATH', '') if environ.get('ROS_DISTRO') == 'jazzy' else ''
+
+
+def read_stamp(places: Places, step: str) -> str:
+    """Return the digest a step was last done with, '' if it was not."""
+    try:
+        return (places.notes / f'{step}.stamp').read_text(encoding='utf-8')
+    except OSError:
+        return ''
+
+
+def write_stamp(places: Places, step: str, digest: str) -> None:
+    """Remember that a step is done."""
+    write_atomically(places.notes / f'{step}.stamp', digest)
+
+
+def write_ready(
+    places: Places, environ: Mapping[str, str], python_version: str, digest: str
+) -> None:
+    """
+    Remember that everything is done, and for which wishes.
+
+    :param digest: :func:`whole_digest` of what was prepared
+    """
+    ready = {
+        'digest': digest,
+        'python_version': python_version,
+        'python_request': environ.get('PYTHON', ''),
+        'ros_request': ros_request(environ),
+    }
+    write_atomically(places.ready, json.dumps(ready, indent=1) + '\n')
+
+
+def is_ready(places: Places, environ: Mapping[str, str]) -> bool:
+    """
+    Tell whether a prepared environment is up to date and what the user asks for.
+
+    A shell that asks for nothing (no PYTHON=, nothing sourced) takes what is there.
+    """
+    try:
+        ready = json.loads(places.ready.read_text(encoding='utf-8'))
+        return bool(
+            ready['digest'] == whole_digest(places)
+            and environ.get('PYTHON', '') in ('', ready['python_request'])
+            and ros_request(environ) in ('', ready['ros_request'])
+        )
+    except (OSError, ValueError, KeyError, TypeError):
+        return False

@@ -1,0 +1,208 @@
+"""Run the steps of the set-up: show progress, keep logs, explain a failure, hold the lock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+import fcntl
+import os
+from pathlib import Path
+import shutil
+import subprocess
+import sys
+import time
+from typing import IO, TextIO
+
+LAST_LINES = 12
+
+
+class StepError(Exception):
+    """
+    Raised when a step cannot be done.
+
+    :param message: what was expected and what was found
+    :param try_this: what the user should type or change
+    """
+
+    def __init__(self, message: str, try_this: str = '') -> None:
+        super().__init__(message)
+        self.try_this = try_this
+
+
+@dataclass
+class Screen:
+    """
+    Show progress: a living line on a terminal, plain lines in a pipe, little on CI.
+
+    :param out: where to write
+    :param live: whether the line may be rewritten
+    :param quiet: whether to leave out the line at the start of a step
+    """
+
+    out: TextIO = field(default_factory=lambda: sys.stderr)
+    live: bool = False
+    quiet: bool = False
+
+    @classmethod
+    def of(cls, environ: Mapping[str, str]) -> Screen:
+        """Return the screen that suits standard error."""
+        ci = environ.get('CI', '').lower() not in ('', '0', 'false')
+        dumb = environ.get('TERM', 'dumb') == 'dumb'
+        return cls(live=sys.stderr.isatty() and not ci and not dumb, quiet=ci)
+
+    def say(self, text: str) -> None:
+        """Write one line."""
+        clear = '\r\033[K' if self.live else ''
+        print(f'{clear}{text}', file=self.out, flush=True)
+
+    def redraw(self, text: str) -> None:
+        """Rewrite the living line; nothing elsewhere."""
+        if self.live:
+            width = shutil.get_terminal_size().columns - 1
+            print(f'\r\033[K{text[:width]}', end='', file=self.out, flush=True)
+
+
+@dataclass
+class Job:
+    """
+    What a step gets to work with.
+
+    :param log: the open log file of the step
+    :param tick: called again and again while a command runs
+    :param keep_open: file descriptors that children inherit: the lock, so that an orphaned pip
+        of a killed set-up keeps the next one waiting instead of writing beside it
+    """
+
+    log: IO[str]
+    tick: Callable[[], None] = lambda: None
+    keep_open: tuple[int, ...] = ()
+
+    def run(
+        self,
+        command: Sequence[str],
+        env: Mapping[str, str],
+        what: str = '',
+        cwd: Path | None = None,
+    ) -> None:
+        """
+        Run a command with its output in the log.
+
+        :param what: the name of the command in an error
+        :raises StepError: if it does not exist or ends with another code than 0
+        """
+        name = what or Path(command[0]).name
+        print('$', *command, file=self.log, flush=True)
+        try:
+            process = subprocess.Popen(
+                command,
+                env=dict(env),
+                cwd=cwd,
+                stdin=subprocess.DEVNULL,
+                stdout=self.log,
+                stderr=subprocess.STDOUT,
+                pass_fds=self.keep_open,
+            )
+        except OSError as error:
+            raise StepError(f'{name} did not start: {error}') from error
+        code = self._wait(process)
+        if code:
+            raise StepError(f'{name} ended with code {code}')
+
+    def _wait(self, process: subprocess.Popen[bytes]) -> int:
+        try:
+            while True:
+                try:
+                    return process.wait(timeout=0.5)
+                except subprocess.TimeoutExpired:
+                    self.tick()
+        except BaseException:
+            process.terminate()
+            process.wait()
+            raise
+
+
+@dataclass(frozen=True)
+class Step:
+    """
+    One step of the set-up.
+
+    :param name: names its log and stamp
+    :param title: what the user sees
+    :param needed: tells whether it has to run; asked after the steps before it are done
+    :param run: does it; raises StepError
+    :param about: a hint how long it takes
+    :param try_this: what to do if it fails and the error does not say
+    """
+
+    name: str
+    title: str
+    needed: Callable[[], bool]
+    run: Callable[[Job], None]
+    about: str = ''
+    try_this: str = 'run the same command again: it goes on where it stopped'
+
+
+def run_steps(
+    steps: Sequence[Step], logs: Path, screen: Screen, keep_open: tuple[int, ...] = ()
+) -> bool:
+    """
+    Run the steps that are needed, in order.
+
+    :param logs: folder of the log files
+    :returns: False if one failed; what and why was shown
+    """
+    for number, step in enumerate(steps, start=1):
+        if not step.needed():
+            continue
+        label = f'[{number}/{len(steps)}] {step.title}'
+        if not screen.quiet and not screen.live:
+            screen.say(f'{label} ...{f" ({step.about})" if step.about else ""}')
+        started = time.monotonic()
+        log_path = logs / f'{step.name}.log'
+        logs.mkdir(parents=True, exist_ok=True)
+
+        def tick(label: str = label, started: float = started, about: str = step.about) -> None:
+            hint = f' ({about})' if about else ''
+            screen.redraw(f'{label} ... {time.monotonic() - started:.0f} s{hint}')
+
+        tick()
+        with log_path.open('w', encoding='utf-8') as log:
+            try:
+                step.run(Job(log=log, tick=tick, keep_open=keep_open))
+            except StepError as error:
+                explain(error, step, label, log_path, screen)
+                return False
+        screen.say(f'{label}: done in {time.monotonic() - started:.0f} s')
+    return True
+
+
+def explain(error: StepError, step: Step, label: str, log_path: Path, screen: Screen) -> None:
+    """Say what failed, the end of its log and what to do."""
+    screen.say(f'{label}: FAILED: {error}')
+    lines = log_path.read_text(encoding='utf-8', errors='replace').splitlines()
+    if lines:
+        screen.say(f'  the last lines of {log_path}:')
+        for line in lines[-LAST_LINES:]:
+            screen.say(f'  | {line[:300]}')
+    screen.say(f'  try: {error.try_this or step.try_this}')
+
+
+@contextmanager
+def locked(path: Path, screen: Screen) -> Iterator[int]:
+    """
+    Hold the lock of the set-up; wait, with a word, while another one holds it.
+
+    The kernel frees it when its holder is gone, however it ended.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            screen.say('another set-up of this folder is running: waiting for it')
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield handle
+    finally:
+        os.close(handle)

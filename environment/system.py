@@ -1,0 +1,133 @@
+"""Programs from the system: a compiler, make and bubblewrap; installed by apt where allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+import os
+import shutil
+import subprocess
+
+from environment.interpreters import Interpreter
+from environment.steps import Job, StepError
+
+Which = Callable[[str], 'str | None']
+
+
+@dataclass(frozen=True)
+class Tool:
+    """
+    One program of the system.
+
+    :param title: its name for people
+    :param command: what has to be on the PATH
+    :param apt: the Debian and Ubuntu package
+    :param dnf: the Fedora package
+    :param required: whether the set-up stops without it
+    """
+
+    title: str
+    command: str
+    apt: str
+    dnf: str
+    required: bool = True
+
+
+TOOLS = (
+    Tool('C++ compiler', 'g++', 'g++', 'gcc-c++'),
+    Tool('make', 'make', 'make', 'make'),
+    # Lessons and their visible checks work without it; grading refuses and says so.
+    Tool('bubblewrap', 'bwrap', 'bubblewrap', 'bubblewrap', required=False),
+)
+
+
+def missing_tools(which: Which = shutil.which) -> list[Tool]:
+    """Return the programs that are not there."""
+    return [tool for tool in TOOLS if not which(tool.command)]
+
+
+def python_packages(interpreter: Interpreter | None) -> list[str]:
+    """Return the apt packages that complete the system's Python, or bring one."""
+    if interpreter is None:
+        return ['python3', 'python3-venv', 'python3-dev']
+    if not interpreter.path.startswith('/usr/bin/'):
+        return []
+    names = [] if interpreter.has_venv else [f'python{interpreter.version}-venv']
+    return names + ([] if interpreter.has_headers else [f'python{interpreter.version}-dev'])
+
+
+def apt_get(environ: Mapping[str, str]) -> list[str] | None:
+    """Return how apt-get can be run without asking for a password; None if it cannot."""
+    path = environ.get('PATH')
+    if not shutil.which('apt-get', path=path):
+        return None
+    if os.geteuid() == 0:
+        return ['apt-get']
+    sudo = shutil.which('sudo', path=path)
+    if sudo and subprocess.run([sudo, '-n', 'true'], capture_output=True).returncode == 0:
+        # sudo drops the environment, so the variable is set behind it.
+        return [sudo, '-n', 'env', 'DEBIAN_FRONTEND=noninteractive', 'apt-get']
+    return None
+
+
+def command_to_type(
+    tools: Sequence[Tool], python: Sequence[str] = (), which: Which = shutil.which
+) -> str:
+    """Return the one line that installs what is missing."""
+    if which('apt-get') or not which('dnf'):
+        return f'sudo apt-get install -y {" ".join([*(t.apt for t in tools), *python])}'
+    dnf = ['python3-devel'] if python else []
+    return f'sudo dnf install -y {" ".join([*(t.dnf for t in tools), *dnf])}'
+
+
+def install_missing(job: Job, environ: Mapping[str, str], interpreter: Interpreter | None) -> None:
+    """
+    Install what is missing with apt, where that needs no password.
+
+    :raises StepError: if something required stays missing, with the command to type
+    """
+    tools, python = missing_tools(), python_packages(interpreter)
+    command = apt_get(environ)
+    if command and (tools or python):
+        env = {**environ, 'DEBIAN_FRONTEND': 'noninteractive'}
+        packages = [*(tool.apt for tool in tools), *python]
+        try:
+            # The lists of a fresh container are empty; old ones still serve if this fails.
+            job.run([*command, 'update', '-q'], env, 'apt-get update')
+        except StepError as error:
+            print(error, file=job.log, flush=True)
+        install = [*command, 'install', '-y', '-q', '--no-install-recommends', *packages]
+        job.run(install, env, 'apt-get install')
+        tools, python = missing_tools(), []
+    lacking = [tool for tool in tools if tool.required]
+    if lacking or python:
+        names = ', '.join([*(tool.title for tool in lacking), *python])
+        raise StepError(f'missing: {names}', f'type: {command_to_type(tools, python)}')
+
+
+def bubblewrap_failure(bwrap: str | None, *, root: bool) -> str:
+    """
+    Try bubblewrap by running it.
+
+    :param bwrap: path of the program, None if there is none
+    :param root: as root no user namespace is made
+    :returns: '' if it works, else its own words
+    """
+    if not bwrap:
+        return 'not installed'
+    user = [] if root else ['--unshare-user', '--disable-userns']
+    done = subprocess.run(
+        [bwrap, *user, '--unshare-ipc', '--unshare-pid', '--unshare-net', '--die-with-parent']
+        + ['--size', '65536', '--tmpfs', '/tmp', '--ro-bind', '/usr', '/usr']
+        + ['--symlink', 'usr/bin', '/bin', '--symlink', 'usr/lib', '/lib']
+        + ['--symlink', 'usr/lib64', '/lib64', '--proc', '/proc', '--dev', '/dev', 'true'],
+        env={'PATH': '/usr/bin:/bin'},
+        capture_output=True,
+        text=True,
+        stdin=subprocess.DEVNULL,
+    )
+    if done.returncode == 0:
+        return ''
+    return (
+        done.stderr.strip().splitlines()[-1] if done.stderr.strip() else 'it ended with an error'
+    )

@@ -1,0 +1,129 @@
+"""The doctor's lines: state, what was found, and what to type."""
+
+import os
+from pathlib import Path
+import sys
+
+import pytest
+
+from environment import doctor, interpreters, system
+from environment import pins as pins_module
+from environment.places import LOCK_FILE, Places
+
+
+def test_line_ok_has_no_fix():
+    """A good state needs no advice."""
+    line = doctor.Finding('make', doctor.OK, 'GNU Make', 'install it').line()
+
+    assert line.split() == ['ok', 'make', 'GNU', 'Make']
+
+
+def test_line_missing_names_the_fix():
+    """A missing requirement says what to type."""
+    line = doctor.Finding('make', doctor.MISSING, 'not installed', 'apt-get install make').line()
+
+    assert line.startswith('missing ')
+    assert line.endswith('-> apt-get install make')
+
+
+def test_findings_nothing_prepared_names_every_requirement(tmp_path):
+    """In a fresh clone every line is there, and what is missing has a fix."""
+    found = list(doctor.findings(Places.of('.venv', tmp_path), os.environ))
+
+    names = {finding.name for finding in found}
+    assert {'python', 'venv', 'C++ compiler', 'cmake', 'bubblewrap', 'rclpy'} <= names
+    assert {'message generators', 'temp_monitor_pkg', 'Jupyter kernel', '/dev/shm'} <= names
+    assert all(finding.fix for finding in found if finding.state != doctor.OK)
+    assert [f.state for f in found if f.name in ('venv', 'rclpy')] == [doctor.MISSING] * 2
+    assert all('\n' not in finding.line() for finding in found)
+
+
+def test_check_python_none_found_says_what_to_install():
+    """Without a Python the line says how to get one."""
+    finding = doctor.check_python(None, None)
+
+    assert finding.state == doctor.MISSING
+    assert 'python3-venv' in finding.fix
+
+
+def test_check_python_incomplete_names_the_package():
+    """A Debian Python without headers is completed by one package."""
+    this = interpreters.probe(sys.executable, os.environ)
+    bare = interpreters.Interpreter(
+        **{**vars(this), 'path': '/usr/bin/python3.12', 'release': '3.12.3', 'has_headers': False}
+    )
+
+    finding = doctor.check_python(bare, None)
+
+    assert finding.state == doctor.MISSING
+    assert finding.fix == 'sudo apt-get install -y python3.12-dev'
+
+
+def test_check_bubblewrap_blocked_is_weak_with_fix():
+    """Where the kernel forbids namespaces lessons go on, and the switch is named."""
+    finding = doctor.check_bubblewrap('bwrap: setting up uid map: Permission denied')
+
+    assert finding.state == doctor.WEAK
+    assert 'apparmor_restrict_unprivileged_userns' in finding.fix
+
+
+def test_check_packages_wrong_version_is_missing(tmp_path):
+    """A package at another version than pinned is named with both."""
+    site = tmp_path / '.venv' / 'lib' / 'python3.12' / 'site-packages'
+    pins = pins_module.pins_for(LOCK_FILE.read_text(), '3.12')
+    for name, version in pins.items():
+        info = site / f'{name}-{version}.dist-info'
+        info.mkdir(parents=True)
+        shown = '0.1' if name == 'ruff' else version
+        (info / 'METADATA').write_text(f'Metadata-Version: 2.1\nName: {name}\nVersion: {shown}\n')
+
+    found = list(doctor.check_packages(Places.of('.venv', tmp_path), '3.12', ros=True))
+
+    bad = [finding for finding in found if finding.state != doctor.OK]
+    assert [finding.name for finding in bad] == ['tests and checks']
+    assert f'ruff 0.1 instead of {pins["ruff"]}' in bad[0].detail
+
+
+def test_check_room_little_is_weak():
+    """Little space is a warning with the wanted amount."""
+    finding = doctor.check_room('disk space', Path('/'), 2**40, 'make room')
+
+    assert finding.state == doctor.WEAK
+    assert 'wanted' in finding.detail
+
+
+@pytest.mark.parametrize(
+    ('have', 'expected'),
+    [
+        ('apt-get', 'sudo apt-get install -y g++ bubblewrap python3.12-dev'),
+        ('dnf', 'sudo dnf install -y gcc-c++ bubblewrap python3-devel'),
+        ('', 'sudo apt-get install -y g++ bubblewrap python3.12-dev'),
+    ],
+)
+def test_command_to_type_is_one_line_of_the_system(have, expected):
+    """What is missing is installed by one command of this system's package manager."""
+    tools = [tool for tool in system.TOOLS if tool.command in ('g++', 'bwrap')]
+
+    command = system.command_to_type(
+        tools, ['python3.12-dev'], which=lambda name: name if name == have else None
+    )
+
+    assert command == expected
+
+
+def test_missing_tools_names_what_is_not_on_the_path():
+    """Each program is looked up by its command."""
+    missing = system.missing_tools(which=lambda name: None if name == 'bwrap' else name)
+
+    assert [tool.title for tool in missing] == ['bubblewrap']
+    assert not missing[0].required
+
+
+def test_bubblewrap_failure_repeats_its_words(tmp_path):
+    """What bubblewrap said is passed on; silence means that it ran."""
+    program = tmp_path / 'bwrap'
+    program.write_text('#!/bin/sh\necho "bwrap: No permissions" >&2\nexit 1\n')
+    program.chmod(0o755)
+
+    assert system.bubblewrap_failure(None, root=False) == 'not installed'
+    assert system.bubblewrap_failure(str(program), root=False) == 'bwrap: No permissions'

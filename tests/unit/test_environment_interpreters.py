@@ -1,0 +1,126 @@
+"""Which Python the set-up chooses."""
+
+from dataclasses import replace
+import json
+import os
+import sys
+
+import pytest
+
+from environment import interpreters
+from environment.interpreters import Interpreter
+
+GOOD = Interpreter(
+    path='/usr/bin/python3.12',
+    release='3.12.3',
+    implementation='cpython',
+    base_prefix='/usr',
+    has_venv=True,
+    has_headers=True,
+    platform='linux-x86_64',
+    libc=('glibc', '2.36'),
+)
+
+
+def fake_python(folder, name, **answers):
+    """Make a program that answers the probe like an interpreter."""
+    answer = {**vars(GOOD), 'path': str(folder / name), **answers}
+    program = folder / name
+    program.write_text(f"#!/bin/sh\necho '{json.dumps(answer)}'\n")
+    program.chmod(0o755)
+    return program
+
+
+def test_choose_several_supported_prefers_3_12():
+    """Of complete interpreters 3.12 is taken, wherever it was found."""
+    found = [replace(GOOD, release=f'{version}.1') for version in ('3.13', '3.10', '3.12', '3.11')]
+
+    assert interpreters.choose(found).version == '3.12'
+
+
+def test_choose_incomplete_3_12_takes_complete_3_10():
+    """An interpreter without headers or venv is only a last resort."""
+    found = [replace(GOOD, has_headers=False), replace(GOOD, release='3.10.1')]
+
+    assert interpreters.choose(found).version == '3.10'
+
+
+def test_choose_only_incomplete_takes_it():
+    """An incomplete interpreter is better than none: the set-up completes it."""
+    assert interpreters.choose([replace(GOOD, has_venv=False)]).lacking() == 'venv'
+
+
+@pytest.mark.parametrize(
+    'other', [{'release': '3.9.1'}, {'release': '3.14.0'}, {'implementation': 'pypy'}]
+)
+def test_choose_unsupported_gives_none(other):
+    """Other versions and implementations are never taken."""
+    assert interpreters.choose([replace(GOOD, **other)]) is None
+
+
+def test_probe_this_python_tells_its_base():
+    """A venv's Python answers for the interpreter behind it."""
+    answer = interpreters.probe(sys.executable, os.environ)
+
+    assert answer.version == f'{sys.version_info[0]}.{sys.version_info[1]}'
+    assert answer.base_prefix == sys.base_prefix
+    assert os.path.realpath(answer.path) == os.path.realpath(sys.executable)
+
+
+@pytest.mark.parametrize('script', ['exit 127', 'echo no json', 'echo "{}"', 'echo []'])
+def test_probe_broken_shim_gives_none(tmp_path, script):
+    """A pyenv shim without its version, or any other nonsense, is skipped."""
+    shim = tmp_path / 'python3.12'
+    shim.write_text(f'#!/bin/sh\n{script}\n')
+    shim.chmod(0o755)
+
+    assert interpreters.probe(str(shim), {}) is None
+
+
+def test_probe_missing_file_gives_none(tmp_path):
+    """A broken link is skipped."""
+    assert interpreters.probe(str(tmp_path / 'python3.12'), {}) is None
+
+
+def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
+    """A shim that fails does not hide the version that pyenv really has."""
+    shims = tmp_path / 'shims'
+    real = tmp_path / 'pyenv' / 'versions' / '3.12.1' / 'bin'
+    for folder in (shims, real):
+        folder.mkdir(parents=True)
+    (shims / 'python3.12').write_text('#!/bin/sh\nexit 127\n')
+    (shims / 'python3.12').chmod(0o755)
+    expected = fake_python(real, 'python3.12')
+
+    found = interpreters.find({'PATH': str(shims), 'PYENV_ROOT': str(tmp_path / 'pyenv')})
+
+    assert found.path == str(expected)
+
+
+def test_find_request_takes_only_that(tmp_path):
+    """With PYTHON=... nothing else is considered."""
+    fake_python(tmp_path, 'python3.12')
+    fake_python(tmp_path, 'python3.11', release='3.11.2')
+
+    environ = {'PATH': str(tmp_path)}
+
+    assert interpreters.find(environ, 'python3.11').version == '3.11'
+    assert interpreters.find(environ, 'python3.10') is None
+
+
+@pytest.mark.parametrize(
+    ('change', 'words'),
+    [
+        ({}, ''),
+        ({'platform': 'macosx-14.0-arm64'}, 'Linux on x86_64'),
+        ({'platform': 'linux-aarch64'}, 'Linux on x86_64'),
+        ({'libc': ('glibc', '2.27')}, 'glibc 2.28'),
+        ({'libc': ('', '')}, 'glibc 2.28'),
+    ],
+)
+def test_wheels_refusal_names_the_reason(change, words):
+    """A machine without ROS 2 wheels is told why."""
+    refusal = interpreters.wheels_refusal(replace(GOOD, **change))
+
+    assert words in refusal
+    assert bool(refusal) == bool(words)

@@ -1,0 +1,116 @@
+"""The lock file: exact, complete, and free of addresses."""
+
+from dataclasses import replace
+import os
+import re
+import sys
+
+import pytest
+
+from environment import interpreters, lock
+from environment import pins as pins_module
+from environment.interpreters import PREFERRED
+from environment.places import LOCK_FILE
+
+TEXT = LOCK_FILE.read_text(encoding='utf-8')
+PINS = [line for line in TEXT.splitlines() if line and not line.startswith('#')]
+
+
+def test_lock_has_no_addresses_hashes_or_paths():
+    """Any mirror serves the lock: it names versions only."""
+    for line in PINS:
+        assert not re.search(r'://|--|@|/|sha256', line)
+
+
+def test_lock_every_line_is_an_exact_pin():
+    """Every line is name==version, with a marker that the set-up understands."""
+    for line in PINS:
+        assert pins_module.PIN.match(line), line
+        marker = line.partition(';')[2]
+        assert re.sub(pins_module.MARKER, '', marker).split() in ([], ['and'], ['or']), line
+
+
+def test_lock_is_what_render_writes():
+    """The lock was not edited by hand."""
+    lines = sorted(PINS, key=lambda line: line.split('==')[0])
+    releases = re.search(f'{lock.RESOLVED}(.*)', TEXT)[1].split(', ')
+
+    assert lock.render(lines, releases) == TEXT
+    assert [release.rpartition('.')[0] for release in releases] == sorted(PREFERRED)
+
+
+@pytest.mark.parametrize('python', PREFERRED)
+def test_lock_has_every_direct_requirement(python):
+    """For each Python each name of requirements.in is pinned, at the version asked for."""
+    pins = pins_module.pins_for(TEXT, python)
+    for line in LOCK_FILE.with_suffix('.in').read_text(encoding='utf-8').splitlines():
+        match = re.match(r'([A-Za-z0-9._-]+)(?:\[.*\])?(?:==(\S+))?\s*(;.*)?$', line)
+        if match and pins_module.applies(match[3] or '', int(python.split('.')[1])):
+            assert match[1] in pins
+            assert match[2] in (None, pins[match[1]])
+
+
+def test_lock_has_one_owner_of_the_lark_folder():
+    """Of the two packages that own site-packages/lark only the new one is installed."""
+    pins = pins_module.pins_for(TEXT, '3.12')
+
+    assert 'lark-parser' not in pins
+    assert pins['lark'].startswith('1.')
+
+
+def test_pins_for_sourced_leaves_ros_and_numpy_out():
+    """A sourced ROS 2 keeps its own packages and the NumPy it was compiled with."""
+    pins = pins_module.pins_for(TEXT, '3.12', ros=False)
+
+    assert not [name for name in pins if name.startswith('ros-') or name == 'numpy']
+    assert {'jupyterlab', 'nbgrader', 'colcon-ros', 'lark'} <= set(pins)
+
+
+def test_merge_different_versions_get_markers():
+    """Pythons that agree share a line; others get the narrowest range."""
+    pins = {
+        '3.10': {'a': '1', 'b': '1', 'c': '1', 'e': '1'},
+        '3.11': {'a': '1', 'b': '2', 'c': '2'},
+        '3.12': {'a': '1', 'b': '2', 'c': '3', 'd': '1'},
+        '3.13': {'a': '1', 'b': '2', 'c': '3', 'd': '1', 'e': '1'},
+    }
+
+    lines = pins_module.merge(pins)
+
+    assert lines == [
+        'a==1',
+        'b==1 ; python_version < "3.11"',
+        'b==2 ; python_version >= "3.11"',
+        'c==1 ; python_version < "3.11"',
+        'c==2 ; python_version >= "3.11" and python_version < "3.12"',
+        'c==3 ; python_version >= "3.12"',
+        'd==1 ; python_version >= "3.12"',
+        'e==1 ; python_version == "3.10" or python_version == "3.13"',
+    ]
+    for python, expected in pins.items():
+        assert pins_module.pins_for('\n'.join(lines), python) == expected
+
+
+def test_pins_of_report_uses_one_spelling():
+    """Names of pip's report are spelled alike and lark-parser is dropped."""
+    report = {
+        'install': [
+            {'metadata': {'name': 'Jinja2', 'version': '3.1.6'}},
+            {'metadata': {'name': 'jupyter_client', 'version': '8.10.0'}},
+            {'metadata': {'name': 'lark-parser', 'version': '0.12.0'}},
+        ]
+    }
+
+    assert lock.pins_of_report(report) == {'jinja2': '3.1.6', 'jupyter-client': '8.10.0'}
+
+
+def test_oldest_of_each_takes_the_oldest_patch_release():
+    """What the oldest Python of a version resolves, the newer ones can install too."""
+    this = interpreters.probe(sys.executable, os.environ)
+    found = [
+        replace(this, release=release) for release in ('3.11.7', '3.11.10', '3.11.2', '3.12.1')
+    ]
+
+    chosen = lock.oldest_of_each(found)
+
+    assert sorted(item.release for item in chosen) == ['3.11.2', '3.12.1']

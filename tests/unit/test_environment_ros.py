@@ -1,0 +1,131 @@
+"""The description of the ROS environment: written, read, and complete."""
+
+from dataclasses import replace
+import os
+
+import pytest
+
+from environment import describe, install_files
+from environment.places import Places
+from environment.ros import EnvironmentError_, FILE_NAME, ros_environment, RosEnvironment
+
+
+@pytest.fixture
+def places(tmp_path):
+    """Return the places of a venv with one bundled library folder and a built package."""
+    places = Places.of('.venv', tmp_path)
+    site = places.venv / 'lib' / 'python3.12' / 'site-packages'
+    (site / 'ros_rcl.libs').mkdir(parents=True)
+    (places.prefix / 'lib' / 'python3.12' / 'site-packages').mkdir(parents=True)
+    return places
+
+
+def test_ros_environment_round_trip_is_equal(places):
+    """What was written is read back equal."""
+    ros = describe.describe_wheels(places, '/usr')
+    install_files.write_description(places, ros)
+
+    assert ros_environment(places.venv) == ros
+
+
+def test_ros_environment_missing_names_doctor(tmp_path):
+    """Without a description the error says which file and what to type."""
+    with pytest.raises(EnvironmentError_, match='make doctor') as caught:
+        ros_environment(tmp_path)
+    assert FILE_NAME in str(caught.value)
+
+
+@pytest.mark.parametrize('text', ['', '{', '[]', '{"kind": "wheels"}'])
+def test_ros_environment_damaged_names_doctor(tmp_path, text):
+    """A damaged description is an error with the same way out."""
+    (tmp_path / FILE_NAME).write_text(text)
+
+    with pytest.raises(EnvironmentError_, match='make doctor'):
+        ros_environment(tmp_path)
+
+
+def test_from_json_wrong_type_is_refused(places):
+    """Variables that are no table are refused."""
+    text = replace(describe.describe_wheels(places, '/usr'), variables=[]).to_json()
+
+    with pytest.raises(ValueError, match='variables'):
+        RosEnvironment.from_json(text)
+
+
+def test_describe_wheels_has_all_that_a_process_needs(places):
+    """Logging goes to stdout, fields are checked, and no Python start re-executes itself."""
+    variables = describe.describe_wheels(places, '/usr').variables
+
+    assert variables['RCUTILS_LOGGING_USE_STDOUT'] == '1'
+    assert variables['ROS_PYTHON_CHECK_FIELDS'] == '1'
+    assert variables['ROS_AUTOMATIC_DISCOVERY_RANGE'] == 'LOCALHOST'
+    assert variables['_ROS_WHEELS_BOOTSTRAP_COMPLETE'] == '1'
+    assert variables['PATH'].split(os.pathsep)[0] == str(places.venv / 'bin')
+    assert 'ros_rcl.libs' in variables['LD_LIBRARY_PATH']
+
+
+def test_describe_wheels_only_variables_have_the_workspace(places):
+    """A student's package is built without the course's own package in sight."""
+    ros = describe.describe_wheels(places, '/usr')
+
+    assert str(places.prefix) in ros.variables['AMENT_PREFIX_PATH']
+    assert str(places.prefix) in ros.variables['PYTHONPATH']
+    assert str(places.prefix) not in str(ros.base_variables)
+
+
+def test_describe_sourced_keeps_the_shell_without_the_wheels(places):
+    """A sourced installation brings its own paths; nothing of the wheels is set."""
+    shell = {
+        'AMENT_PREFIX_PATH': '/opt/ros/jazzy',
+        'LD_LIBRARY_PATH': '/opt/ros/jazzy/lib',
+        'PYTHONPATH': '/opt/ros/jazzy/lib/python3.12/site-packages',
+        'ROS_DISTRO': 'jazzy',
+        'SECRET': 'x',
+    }
+
+    ros = describe.describe_sourced(places, '/usr', shell)
+
+    assert ros.kind == 'sourced'
+    assert ros.base_variables['PYTHONPATH'] == shell['PYTHONPATH']
+    assert ros.variables['PYTHONPATH'].endswith(shell['PYTHONPATH'])
+    assert '/opt/ros/jazzy/bin' in ros.variables['PATH'].split(os.pathsep)
+    assert not {'SECRET', 'CMAKE_TOOLCHAIN_FILE', '_ROS_WHEELS_BOOTSTRAP_COMPLETE'} & set(
+        ros.variables
+    )
+
+
+def test_read_only_has_outermost_folders_without_usr(tmp_path):
+    """A sandbox gets each folder once, and nothing below /usr, which it has anyway."""
+    inner = tmp_path / 'a' / 'b'
+    inner.mkdir(parents=True)
+
+    folders = describe._outermost([str(inner), str(tmp_path / 'a'), '/usr/bin', '/no/such'])
+
+    assert folders == [str(tmp_path / 'a')]
+
+
+def test_join_paths_keeps_order_and_drops_repeats():
+    """Empty entries, which would mean the current folder, are dropped."""
+    assert describe.join_paths('b:a', ['', 'a'], 'c::b') == 'b:a:c'
+
+
+def test_kernel_spec_carries_the_environment(places):
+    """The kernel needs nothing from the shell, and keeps the learner's own PATH behind."""
+    ros = describe.describe_wheels(places, '/usr')
+
+    spec = install_files.kernel_spec(ros)
+
+    assert spec['display_name'] == 'ROS 2 Jazzy'
+    assert spec['argv'][0] == ros.python
+    assert spec['env']['PATH'] == f'{places.venv}/bin:${{PATH}}'
+    assert spec['env']['PYTHONPATH'] == ros.variables['PYTHONPATH']
+
+
+def test_install_files_writes_path_file_and_switches_news_off(places):
+    """The project is importable in the venv, and JupyterLab does not ask about news."""
+    install_files.install_files(places, describe.describe_wheels(places, '/usr'))
+
+    path_file = places.site_packages() / 'ros2_course.pth'
+    page = places.venv / 'etc' / 'jupyter' / 'labconfig' / 'page_config.json'
+    assert path_file.read_text() == f'{places.project}\n'
+    assert 'announcements' in page.read_text()

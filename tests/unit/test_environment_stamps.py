@@ -1,0 +1,113 @@
+"""When a prepared environment counts as up to date."""
+
+import pytest
+
+from environment import stamps
+from environment.places import Places
+
+
+@pytest.fixture
+def places(tmp_path):
+    """Return the places of a small project."""
+    package = tmp_path / 'temp_monitor_pkg'
+    (package / 'msg').mkdir(parents=True)
+    (package / 'test').mkdir()
+    (package / 'msg' / 'Num.msg').write_text('int64 num\n')
+    return Places.of('.venv', tmp_path)
+
+
+def write_ready(places, environ, python_version):
+    """Note that the project as it is now was prepared."""
+    stamps.write_ready(places, environ, python_version, stamps.whole_digest(places))
+
+
+def test_is_ready_nothing_prepared_is_false(places):
+    """An empty folder is not ready."""
+    assert not stamps.is_ready(places, {})
+
+
+def test_is_ready_after_write_is_true(places):
+    """What was written last is ready, in a shell that asks for nothing."""
+    write_ready(places, {}, '3.12')
+
+    assert stamps.is_ready(places, {})
+    assert stamps.is_ready(places, {'PYTHON': '', 'ROS_SOURCE': ''})
+
+
+@pytest.mark.parametrize('name', ['msg/Num.msg', 'msg/New.msg', 'package.xml'])
+def test_is_ready_changed_source_is_false(places, name):
+    """A changed or added file of the ROS package has to be built."""
+    write_ready(places, {}, '3.12')
+    (places.package / name).write_text('float64 changed\n')
+
+    assert not stamps.is_ready(places, {})
+
+
+def test_is_ready_changed_test_is_true(places):
+    """The package's tests are not installed, so they need no build."""
+    write_ready(places, {}, '3.12')
+    (places.package / 'test' / 'test_new.py').write_text('')
+    (places.package / '__pycache__').mkdir()
+    (places.package / '__pycache__' / 'x.pyc').write_text('')
+
+    assert stamps.is_ready(places, {})
+
+
+def test_is_ready_edited_while_preparing_is_false(places):
+    """What was edited during the set-up is not taken for prepared."""
+    before = stamps.whole_digest(places)
+    (places.package / 'msg' / 'Num.msg').write_text('int32 num\n')
+    stamps.write_ready(places, {}, '3.12', before)
+
+    assert not stamps.is_ready(places, {})
+
+
+def test_is_ready_moved_project_is_false(places, tmp_path):
+    """Scripts of a venv name its folder, so a moved project is prepared anew."""
+    write_ready(places, {}, '3.12')
+    moved = tmp_path.with_name('moved')
+    tmp_path.rename(moved)
+
+    assert not stamps.is_ready(Places.of('.venv', moved), {})
+
+
+@pytest.mark.parametrize('text', ['', '{', '[]', '{"digest": 1}'])
+def test_is_ready_damaged_stamp_is_false(places, text):
+    """A damaged stamp only means that the set-up looks again."""
+    write_ready(places, {}, '3.12')
+    places.ready.write_text(text)
+
+    assert not stamps.is_ready(places, {})
+
+
+def test_is_ready_other_python_asked_for_is_false(places):
+    """PYTHON=... counts only if it was asked for when the environment was prepared."""
+    write_ready(places, {'PYTHON': 'python3.11'}, '3.11')
+
+    assert stamps.is_ready(places, {'PYTHON': 'python3.11'})
+    assert stamps.is_ready(places, {})
+    assert not stamps.is_ready(places, {'PYTHON': 'python3.12'})
+
+
+def test_is_ready_newly_sourced_ros_is_false(places):
+    """In a shell with ROS 2 Jazzy sourced an environment from PyPI is looked at again."""
+    sourced = {'ROS_DISTRO': 'jazzy', 'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}
+    write_ready(places, {}, '3.12')
+
+    assert not stamps.is_ready(places, sourced)
+    assert stamps.is_ready(places, {**sourced, 'ROS_DISTRO': 'humble'})
+
+
+def test_is_ready_sourced_once_serves_later_shells(places):
+    """Once prepared with a sourced ROS 2, nobody needs to source it again."""
+    sourced = {'ROS_DISTRO': 'jazzy', 'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}
+    write_ready(places, sourced, '3.12')
+
+    assert stamps.is_ready(places, sourced)
+    assert stamps.is_ready(places, {})
+    assert not stamps.is_ready(places, {'ROS_SOURCE': 'wheels'})
+
+
+def test_digest_of_borders_count():
+    """Moving text from one part to the next changes the digest."""
+    assert stamps.digest_of('ab', 'c') != stamps.digest_of('a', 'bc')

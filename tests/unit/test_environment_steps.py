@@ -1,0 +1,217 @@
+"""Running steps: resuming, explaining, waiting for one another."""
+
+import io
+import os
+import subprocess
+import sys
+
+import pytest
+
+from environment import prepare
+from environment.places import Places
+from environment.plan import make_plan
+from environment.steps import locked, run_steps, Screen, Step, StepError
+
+
+class FakeSetUp:
+    """
+    A set-up of three steps that remember what they did in files.
+
+    :param folder: where
+    """
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.out = io.StringIO()
+        self.ran = []
+        self.fail_in = None
+
+    def steps(self):
+        """Return the three steps."""
+        return [
+            Step(
+                name,
+                f'Step {name}',
+                lambda name=name: not (self.folder / name).exists(),
+                lambda job, name=name: self.run(name, job),
+                try_this=f'mend {name}',
+            )
+            for name in ('one', 'two', 'three')
+        ]
+
+    def run(self, name, job):
+        """Do one step, or fail as asked."""
+        self.ran.append(name)
+        print(f'working on {name}', file=job.log, flush=True)
+        if self.fail_in == name:
+            raise StepError(f'{name} broke')
+        (self.folder / name).touch()
+
+    def go(self, **screen):
+        """Run the steps and return whether all went well."""
+        return run_steps(self.steps(), self.folder / 'logs', Screen(self.out, **screen))
+
+
+@pytest.fixture
+def fake(tmp_path):
+    """Return a fake set-up."""
+    return FakeSetUp(tmp_path)
+
+
+def test_run_steps_all_needed_runs_in_order(fake):
+    """Every step runs once and is announced."""
+    assert fake.go()
+    assert fake.ran == ['one', 'two', 'three']
+    assert '[2/3] Step two ...' in fake.out.getvalue()
+
+
+def test_run_steps_second_time_does_nothing(fake):
+    """When all is done nothing runs and nothing is said."""
+    fake.go()
+    fake.out.truncate(0)
+    fake.ran.clear()
+
+    assert fake.go()
+    assert fake.ran == []
+    assert '[' not in fake.out.getvalue()
+
+
+def test_run_steps_failure_explains_and_stops(fake):
+    """A failed step says what failed, shows the end of its log and what to do."""
+    fake.fail_in = 'two'
+
+    assert not fake.go()
+    assert fake.ran == ['one', 'two']
+    text = fake.out.getvalue()
+    assert '[2/3] Step two: FAILED: two broke' in text
+    assert '| working on two' in text
+    assert 'try: mend two' in text
+
+
+def test_run_steps_after_failure_goes_on_there(fake):
+    """Run again, a half-finished set-up does only the rest."""
+    fake.fail_in = 'two'
+    fake.go()
+    fake.fail_in = None
+    fake.ran.clear()
+
+    assert fake.go()
+    assert fake.ran == ['two', 'three']
+
+
+def test_run_steps_killed_step_runs_again(fake):
+    """A step that was killed left no stamp, so it runs again."""
+    fake.run = lambda name, job: (_ for _ in ()).throw(KeyboardInterrupt)
+    with pytest.raises(KeyboardInterrupt):
+        fake.go()
+    del fake.run
+
+    assert fake.go()
+    assert fake.ran == ['one', 'two', 'three']
+
+
+def test_run_steps_on_ci_says_one_line_a_step(fake):
+    """On CI a step that works is one line."""
+    fake.go(quiet=True)
+
+    lines = fake.out.getvalue().splitlines()
+    assert len(lines) == 3
+    assert all('done in' in line for line in lines)
+
+
+def test_job_run_failing_command_tells_its_code(tmp_path):
+    """A command that fails is named with its code, and its output is in the log."""
+    command = [sys.executable, '-S', '-c', 'print("some words"); raise SystemExit(3)']
+    step = Step('x', 'X', lambda: True, lambda job: job.run(command, os.environ, 'tool'))
+    out = io.StringIO()
+
+    assert not run_steps([step], tmp_path, Screen(out))
+    assert 'tool ended with code 3' in out.getvalue()
+    assert '| some words' in out.getvalue()
+
+
+def test_job_run_missing_command_is_a_step_error(tmp_path):
+    """A command that is not there is explained like any failure."""
+    step = Step('x', 'X', lambda: True, lambda job: job.run(['/no/such/tool'], {}))
+    out = io.StringIO()
+
+    assert not run_steps([step], tmp_path, Screen(out))
+    assert 'tool did not start' in out.getvalue()
+
+
+def test_locked_second_holder_waits(tmp_path):
+    """While one process holds the lock another says that it waits, and then goes on."""
+    lock = tmp_path / 'venv.lock'
+    code = (
+        'import sys, pathlib; from environment.steps import locked, Screen\n'
+        'with locked(pathlib.Path(sys.argv[1]), Screen()): print("in")'
+    )
+    with locked(lock, Screen(io.StringIO())):
+        other = subprocess.Popen(
+            [sys.executable, '-S', '-c', code, str(lock)],
+            cwd=Places.of('.venv').project,
+            env={'PATH': os.environ['PATH'], 'PYTHONPATH': '.'},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        with other.stderr:
+            assert 'waiting' in other.stderr.readline()
+        assert other.poll() is None
+
+    with other.stdout:
+        assert other.stdout.readline() == 'in\n'
+    assert other.wait(10) == 0
+
+
+def test_clear_venv_foreign_folder_is_refused(tmp_path):
+    """A folder with somebody's files is never emptied."""
+    (tmp_path / '.venv').mkdir()
+    (tmp_path / '.venv' / 'thesis.txt').touch()
+
+    with pytest.raises(StepError, match='other files'):
+        prepare.clear_venv(Places.of('.venv', tmp_path))
+    assert (tmp_path / '.venv' / 'thesis.txt').exists()
+
+
+def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
+    """A half-made venv is removed with its stamps; the log being written stays."""
+    places = Places.of('.venv', tmp_path)
+    (places.venv / 'lib').mkdir(parents=True)
+    (places.venv / 'lib64').symlink_to('lib')
+    (places.venv / 'pyvenv.cfg').touch()
+    places.logs.mkdir(parents=True)
+    (places.logs / 'venv.log').touch()
+    (places.notes / 'packages.stamp').touch()
+
+    prepare.clear_venv(places)
+
+    assert sorted(path.name for path in places.venv.rglob('*')) == [
+        'logs',
+        'ros2_course',
+        'venv.log',
+    ]
+
+
+def test_make_plan_existing_venv_keeps_its_python(tmp_path):
+    """A venv made with another Python keeps it until another one is asked for."""
+    subprocess.run([sys.executable, '-m', 'venv', '--without-pip', tmp_path / 'v'], check=True)
+    environ = {'PATH': '/nowhere', 'HOME': '/nowhere'}
+
+    plan = make_plan(Places.of('v', tmp_path), environ)
+
+    assert plan.kind == 'wheels'
+    assert plan.interpreter.base_prefix == sys.base_prefix
+
+
+def test_make_plan_unknown_source_is_refused(tmp_path):
+    """A misspelt ROS_SOURCE is an error, not a guess."""
+    with pytest.raises(StepError, match='expected wheels or sourced'):
+        make_plan(Places.of('.venv', tmp_path), {'ROS_SOURCE': 'apt'})
+
+
+def test_make_plan_sourced_asked_for_but_absent_is_refused(tmp_path):
+    """ROS_SOURCE=sourced without a sourced ROS 2 says what to source."""
+    with pytest.raises(StepError) as caught:
+        make_plan(Places.of('.venv', tmp_path), {'ROS_SOURCE': 'sourced'})
+    assert 'setup.bash' in caught.value.try_this

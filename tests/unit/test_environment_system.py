@@ -1,0 +1,107 @@
+"""Programs from the system: installed where allowed, otherwise named."""
+
+import os
+
+import pytest
+
+from environment import system
+from environment.steps import Job, StepError
+
+FAKE_APT = """#!/bin/sh
+echo "$@" >> {log}
+[ "$1" = install ] || exit {update_code}
+for package; do
+  case $package in
+    g++|make) : > {folder}/$package; chmod +x {folder}/$package;;
+    bubblewrap) : > {folder}/bwrap; chmod +x {folder}/bwrap;;
+  esac
+done
+"""
+
+
+@pytest.fixture
+def machine(tmp_path, monkeypatch):
+    """Return a folder that is all of the PATH, with room for a fake apt-get."""
+    folder = tmp_path / 'bin'
+    folder.mkdir()
+    monkeypatch.setenv('PATH', str(folder))
+    (folder / 'sh').symlink_to('/bin/sh')
+    (folder / 'chmod').symlink_to('/bin/chmod')
+    return folder
+
+
+def add_apt(folder, update_code=0):
+    """Put a fake apt-get on the PATH; return the file in which it notes its arguments."""
+    log = folder.parent / 'apt.log'
+    program = folder / 'apt-get'
+    program.write_text(FAKE_APT.format(log=log, folder=folder, update_code=update_code))
+    program.chmod(0o755)
+    return log
+
+
+def install(python=None):
+    """Run the step with the PATH as it is."""
+    with open(os.devnull, 'w') as log:
+        system.install_missing(Job(log), os.environ, python)
+
+
+def test_install_missing_as_root_uses_apt(machine, monkeypatch):
+    """As root everything that is missing is installed by one apt-get."""
+    monkeypatch.setattr(os, 'geteuid', lambda: 0)
+    log = add_apt(machine)
+
+    install()
+
+    update, installed = log.read_text().splitlines()
+    assert update.startswith('update')
+    assert installed.endswith(' g++ make bubblewrap python3 python3-venv python3-dev')
+    assert system.missing_tools() == []
+
+
+def test_install_missing_update_fails_installs_from_old_lists(machine, monkeypatch):
+    """Package lists that cannot be renewed are no reason to give up."""
+    monkeypatch.setattr(os, 'geteuid', lambda: 0)
+    add_apt(machine, update_code=100)
+
+    install()
+
+    assert system.missing_tools() == []
+
+
+def test_install_missing_without_root_names_the_command(machine, monkeypatch):
+    """Without root and sudo the error has the one command to type."""
+    monkeypatch.setattr(os, 'geteuid', lambda: 1000)
+    log = add_apt(machine)
+
+    with pytest.raises(StepError, match=r'C\+\+ compiler, make') as caught:
+        install()
+
+    assert 'sudo apt-get install -y g++ make bubblewrap' in caught.value.try_this
+    assert not log.exists()
+
+
+def test_install_missing_only_bubblewrap_goes_on(machine, monkeypatch):
+    """Lessons work without bubblewrap, so its absence does not stop the set-up."""
+    monkeypatch.setattr(os, 'geteuid', lambda: 1000)
+    for name in ('g++', 'make'):
+        (machine / name).write_text('')
+        (machine / name).chmod(0o755)
+    python = type('Python', (), {'path': '/opt/python3', 'has_venv': True, 'has_headers': True})
+
+    install(python)
+
+    assert [tool.command for tool in system.missing_tools()] == ['bwrap']
+
+
+def test_apt_get_with_password_is_not_used(machine, monkeypatch):
+    """A sudo that asks for a password would hang a set-up without a keyboard."""
+    monkeypatch.setattr(os, 'geteuid', lambda: 1000)
+    add_apt(machine)
+    sudo = machine / 'sudo'
+    sudo.write_text('#!/bin/sh\nexit 1\n')
+    sudo.chmod(0o755)
+
+    assert system.apt_get(os.environ) is None
+
+    sudo.write_text('#!/bin/sh\nexit 0\n')
+    assert system.apt_get(os.environ)[:2] == [str(sudo), '-n']
