@@ -1,0 +1,131 @@
+"""Properties of the temperature logic for any input, and the files that describe the package."""
+
+import ast
+import math
+from pathlib import Path
+import re
+from xml.etree import ElementTree
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+import pytest
+
+from temp_monitor_pkg.heating_profile import Heating, SENSOR_MAX_C, SENSOR_MIN_C, SimulatedSensor
+from temp_monitor_pkg.threshold import Finding, judge
+from temp_monitor_pkg.units import from_celsius, to_celsius, UNITS
+
+PACKAGE = Path(__file__).parents[2] / 'temp_monitor_pkg'
+
+# A busy machine is no failure: no time limit for a single example.
+untimed = settings(deadline=None)
+
+any_float = st.floats()
+plausible_c = st.floats(min_value=-100.0, max_value=200.0)
+
+
+@untimed
+@given(value_c=plausible_c, unit=st.sampled_from(UNITS))
+def test_units_there_and_back_is_the_same_temperature(value_c, unit):
+    """Converting to any unit and back changes nothing that a sensor could measure."""
+    assert to_celsius(from_celsius(value_c, unit), unit) == pytest.approx(value_c, abs=1e-9)
+
+
+@untimed
+@given(value=any_float, unit=st.one_of(st.sampled_from(UNITS), st.text()), limit_c=plausible_c)
+def test_judge_any_reading_is_judged_without_an_exception(value, unit, limit_c):
+    """No reading, however odd, stops the monitor, and the finding fits the reading."""
+    finding = judge(value, unit, limit_c).finding
+
+    assert (finding is Finding.UNKNOWN_UNIT) == (unit not in UNITS)
+    if unit == 'Celsius':
+        assert (finding is Finding.TOO_HOT) == (value > limit_c)
+        assert (finding is Finding.NOT_A_NUMBER) == math.isnan(value)
+
+
+@untimed
+@given(limit_c=plausible_c)
+def test_judge_threshold_itself_is_normal_and_the_next_number_is_not(limit_c):
+    """Strictly above means: the smallest step over the threshold counts, equality does not."""
+    above_c = math.nextafter(limit_c, math.inf)
+
+    assert judge(limit_c, 'Celsius', limit_c).finding is Finding.NORMAL
+    assert judge(above_c, 'Celsius', limit_c).finding is Finding.TOO_HOT
+
+
+@untimed
+@given(value_c=plausible_c, limit_c=plausible_c)
+def test_judge_words_never_name_two_equal_numbers(value_c, limit_c):
+    """The sentence about a hot reading shows a difference, however small it is."""
+    judgement = judge(value_c, 'Celsius', limit_c)
+    if judgement.finding is Finding.TOO_HOT:
+        numbers = re.findall(r'-?\d[\d.e+-]*', judgement.text)
+        assert len(set(numbers)) == 2
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(min_value=0, max_value=2**31 - 1),
+    rate_hz=st.sampled_from([0.5, 1.0, 4.0, 10.0]),
+)
+def test_sensor_default_heating_warns_within_a_minute_at_any_rate(seed, rate_hz):
+    """Whoever runs the two nodes for a minute sees a warning, and cool readings as well."""
+    sensor = SimulatedSensor(Heating(), seed)
+    values = []
+    for _ in range(int(60 * rate_hz)):
+        values.append(sensor.read())
+        sensor.advance(1.0 / rate_hz)
+
+    assert min(values) < 30.0 < max(values)
+    assert all(math.isfinite(value) and SENSOR_MIN_C <= value <= SENSOR_MAX_C for value in values)
+
+
+def _fields(name):
+    """Return the (type, name) pairs of one message file."""
+    lines = (PACKAGE / 'msg' / name).read_text(encoding='utf-8').splitlines()
+    return [tuple(line.split()) for line in lines if line.strip() and not line.startswith('#')]
+
+
+def test_messages_have_exactly_the_fields_of_the_course():
+    """The lesson, the exams and the package agree on the messages."""
+    assert _fields('Temperature.msg') == [
+        ('float64', 'temperature_value'),
+        ('string', 'unit'),
+        ('builtin_interfaces/Time', 'timestamp'),
+        ('string', 'sensor_id'),
+    ]
+    assert _fields('Num.msg') == [
+        ('int64', 'num'),
+        ('string', 'description'),
+        ('float64[]', 'values'),
+    ]
+
+
+def test_package_xml_declares_what_interfaces_need():
+    """The declarations without which the messages do not build, or build and do not work."""
+    root = ElementTree.parse(PACKAGE / 'package.xml').getroot()
+    declared = {(element.tag, element.text) for element in root}
+
+    assert root.get('format') == '3'
+    assert {
+        ('buildtool_depend', 'ament_cmake'),
+        ('buildtool_depend', 'rosidl_default_generators'),
+        ('depend', 'builtin_interfaces'),
+        ('exec_depend', 'rclpy'),
+        ('exec_depend', 'rosidl_default_runtime'),
+        ('member_of_group', 'rosidl_interface_packages'),
+    } <= declared
+    assert root.findtext('export/build_type') == 'ament_cmake'
+
+
+def test_launch_file_is_python_with_the_expected_entry():
+    """PyPI has no launch system, so here the file can only be read, not run."""
+    source = (PACKAGE / 'launch' / 'temp_monitor.launch.py').read_text(encoding='utf-8')
+    functions = [node.name for node in ast.parse(source).body if hasattr(node, 'name')]
+
+    assert functions == ['generate_launch_description']
+
+
+def test_no_module_shadows_the_generated_package():
+    """An __init__.py in the source folder would hide the messages from a python started there."""
+    assert not (PACKAGE / 'temp_monitor_pkg' / '__init__.py').exists()
+    assert not (PACKAGE / '__init__.py').exists()
