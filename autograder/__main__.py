@@ -9,16 +9,20 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 import json
 import os
 from pathlib import Path
 import sys
+import threading
 import time
 from typing import Any, TYPE_CHECKING
 
+import psutil
+
 from autograder.errors import GraderError, SandboxUnavailable
 from autograder.layout import Layout
+from autograder.pipeline import THREADS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -52,11 +56,46 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return USAGE
     except KeyboardInterrupt:
         print('\nStopped. Finished runs are kept; the same command goes on.', file=sys.stderr)
-        sys.stdout.flush()
-        sys.stderr.flush()
-        # The pool's threads still wait for sandboxes, which end with this process.
-        os._exit(STOPPED)
+        _end_runs()
+        return STOPPED
     return code
+
+
+def _end_runs(within_s: float = 5.0) -> None:
+    """
+    End what the pool's threads still run, so that they clean up and come to their end.
+
+    Dying with the runs is not enough: a sandbox that is just being set up is not yet tied to
+    this process.
+
+    :param within_s: if it takes longer, the process ends without them
+    """
+    deadline = time.monotonic() + within_s
+    while threads := [one for one in threading.enumerate() if one.name.startswith(THREADS)]:
+        for process in _inside_sandboxes():
+            with suppress(psutil.Error):
+                process.kill()
+        threads[0].join(0.05)
+        if time.monotonic() > deadline:
+            os._exit(STOPPED)
+
+
+def _inside_sandboxes() -> list[psutil.Process]:
+    """
+    Return what runs for us, in the order in which it should end.
+
+    Probes come first: none may live to record that a student's program was killed.  The outer
+    process of a sandbox is left out, because it ends with the inner one and would orphan it.
+    """
+    probes: list[psutil.Process] = []
+    others: list[psutil.Process] = []
+    for process in reversed(psutil.Process().children(recursive=True)):
+        with suppress(psutil.Error):
+            if process.name() == 'bwrap' and process.ppid() == os.getpid():
+                continue
+            probing = any(word.endswith('/probe.py') for word in process.cmdline())
+            (probes if probing else others).append(process)
+    return [*probes, *others]
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -1,10 +1,8 @@
 """
 Why a check failed: the likely cause, from what the probe saw and how the program ended.
 
-Each function returns the keyword arguments that :class:`~autograder.exam.Failed` adds to expected
-and observed: ``cause``, ``cause_id``, ``try_this``.  What a program printed about itself may name
-a cause; it never decides a verdict.  When nothing points anywhere, the cause stays empty: a
-misleading cause is worse than none.
+What a program printed about itself may name a cause; it never decides a verdict.  When nothing
+points anywhere, the answer is None: a misleading cause is worse than none.
 """
 
 from __future__ import annotations
@@ -14,9 +12,7 @@ from dataclasses import dataclass
 import difflib
 import re
 
-from autograder.exam import Run
-
-Cause = dict[str, str]
+from autograder.exam import Cause, Run
 
 _FRAME = re.compile(r'File "[^"]*/(?P<file>[A-Za-z0-9_]+\.py)", line (?P<line>\d+)')
 _ERROR = re.compile(r'^(?P<type>[A-Za-z_][\w.]*(?:Error|Exception|Interrupt|Exit|Invalid\w*))\b')
@@ -37,11 +33,6 @@ LIMITS = {
     'too_much_recorded': ('it sent more than 32 MB', 'a publish in a loop without a pause'),
     'too_many_events': ('it sent thousands of messages', 'a publish in a loop without a pause'),
 }
-
-
-def cause(cause_id: str, text: str, try_this: str) -> Cause:
-    """Return the three facts under their names."""
-    return {'cause_id': cause_id, 'cause': text, 'try_this': try_this}
 
 
 @dataclass(frozen=True)
@@ -84,29 +75,29 @@ def exception_cause(trace: Traceback) -> Cause:
     # Line 1 of the cell is the magic line, so line n of the file is line n + 1 of the cell.
     where = f' in line {trace.line + 1} of the cell' if trace.line else ''
     if trace.kind == 'NotImplementedError':
-        return cause(
+        return Cause(
             'not_started',
             f'The exercise still raises NotImplementedError{where}.',
             'Replace that line with your own code and run the cell again.',
         )
     if trace.kind in ('SyntaxError', 'IndentationError', 'TabError'):
-        return cause(
+        return Cause(
             'syntax', f'Python cannot read the file{where}: {trace.error}', 'Mend that line.'
         )
     if trace.kind in ('ModuleNotFoundError', 'ImportError'):
-        return cause(
+        return Cause(
             'import',
             f'An import fails{where}: {trace.error}',
             'Check the spelling of the package and of the name.',
         )
-    return cause(
+    return Cause(
         'exception',
         f'The program stopped with an exception{where}: {trace.error}',
         'Read the last line of the traceback first, then the line of your cell that it names.',
     )
 
 
-def why_it_ended(run: Run) -> Cause:
+def why_it_ended(run: Run) -> Cause | None:
     """Explain a program that is gone or was ended; empty if it was alive to the end."""
     recording = run.recording
     killed = str(recording.process.get('killed', '')) or recording.end_reason
@@ -114,20 +105,20 @@ def why_it_ended(run: Run) -> Cause:
         killed = 'busy_before_node'  # on a busy machine the clock strikes before the limit
     if killed in LIMITS:
         what, why = LIMITS[killed]
-        return cause(killed, f'The program was ended: {what}.', f'Look for {why}.')
+        return Cause(killed, f'The program was ended: {what}.', f'Look for {why}.')
     trace = traceback_of(run)
     if trace is not None and recording.process.get('exit') is not None:
         return exception_cause(trace)
     code = recording.process.get('exit')
     if code == 0:
-        return cause(
+        return Cause(
             'exited_early',
             'The program ended by itself before anything could happen.',
             'Does main() call rclpy.spin(node)? Without it the program runs to its end at once.',
         )
     if code is not None:
-        return cause('died', f'The program died with exit code {code}.', 'Run it in a terminal.')
-    return {}
+        return Cause('died', f'The program died with exit code {code}.', 'Run it in a terminal.')
+    return None
 
 
 def close_name(wanted: str, names: Iterable[str]) -> str:
@@ -145,12 +136,12 @@ def why_no_node(run: Run, wanted: str) -> Cause:
     others = [name for name in run.recording.nodes if name != wanted]
     near = close_name(wanted, others) or (others[0] if others else '')
     if near:
-        return cause(
+        return Cause(
             'node_name',
             f'There is a node called {near[1:]}.',
             f"Give super().__init__() the name '{wanted[1:]}'.",
         )
-    return why_it_ended(run) or cause(
+    return why_it_ended(run) or Cause(
         'no_node',
         'The program runs but never creates a node.',
         'Create your node in main(): rclpy.init(), then the class, then rclpy.spin(node).',
@@ -167,7 +158,7 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
     create = f'create_{kind}'
     for end in recording.endpoints(kind, topic):
         if end['type'] != type_name:
-            return cause(
+            return Cause(
                 'wrong_type',
                 f'Your {kind} on {topic} has the type {end["type"]}.',
                 f'Pass the class {type_name.rpartition("/")[2]} to {create}().',
@@ -177,14 +168,14 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
         (end['topic'] for end in recording.endpoints(kind) if end['type'] == type_name), ''
     )
     if near:
-        return cause(
+        return Cause(
             'topic_name',
             f'Your {kind} uses the topic {near}; did you mean {topic}?',
             f"Give {create}() the name '{topic[1:]}'.",
         )
     other = {'publisher': 'subscription', 'subscription': 'publisher'}[kind]
     if recording.endpoints(other, topic):
-        return cause(
+        return Cause(
             'wrong_direction',
             f'Your node has a {other} on {topic}, not a {kind}.',
             f'Use {create}().',
@@ -194,27 +185,27 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
         return ended
     if not recording.nodes:
         return why_no_node(run, '/?')
-    return cause(
+    return Cause(
         'no_endpoint', f'Your node creates no {kind}.', f'Call self.{create}() in __init__().'
     )
 
 
-def why_silent(run: Run) -> Cause:
+def why_silent(run: Run) -> Cause | None:
     """Explain a node whose endpoints are right and from which nothing comes."""
     ended = why_it_ended(run)
     if ended:
         return ended
     if run.recording.end_reason == 'unresponsive':
-        return cause(
+        return Cause(
             'blocked',
             'A callback of your node does not come to an end.',
             'A callback must return: use a timer instead of a loop or time.sleep().',
         )
     barriers = run.recording.of('barrier')
     if barriers and not any(event['answered'] for event in barriers):
-        return cause(
+        return Cause(
             'never_spun',
             'Your node exists but nobody spins it, so no callback ever runs.',
             'Call rclpy.spin(node) in main(), with the node that you created.',
         )
-    return {}
+    return None

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import zipfile
 
 from autograder.errors import ExamInvalid, GraderError
+from autograder.extract import CHECK_PREFIX
 from autograder.layout import Layout
 from autograder.submission import marks_of, Notebook, read_release
 
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from autograder.exam import Exam
 
 CHECK_CELL = re.compile(r"^check\((['\"])(?P<exam>\w+)\1\)$")
-CHECK_PREFIX = 'check_'
 BUNDLED = (
     'README.md',
     'environment.md',

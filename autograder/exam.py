@@ -28,35 +28,39 @@ from autograder.errors import ExamInvalid
 from autograder.recording import Recording
 
 
+@dataclass(frozen=True)
+class Cause:
+    """
+    Why a check probably failed.
+
+    :param cause_id: short stable name, for statistics and tests
+    :param text: the reason in the learner's words
+    :param try_this: the next thing to do
+    """
+
+    cause_id: str
+    text: str
+    try_this: str
+
+
 class Failed(Exception):
     """
     A check fails, for a reason the learner can act on.
 
     :param expected: what the exercise asks for, with numbers and units
     :param observed: what was seen instead
-    :param cause: likely reason in words; leave it out when unsure
-    :param cause_id: short stable name of the cause
-    :param try_this: the next thing to do
+    :param why: the likely cause; leave it out when unsure
     :param share: part of the check's points that is earned all the same, 0 to 1
     """
 
     def __init__(
-        self,
-        *,
-        expected: str,
-        observed: str,
-        cause: str = '',
-        cause_id: str = '',
-        try_this: str = '',
-        share: float = 0.0,
+        self, *, expected: str, observed: str, why: Cause | None = None, share: float = 0.0
     ) -> None:
-        """Keep the five facts apart; the report lays them out."""
+        """Keep the facts apart; the report lays them out."""
         super().__init__(observed)
         self.expected = expected
         self.observed = observed
-        self.cause = cause
-        self.cause_id = cause_id
-        self.try_this = try_this
+        self.why = why
         self.share = share
 
 

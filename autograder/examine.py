@@ -20,7 +20,7 @@ from autograder.errors import ProbeFailed, RecordingInvalid
 from autograder.exam import Exam, Run
 from autograder.judge import judge, worth_running
 from autograder.observe import observe
-from autograder.recording import Recording, header
+from autograder.recording import header, Recording
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.sandbox import HERE, Sandbox
 

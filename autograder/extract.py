@@ -15,6 +15,9 @@ from autograder.cells import CellFile, CellSyntaxError, parse_cell
 from autograder.results import Problem
 from autograder.submission import marks_of, Notebook, Opened
 
+CHECK_PREFIX = 'check_'
+"""The check cell of an exam has this and the exam's name as its grade id."""
+
 _MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg'}
 
 

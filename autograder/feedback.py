@@ -41,18 +41,19 @@ def exam_text(result: ExamResult, problems: Iterable[Problem] = ()) -> str:
     lines += [f'Note: {problem.line()}' for problem in problems]
     if result.note:
         lines.append(f'Note: {result.note}')
+    titles = {check.check: check.title for check in result.checks}
     for check in result.checks:
         lines.append('')
-        lines += _check_lines(check)
+        lines += _check_lines(check, titles.get(check.waits_for, check.waits_for))
     return printable('\n'.join(lines)) + '\n'
 
 
-def _check_lines(check: CheckResult) -> list[str]:
+def _check_lines(check: CheckResult, waits_for: str) -> list[str]:
     """Return the lines about one check."""
     points = f'({number(check.points)} of {number(check.max_points)})'
     lines = [f'{_SIGN[check.verdict]} {check.title} {points}']
     if check.verdict is Verdict.NOT_RUN:
-        return [*lines, f'       not looked at, waits for: {check.waits_for}']
+        return [*lines, f'       not looked at, waits for: {waits_for}']
     if check.verdict is Verdict.PASSED:
         return lines
     facts = {

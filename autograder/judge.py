@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from autograder.errors import GraderError
-from autograder.exam import Check, Exam, Failed, Run
+from autograder.exam import Cause, Check, Exam, Failed, Run
 from autograder.recording import Recording
 from autograder.results import CheckResult, Verdict
 
@@ -61,6 +61,7 @@ def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResul
     try:
         check.judge(run)
     except Failed as failure:
+        why = failure.why or Cause('', '', '')
         return CheckResult(
             check=check.name,
             title=check.title,
@@ -69,9 +70,9 @@ def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResul
             max_points=check.points,
             expected=failure.expected,
             observed=failure.observed,
-            cause=failure.cause,
-            cause_id=failure.cause_id,
-            try_this=failure.try_this,
+            cause=why.text,
+            cause_id=why.cause_id,
+            try_this=why.try_this,
             read=read,
         )
     except Exception as error:  # noqa: BLE001 - any other exception is ours, whatever its type

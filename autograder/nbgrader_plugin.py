@@ -26,10 +26,11 @@ from nbformat import from_dict, NotebookNode
 from nbformat.v4 import new_output
 from nbgrader import utils
 from nbgrader.preprocessors import ClearSolutions, NbGraderPreprocessor, SaveAutoGrades
-from traitlets import Instance, Unicode
+from traitlets import Unicode
 from traitlets.utils.importstring import import_item
 
 from autograder.cells import CellSyntaxError, parse_cell, UNSOLVED
+from autograder.extract import CHECK_PREFIX
 from autograder.feedback import exam_text, FOR_REVIEW
 from autograder.inbox import read_file
 from autograder.layout import Layout
@@ -37,7 +38,6 @@ from autograder.pipeline import Engine, grade_opened, Lesson, load_lesson
 from autograder.results import ExamResult, Problem, SubmissionResult
 from autograder.submission import open_submission, Opened, read_release
 
-CHECK_PREFIX = 'check_'
 _STUBS = {
     'node': f'# {UNSOLVED}\nraise NotImplementedError()',
     'rosmsg': f'# {UNSOLVED}',
@@ -54,7 +54,7 @@ def safe_markdown(source: str) -> str:
     return str(clean_html(markdown2html(source)))
 
 
-class ClearSolutionsByKind(ClearSolutions):  # type: ignore[misc]
+class ClearSolutionsByKind(ClearSolutions):
     """nbgrader's ClearSolutions with a stub that fits the file a cell is."""
 
     def preprocess_cell(self, cell: NotebookNode, resources: Resources, cell_index: int) -> Step:
@@ -71,7 +71,7 @@ class ClearSolutionsByKind(ClearSolutions):  # type: ignore[misc]
                 'got none: the magic line would be cleared with the solution.'
             )
         kind = file.name if file.kind == 'rospkg' else file.kind
-        self.code_stub = {**_STUBS, **self.code_stub}
+        self.set_trait('code_stub', {**_STUBS, **self.code_stub})
         cell, _ = super().preprocess_cell(cell, {**resources, 'language': kind}, cell_index)
         return cell, resources
 
@@ -121,7 +121,7 @@ class GradeOutside(NbGraderPreprocessor):
         config=True
     )
 
-    _engine: Engine | None = Instance(object, allow_none=True)  # type: ignore[assignment]
+    _engine: Engine | None = None
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
         """Grade a notebook, unless the results came along (see :mod:`autograder.record`)."""

@@ -22,8 +22,8 @@ from typing import Any
 
 from autograder.errors import ProbeFailed
 from autograder.exam import Scenario
-from autograder.recording import Recording, header
-from autograder.sandbox import HERE, Confined, Limits, Program, Sandbox
+from autograder.recording import header, Recording
+from autograder.sandbox import Confined, HERE, Limits, Program, Sandbox
 
 KEPT_OUTPUT = 64 * 1024
 LARGEST_RECORDING = 32 << 20
@@ -143,7 +143,8 @@ class _Watched:
     def _loop(self) -> None:
         # A neutral name that no program can know beforehand.
         order = {**self.scenario.to_json(), 'name': f'n{secrets.token_hex(6)}'}
-        assert self.probe.stdin and self.probe.stdout
+        assert self.probe.stdin is not None
+        assert self.probe.stdout is not None
         self.probe.stdin.write(json.dumps(order).encode() + b'\n')
         self.probe.stdin.flush()
         with selectors.DefaultSelector() as pipes:
@@ -200,6 +201,10 @@ class _Watched:
                 self.ready_s = time.monotonic()
                 self.student.release()
                 continue
+            if event['event'] == 'is_it_quiet':
+                wait_until_quiet(self.student.pid)
+                self._tell_probe(b'quiet\n')
+                continue
             self.events.append(event)
             self.done = self.done or event['event'] == 'end'
         if self.recorded > LARGEST_RECORDING:
@@ -207,12 +212,15 @@ class _Watched:
 
     def _student_ended(self) -> None:
         self.exit = self.student.process.wait()
-        assert self.probe.stdin
+        self._tell_probe(b'exited\n')
+
+    def _tell_probe(self, line: bytes) -> None:
+        assert self.probe.stdin is not None
         try:
-            self.probe.stdin.write(b'exited\n')
+            self.probe.stdin.write(line)
             self.probe.stdin.flush()
         except BrokenPipeError:
-            pass  # the probe ended first
+            pass  # it ended first
 
     def _over_limit(self, now: float) -> str:
         """Return the name of the limit that is passed, or nothing."""
@@ -252,6 +260,39 @@ class _Watched:
         ends = {name: data.decode(errors='replace') for name, data in self.output.items()}
         facts = {'exit': self.exit, 'killed': self.killed, 'cpu_s': round(self.cpu_s, 2)}
         return {'event': 'process', **facts, **ends}
+
+
+def wait_until_quiet(pid: int, patience_s: float = 0.05) -> bool:
+    """
+    Wait until no thread of a program runs or wants to run.
+
+    A thread in a callback runs, or waits for another thread that runs; so when all of them sleep,
+    every callback is over or sleeps too.
+
+    :param pid: host pid of the first process
+    :param patience_s: wall seconds after which a program that always computes is left alone
+    :returns: whether it was quiet
+    """
+    deadline = time.monotonic() + patience_s
+    while True:
+        if not any(state in 'RD' for state in _thread_states(pid)):
+            return True
+        if time.monotonic() > deadline:
+            return False
+        os.sched_yield()
+
+
+def _thread_states(pid: int) -> Iterator[str]:
+    pids = [pid]
+    while pids:
+        current = pids.pop()
+        try:
+            for task in os.listdir(f'/proc/{current}/task'):
+                base = f'/proc/{current}/task/{task}'
+                yield Path(f'{base}/stat').read_text('ascii', 'replace').rpartition(')')[2][1]
+                pids += map(int, Path(f'{base}/children').read_text('ascii').split())
+        except (OSError, ValueError):
+            continue  # it ended while we looked
 
 
 def usage(pid: int) -> tuple[int, float]:

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from autograder.sandbox import Sandbox
 
 
+THREADS = 'grading'
+"""How the names of the pool's threads begin."""
+
+
 class Engine(Protocol):
     """Where exams come from and how they run; tests put a quick one here."""
 
@@ -128,9 +132,14 @@ def open_one(submission: Submission, lesson: Lesson) -> Opened:
 
 
 def grade_opened(opened: Opened, student: str, lesson: Lesson, engine: Engine) -> SubmissionResult:
-    """Grade one submission, its exams one after the other."""
+    """Grade one submission, its exams at the same time."""
     files = extract(opened, lesson.exams, lesson.release, lesson.notebook)
-    outcomes = {exam.name: _run(engine, exam, files[exam.name].files) for exam in lesson.exams}
+    with ThreadPoolExecutor(max_workers=max(1, len(lesson.exams))) as pool:
+        tasks = {
+            exam.name: pool.submit(_run, engine, exam, files[exam.name].files)
+            for exam in lesson.exams
+        }
+    outcomes = {name: task.result() for name, task in tasks.items()}
     return _assemble(opened, student, lesson, files, outcomes)
 
 
@@ -165,7 +174,7 @@ def grade_class(
     opened = [open_one(submission, lesson) for submission in submissions]
     files = [extract(one, lesson.exams, lesson.release, lesson.notebook) for one in opened]
     tasks: dict[tuple[int, str], Future[ExamResult | GraderError]] = {}
-    pool = ThreadPoolExecutor(max_workers=max(1, jobs), thread_name_prefix='grade')
+    pool = ThreadPoolExecutor(max_workers=max(1, jobs), thread_name_prefix=THREADS)
     try:
         for index, found in enumerate(files):
             for exam in lesson.exams:

@@ -6,13 +6,15 @@ expected value.  It reads one JSON line from standard input, runs the scenario, 
 event a line to standard output; :mod:`autograder.recording` documents the events.  It runs as a
 process of its own, confined and disposable, because it parses whatever the student's code sends.
 
-Three rules keep the recording the same from run to run, however slow the machine is:
+Four rules keep the recording the same from run to run, however slow the machine is:
 
 1. *Discovery barrier.*  No clock before one round trip to every student node's ``get_parameters``
    service: created last on our side, it proves that the student's side knows all our endpoints.
 2. *Processing barrier.*  An executor takes one message a subscription and pass, and answers
    services last, so after K messages K + 1 round trips prove that all were handled.
-3. *Log barrier.*  A first log line can be late while a reader fetches the history; the first input
+3. *Quiet.*  Callbacks on several threads may be at work when the service answers.  After a round
+   the grader, who sees the program's threads from outside, is asked until none of them runs.
+4. *Log barrier.*  A first log line can be late while a reader fetches the history; the first input
    of a scenario is waited for until its log arrives, or a bound is reached.
 
 This file imports nothing of this project: only its text enters the probe's sandbox.
@@ -25,7 +27,6 @@ import json
 import math
 import os
 import select
-import sys
 import time
 from typing import Any
 
@@ -114,6 +115,7 @@ class Probe:
         self.input: int | None = None
         self.logs = 0
         self.student_exited = False
+        self.heard = b''
         self.clients: dict[str, Any] = {}
         self.unreachable: set[str] = set()
         self.context = Context()
@@ -205,10 +207,23 @@ class Probe:
     def spin(self, seconds: float) -> None:
         """Handle what has arrived; wait at most this long for something to arrive."""
         self.executor.spin_once(timeout_sec=seconds)
-        if select.select([sys.stdin], [], [], 0)[0]:
-            # The grader writes one line when the student's process has ended.
-            sys.stdin.readline()
-            self.student_exited = True
+        self._hear_grader(0)
+
+    def _hear_grader(self, seconds: float) -> bool:
+        """Read a line of the grader, if one comes: 'quiet', or 'exited' for the program."""
+        if not select.select([0], [], [], seconds)[0]:
+            return False
+        self.heard += os.read(0, 4096)
+        self.student_exited = self.student_exited or b'exited' in self.heard
+        return True
+
+    def wait_until_quiet(self) -> None:
+        """Wait until no thread of the student's program runs; the grader bounds the wait."""
+        self.heard = b''
+        self.write({'event': 'is_it_quiet'})
+        while b'quiet' not in self.heard and not self.student_exited:
+            if not self._hear_grader(5.0):
+                return
 
     def drain(self) -> None:
         """Handle everything that has already arrived."""
@@ -295,6 +310,7 @@ class Probe:
         self.barrier(in_flight + 1)
         for _ in range(5):
             before = self.events
+            self.wait_until_quiet()
             self.barrier(1)
             if self.events == before:
                 return
@@ -375,6 +391,8 @@ class Probe:
             self.emit('no_first_log')
             if not lockstep:
                 raise Stop('silent')
+        elif lockstep:
+            self.settle(1)
 
     def wait_for_log(self, logs: int, seconds: float) -> bool:
         """Wait until more than this many log lines have come, at most so long."""
@@ -391,12 +409,9 @@ class Probe:
         """Write down all nodes, and all endpoints that are not ours, with type and QoS."""
         endpoints = []
         for topic, _ in self.node.get_topic_names_and_types():
-            if topic in HIDDEN_TOPICS:
-                kinds = ('publisher',)
-            else:
-                kinds = ('publisher', 'subscription')
-            for kind in kinds:
-                endpoints += self._endpoints(topic, kind)
+            endpoints += self._endpoints(topic, 'publisher')
+            if topic not in HIDDEN_TOPICS:
+                endpoints += self._endpoints(topic, 'subscription')
         endpoints.sort(key=lambda e: (e['topic'], e['kind'], e['node'], e['type']))
         names = [
             f'{namespace.rstrip("/")}/{name}'
@@ -426,7 +441,11 @@ class Probe:
 
 def main() -> None:
     """Read the scenario, say that we are ready, run, and leave without a long good-bye."""
-    probe = Probe(json.loads(sys.stdin.readline()))
+    # Unbuffered: later lines are waited for on the descriptor itself.
+    line = b''
+    while not line.endswith(b'\n'):
+        line += os.read(0, 1 << 16)
+    probe = Probe(json.loads(line))
     probe.write({'event': 'ready'})
     probe.run()
     probe.node.destroy_node()

@@ -22,9 +22,9 @@ The first line is the header ``{"format": "ros2-course-recording", "version": 1,
     ``reason``: ``complete``, or why the scenario was broken off.
 
 and one event of the grader, ``process``: how the student's process ended (``exit``, ``killed``),
-the processor time it used and the ends of its output.  What a process prints about itself helps to *explain*; it is never
-evidence.  ``clock_ns`` is the simulated time of the last ``/clock``, None before the first.
-Non-finite floats are the strings 'nan', 'inf' and '-inf'.
+the processor time it used and the ends of its output.  What a process prints about itself helps to
+*explain*; it is never evidence.  ``clock_ns`` is the simulated time of the last ``/clock``, None
+before the first.  Non-finite floats are the strings 'nan', 'inf' and '-inf'.
 """
 
 from __future__ import annotations

@@ -102,10 +102,10 @@ def _templates() -> Environment:
         autoescape=True,
         trim_blocks=True,
         undefined=StrictUndefined,
+        finalize=lambda value: printable(value) if type(value) is str else value,
     )
     templates.filters.update(
         number=number,
-        printable=printable,
         words=lambda name: str(name).replace('_', ' ').capitalize(),
     )
     return templates

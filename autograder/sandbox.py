@@ -37,7 +37,7 @@ import sys
 from typing import Any
 
 from autograder.errors import SandboxUnavailable
-from environment.ros import RosEnvironment, ros_environment
+from environment.ros import ros_environment, RosEnvironment
 
 HERE = Path(__file__).parent
 NS_GET_USERNS = 0xB701  # ioctl_ns(2)

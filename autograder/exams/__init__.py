@@ -8,7 +8,7 @@ named like it, with a module-level ``exam``.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 import importlib
 import pkgutil
 
@@ -21,7 +21,7 @@ def _names(folder: str) -> tuple[str, ...]:
     return tuple(module.name for module in pkgutil.iter_modules(package.__path__))
 
 
-@lru_cache(maxsize=None)
+@cache
 def load(name: str, hidden: bool = True) -> Exam:
     """
     Return an exam.

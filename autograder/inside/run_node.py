@@ -14,7 +14,7 @@ from pathlib import Path
 import runpy
 import sys
 
-import gate
+import gate  # type: ignore[import-not-found]  # beside this file, inside the sandbox
 
 
 def runs_by_itself(source: str) -> bool:
@@ -42,6 +42,8 @@ def main() -> None:
         return
     name = Path(path).stem
     spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)

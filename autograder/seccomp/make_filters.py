@@ -2,7 +2,7 @@
 Write the system-call filters that every sandbox loads, one file per processor family.
 
 A developer's tool: it needs libseccomp and ``pip install pyseccomp``; the grader only reads the
-files beside it.  Run it after a change and commit both: ``python autograder/seccomp/make_filters.py``.
+files beside it.  After a change run ``python autograder/seccomp/make_filters.py``, commit both.
 
 The filter is the last fence, not the first: namespaces, dropped capabilities and resource limits
 stand before it.  It closes what they leave open, measured with real rclpy nodes inside:
@@ -20,15 +20,57 @@ from __future__ import annotations
 import errno
 from pathlib import Path
 
-FORBIDDEN = (
-    'unshare setns mount umount2 pivot_root chroot move_mount fsopen fsmount open_tree '
-    'mount_setattr keyctl add_key request_key ptrace process_vm_readv process_vm_writev '
-    'pidfd_getfd kcmp bpf perf_event_open userfaultfd io_uring_setup io_uring_enter '
-    'io_uring_register open_by_handle_at name_to_handle_at kexec_load kexec_file_load '
-    'init_module finit_module delete_module swapon swapoff reboot settimeofday clock_settime '
-    'clock_adjtime adjtimex quotactl acct syslog memfd_create memfd_secret shmget msgget '
-    'mq_open fanotify_init lookup_dcookie'
-).split()
+FORBIDDEN = [
+    'unshare',
+    'setns',
+    'mount',
+    'umount2',
+    'pivot_root',
+    'chroot',
+    'move_mount',
+    'fsopen',
+    'fsmount',
+    'open_tree',
+    'mount_setattr',
+    'keyctl',
+    'add_key',
+    'request_key',
+    'ptrace',
+    'process_vm_readv',
+    'process_vm_writev',
+    'pidfd_getfd',
+    'kcmp',
+    'bpf',
+    'perf_event_open',
+    'userfaultfd',
+    'io_uring_setup',
+    'io_uring_enter',
+    'io_uring_register',
+    'open_by_handle_at',
+    'name_to_handle_at',
+    'kexec_load',
+    'kexec_file_load',
+    'init_module',
+    'finit_module',
+    'delete_module',
+    'swapon',
+    'swapoff',
+    'reboot',
+    'settimeofday',
+    'clock_settime',
+    'clock_adjtime',
+    'adjtimex',
+    'quotactl',
+    'acct',
+    'syslog',
+    'memfd_create',
+    'memfd_secret',
+    'shmget',
+    'msgget',
+    'mq_open',
+    'fanotify_init',
+    'lookup_dcookie',
+]
 ALLOWED_FAMILIES = {1, 2, 10, 16}  # AF_UNIX, AF_INET, AF_INET6, AF_NETLINK (linux/socket.h)
 NEW_NAMESPACE_FLAGS = (
     0x00000080,  # CLONE_NEWTIME

@@ -49,9 +49,9 @@ def test_missing_publisher_is_explained_from_the_graph(seen, cause_id, words):
     """The nearest thing that exists is named."""
     found = causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE)
 
-    assert found['cause_id'] == cause_id
-    assert words in found['cause']
-    assert found['try_this']
+    assert found.cause_id == cause_id
+    assert words in found.text
+    assert found.try_this
 
 
 @pytest.mark.parametrize(
@@ -67,19 +67,19 @@ def test_exception_is_named_with_the_line_of_the_cell(error, cause_id):
     """Line 7 of the file is line 8 of the cell, below the magic line."""
     found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
 
-    assert found['cause_id'] == cause_id
-    assert 'line 8 of the cell' in found['cause']
+    assert found.cause_id == cause_id
+    assert 'line 8 of the cell' in found.text
 
 
 def test_node_that_never_answers_was_never_spun():
     """The barrier is what tells silence from work."""
     seen = run({'event': 'barrier', 'node': '/n', 'answered': False}, endpoints=[end()])
 
-    assert causes.why_silent(seen)['cause_id'] == 'never_spun'
+    assert causes.why_silent(seen).cause_id == 'never_spun'
 
 
 def test_living_silent_node_gets_no_invented_cause():
     """When unsure, nothing is claimed."""
     seen = run({'event': 'barrier', 'node': '/n', 'answered': True}, endpoints=[end()])
 
-    assert causes.why_silent(seen) == {}
+    assert causes.why_silent(seen) is None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from autograder.errors import ExamInvalid, GraderError
-from autograder.exam import Exam, Failed, Run, Scenario
+from autograder.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.judge import judge, worth_running
 from autograder.recording import Recording
 from autograder.results import Verdict
@@ -25,7 +25,7 @@ def passes(run):
 
 def fails(run):
     """It fails."""
-    raise Failed(expected='1', observed='2', cause='why', cause_id='because', try_this='this')
+    raise Failed(expected='1', observed='2', why=Cause('because', 'why', 'this'))
 
 
 def breaks(run):

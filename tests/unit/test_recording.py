@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from autograder.errors import RecordingInvalid
-from autograder.recording import Recording, header
+from autograder.recording import header, Recording
 
 
 def end(topic, kind='publisher', node='/a', kind_of='x/msg/Y'):
@@ -78,7 +78,7 @@ class TestFile:
         path = tmp_path / 'r.jsonl'
         path.write_text(text, encoding='utf-8')
 
-        with pytest.raises(RecordingInvalid, match='r.jsonl'):
+        with pytest.raises(RecordingInvalid, match=r'r\.jsonl'):
             Recording.load(path)
 
     def test_line_that_is_no_event_is_refused(self, tmp_path):

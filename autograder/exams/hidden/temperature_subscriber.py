@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 
-from autograder.exams.visible.temperature_subscriber import Reading, build
+from autograder.exams.visible.temperature_subscriber import build, Reading
 from autograder.inputs import generator
 
 
@@ -39,7 +39,7 @@ def usual(draw: random.Random, count: int) -> list[Reading]:
 _draw = generator('temperature_subscriber', 'readings')
 exam = build(
     [
-        Reading(99.0, 'a reading of 99.0 °C'),
+        Reading(18.25, 'a reading of 18.25 °C'),
         *usual(_draw, 4),
         *edges(_draw),
         Reading(21.5, 'a reading of 21.5 °C'),

@@ -13,8 +13,8 @@ import re
 from typing import Any
 import xml.etree.ElementTree as ElementTree
 
-from autograder.causes import cause, close_name
-from autograder.exam import Exam, Failed, Feed, Run, Scenario
+from autograder.causes import close_name
+from autograder.exam import Cause, Exam, Failed, Feed, Run, Scenario
 
 FIELDS = (
     ('float64', 'temperature_value'),
@@ -51,36 +51,36 @@ def defines_the_fields(run: Run) -> None:
         expected=expected,
         observed='; '.join(' '.join(field) for field in found)[:300] or 'no field',
         share=0.0 if len(found) > len(FIELDS) + 2 else round(right / (2 * len(FIELDS)), 2),
-        **_why_fields(found),
+        why=_why_fields(found),
     )
 
 
-def _why_fields(found: Sequence[tuple[str, str]]) -> dict[str, str]:
+def _why_fields(found: Sequence[tuple[str, str]]) -> Cause | None:
     types = dict(FIELDS) and {name: kind for kind, name in FIELDS}
     for kind, name in found:
         if '.' in kind:
-            return cause(
+            return Cause(
                 'dotted_type',
                 f'{kind} is Python; in a .msg file a type of another package has a slash.',
                 'Write builtin_interfaces/Time.',
             )
         if name in types and kind != types[name]:
-            return cause(
+            return Cause(
                 'field_type',
                 f'The field {name} has the type {kind[:40]}.',
                 f'Its type is {types[name]}.',
             )
         if name not in types:
             near = close_name(name, types)
-            return cause(
+            return Cause(
                 'field_name',
                 f'There is no field {name[:40]!r} in the specification.',
                 f'Did you mean {near}?' if near else 'Compare with the table.',
             )
     missing = [name for _, name in FIELDS if name not in {name for _, name in found}]
     if missing:
-        return cause('field_missing', f'{", ".join(missing)} is missing.', 'Add it.')
-    return cause('field_order', 'The order is different.', 'Order is part of a message type.')
+        return Cause('field_missing', f'{", ".join(missing)} is missing.', 'Add it.')
+    return Cause('field_order', 'The order is different.', 'Order is part of a message type.')
 
 
 def declares_its_dependencies(run: Run) -> None:
@@ -91,7 +91,7 @@ def declares_its_dependencies(run: Run) -> None:
         raise Failed(
             expected='a well-formed package.xml',
             observed=f'XML that cannot be read: {error}',
-            **cause('xml', 'A tag is not closed, or is misspelled.', 'Look at that line.'),
+            why=Cause('xml', 'A tag is not closed, or is misspelled.', 'Look at that line.'),
         ) from None
     have = {(child.tag, (child.text or '').strip()) for child in root}
     missing = [wanted for wanted, ways in _declarations() if not have & ways]
@@ -106,7 +106,7 @@ def declares_its_dependencies(run: Run) -> None:
             expected='the declarations of the lesson, all of them',
             observed='missing: ' + ', '.join(missing),
             share=round(0.5 * (1 - len(missing) / total), 2) if len(missing) < total // 2 else 0,
-            **cause(
+            why=Cause(
                 'manifest',
                 'Without the group or a generator, nothing is generated or nothing is found.',
                 f'Add {missing[0]}.',
@@ -176,7 +176,7 @@ def generates_the_interface(run: Run) -> None:
             expected='the commands of the lesson, all of them',
             observed='missing: ' + ', '.join(missing),
             share=round(0.5 * (1 - len(missing) / len(wanted)), 2) if len(missing) < 3 else 0,
-            **cause(
+            why=Cause(
                 'cmake',
                 'CMake generates only what it is told to, from packages that it has found.',
                 f'Add {missing[0]}.',
@@ -202,13 +202,13 @@ def builds_and_travels(run: Run) -> None:
         return
     if not recording.nodes:
         raise Failed(
-            expected='a package that builds', observed='no built message', **_why_no_build(run)
+            expected='a package that builds', observed='no built message', why=_why_no_build(run)
         )
     ends = recording.endpoints('subscription', '/echo_in')
     raise Failed(
         expected=expected,
         observed=f'the package builds, but {len(echoed)} messages come back',
-        **cause(
+        why=Cause(
             'different_type',
             f'Your type is a different one: {ends[0]["type"] if ends else "no Temperature"}.',
             'Name, field types and field order all belong to a message type.',
@@ -228,17 +228,17 @@ ADVICE = (
 )
 
 
-def _why_no_build(run: Run) -> dict[str, str]:
+def _why_no_build(run: Run) -> Cause | None:
     text = ''.join(str(run.recording.process.get(name, '')) for name in ('stdout', 'stderr'))
     killed = str(run.recording.process.get('killed', ''))
     if killed:
-        return cause(
+        return Cause(
             killed, 'The build was ended: it used more than it may.', 'Build it yourself.'
         )
     for sign, cause_id, advice in ADVICE:
         if sign in text:
-            return cause(cause_id, f'colcon stops: {_line_with(text, sign)}', advice)
-    return cause(
+            return Cause(cause_id, f'colcon stops: {_line_with(text, sign)}', advice)
+    return Cause(
         'build',
         f'colcon stops: {_line_with(text, "rror")}',
         'Run build_messages() in the notebook and read the first error.',

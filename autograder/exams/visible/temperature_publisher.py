@@ -10,10 +10,11 @@ reliable and volatile, which is what depth 10 gives.
 
 from __future__ import annotations
 
+from itertools import pairwise
 import math
 
-from autograder.causes import cause, why_no_endpoint, why_no_node, why_silent
-from autograder.exam import Advance, Exam, Failed, Run, Scenario
+from autograder.causes import why_no_endpoint, why_no_node, why_silent
+from autograder.exam import Advance, Cause, Exam, Failed, Run, Scenario
 from autograder.recording import Event
 
 NODE = '/temperature_publisher'
@@ -22,7 +23,7 @@ TYPE = 'temp_monitor_pkg/msg/Temperature'
 SENSOR = 'temp_sensor_01'
 COLDEST_C, HOTTEST_C = -40.0, 125.0
 SECOND = 1_000_000_000
-OWN_LOOP = cause(
+OWN_LOOP = Cause(
     'own_loop',
     'Your program keeps its own time: nobody spins the node, so its clock stands still.',
     'Use self.create_timer(1.0, ...) and rclpy.spin(node) instead of a loop.',
@@ -40,7 +41,7 @@ def starts_its_node(run: Run) -> None:
         raise Failed(
             expected='a node called temperature_publisher',
             observed=_names(run.recording.nodes, 'no node'),
-            **why_no_node(run, NODE),
+            why=why_no_node(run, NODE),
         )
 
 
@@ -52,16 +53,16 @@ def publishes_readings(run: Run) -> None:
         raise Failed(
             expected=expected,
             observed='no such publisher',
-            **why_no_endpoint(run, 'publisher', TOPIC, TYPE),
+            why=why_no_endpoint(run, 'publisher', TOPIC, TYPE),
         )
     if not readings(run):
-        why = why_silent(run) or cause(
+        why = why_silent(run) or Cause(
             'no_timer',
             'The publisher exists, but no message comes from it. Most often the timer is missing, '
             'or its callback does not publish.',
             'Create a timer with self.create_timer(1.0, ...) whose callback publishes.',
         )
-        raise Failed(expected=expected, observed='the publisher, but no message', **why)
+        raise Failed(expected=expected, observed='the publisher, but no message', why=why)
 
 
 def publishes_once_per_second(run: Run) -> None:
@@ -77,7 +78,7 @@ def publishes_once_per_second(run: Run) -> None:
     rate = len(found) / seconds
     why = why_silent(run)
     if not why and abs(rate - 1.0) > 0.1:
-        why = cause(
+        why = Cause(
             'wrong_rate',
             f'Your node publishes about {rate:.2g} times a second.',
             'The first argument of create_timer() is the period in seconds: 1.0.',
@@ -85,7 +86,7 @@ def publishes_once_per_second(run: Run) -> None:
     raise Failed(
         expected=f'{seconds} messages in {seconds} s of simulated time, one in every second',
         observed=f'{len(found)} messages; first difference in second {wrong}',
-        **why,
+        why=why,
     )
 
 
@@ -106,16 +107,14 @@ def _first_wrong_second(clocks_ns: list[int], seconds: int) -> int | None:
 def _once_per_second_in_wall_time(run: Run) -> None:
     # Code with its own loop keeps real time; 20 % covers a busy machine.
     times = [event['wall_s'] for event in readings(run)]
-    gaps = [later - earlier for earlier, later in zip(times, times[1:])]
+    gaps = [later - earlier for earlier, later in pairwise(times)]
     if len(gaps) >= 3 and all(0.8 <= gap <= 1.2 for gap in gaps):
         return
-    why = why_silent(run) if not gaps else {}
+    why = why_silent(run) if not gaps else None
     raise Failed(
         expected='one message a second',
-        observed=f'{len(times)} messages in a few seconds of real time, because your node does not answer',
-        **(
-            why or OWN_LOOP
-        ),
+        observed=f'{len(times)} messages in a few seconds of real time',
+        why=why or OWN_LOOP,
     )
 
 
@@ -138,7 +137,7 @@ def _all_equal(run: Run, field: str, wanted: str) -> None:
         raise Failed(
             expected=f"{field} '{wanted}' in every message",
             observed=f'{field} {shown}',
-            **cause('wrong_text', slip, f"Set msg.{field} = '{wanted}' before you publish."),
+            why=Cause('wrong_text', slip, f"Set msg.{field} = '{wanted}' before you publish."),
         )
 
 
@@ -155,7 +154,9 @@ def stamps_follow_the_clock(run: Run) -> None:
             raise Failed(
                 expected=f'a stamp near {clock:.1f} s, the simulated time of that reading',
                 observed=_describe_stamp(seconds, clock),
-                **(OWN_LOOP if run.recording.in_wall_time else _stamp_cause(seconds, clock, stamp)),
+                why=(
+                    OWN_LOOP if run.recording.in_wall_time else _stamp_cause(seconds, clock, stamp)
+                ),
             )
 
 
@@ -166,15 +167,15 @@ def _describe_stamp(seconds: float, clock: float) -> str:
     return f'a stamp of {seconds:.9g} s'
 
 
-def _stamp_cause(seconds: float, clock: float, stamp: dict[str, int]) -> dict[str, str]:
+def _stamp_cause(seconds: float, clock: float, stamp: dict[str, int]) -> Cause | None:
     right = 'Set msg.timestamp = self.get_clock().now().to_msg() in the callback.'
     if seconds == 0:
-        return cause('missing_stamp', 'The timestamp is never set.', right)
+        return Cause('missing_stamp', 'The timestamp is never set.', right)
     if seconds > 1e9:
-        return cause('wall_clock', 'The stamp comes from the system time.', right)
+        return Cause('wall_clock', 'The stamp comes from the system time.', right)
     if stamp['nanosec'] == 0 and stamp['sec'] == int(clock):
-        return cause('whole_seconds', 'The fraction of the second is lost.', right)
-    return cause('stale_stamp', 'The stamp is not taken at the moment of the reading.', right)
+        return Cause('whole_seconds', 'The fraction of the second is lost.', right)
+    return Cause('stale_stamp', 'The stamp is not taken at the moment of the reading.', right)
 
 
 def readings_are_plausible(run: Run) -> None:
@@ -186,13 +187,13 @@ def readings_are_plausible(run: Run) -> None:
         raise Failed(
             expected=f'values from {COLDEST_C:g} to {HOTTEST_C:g} °C',
             observed=f'a reading of {shown} °C',
-            **cause('implausible', 'No common sensor reads that.', 'Check your formula.'),
+            why=Cause('implausible', 'No common sensor reads that.', 'Check your formula.'),
         )
     if len(values) > 1 and len(set(values)) < max(2, len(values) // 4):
         raise Failed(
             expected='readings that change from one to the next, as a real sensor has',
             observed=f'{len(set(values))} different values in {len(values)} readings',
-            **cause(
+            why=Cause(
                 'constant',
                 'The value hardly changes.',
                 'Compute the value in the callback, not once in __init__().',
@@ -208,7 +209,7 @@ def offers_reliable_qos(run: Run) -> None:
             raise Failed(
                 expected='reliability RELIABLE',
                 observed=f'reliability {qos["reliability"]}',
-                **cause(
+                why=Cause(
                     'qos_reliability',
                     'A subscription that asks for reliable delivery is not connected to it.',
                     'Pass 10, or a QoSProfile with ReliabilityPolicy.RELIABLE.',
@@ -218,7 +219,7 @@ def offers_reliable_qos(run: Run) -> None:
             raise Failed(
                 expected='durability VOLATILE',
                 observed=f'durability {qos["durability"]}',
-                **cause(
+                why=Cause(
                     'qos_durability',
                     'Late subscribers would get old readings as if they were new.',
                     'Pass 10, or leave out the durability.',

@@ -1,0 +1,66 @@
+"""
+nbgrader's settings for this course; read by every nbgrader command and by formgrader.
+
+Student code never runs in nbgrader's process: see autograder/nbgrader_plugin.py.
+"""
+
+import os
+from pathlib import Path
+import sys
+import warnings
+
+c = get_config()  # nbgrader puts it here
+
+root = Path(__file__).resolve().parent
+
+c.CourseDirectory.root = str(root)
+c.CourseDirectory.course_id = 'ros2_nodes_and_topics'
+c.CourseDirectory.source_directory = 'solutions'
+c.CourseDirectory.release_directory = 'notebooks'
+c.CourseDirectory.submitted_directory = 'autograder/_work/submitted'
+c.CourseDirectory.autograded_directory = 'autograder/_work/autograded'
+c.CourseDirectory.feedback_directory = 'autograder/_work/feedback'
+c.CourseDirectory.solution_directory = 'autograder/_work/solution'
+c.CourseDirectory.source_with_tests_directory = 'autograder/_work/source_with_tests'
+c.CourseDirectory.db_url = f'sqlite:///{root}/autograder/_work/gradebook.db'
+# A learner's built workspace lies beside the notebook and is no part of the assignment.
+c.CourseDirectory.ignore = ['.ipynb_checkpoints', '*.pyc', '__pycache__', 'feedback', 'ros_ws']
+
+# nbgrader makes a new gradebook with the command alembic, which lies beside this Python.
+os.environ['PATH'] = os.pathsep.join([str(Path(sys.prefix) / 'bin'), os.environ.get('PATH', '')])
+
+# SQLite and the exchange need their folders.
+for folder in ('exchange', 'submitted'):
+    (root / 'autograder' / '_work' / folder).mkdir(parents=True, exist_ok=True)
+c.Exchange.root = str(root / 'autograder' / '_work' / 'exchange')
+c.KernelManager.transport = 'ipc'
+
+c.GenerateAssignment.preprocessors = [
+    'nbgrader.preprocessors.LockCells',
+    'autograder.nbgrader_plugin.ClearSolutionsByKind',
+    'nbgrader.preprocessors.ClearOutput',
+    'nbgrader.preprocessors.CheckCellMetadata',
+    'nbgrader.preprocessors.ComputeChecksums',
+    'nbgrader.preprocessors.SaveCells',
+    'nbgrader.preprocessors.ClearHiddenTests',
+    'nbgrader.preprocessors.ClearMarkScheme',
+    'nbgrader.preprocessors.ComputeChecksums',
+    'nbgrader.preprocessors.CheckCellMetadata',
+]
+
+c.Autograde.exporter_class = 'autograder.nbgrader_plugin.SubmissionExporter'
+c.Autograde.autograde_preprocessors = [
+    'autograder.nbgrader_plugin.GradeOutside',
+    'nbgrader.preprocessors.LimitOutput',
+    'autograder.nbgrader_plugin.SaveGrades',
+    'nbgrader.preprocessors.AssignLatePenalties',
+    'nbgrader.preprocessors.CheckCellMetadata',
+]
+c.GradeOutside.root = str(root)
+
+# SQLAlchemy about queries of nbgrader's own, which give the right result.
+warnings.filterwarnings('ignore', message='Object of type .* not in session')
+
+# Students' Markdown is shown to instructors by feedback and formgrader.
+c.HTMLExporter.sanitize_html = True
+c.HTMLExporter.filters = {'markdown2html': 'autograder.nbgrader_plugin.safe_markdown'}

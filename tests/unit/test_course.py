@@ -1,0 +1,155 @@
+"""What is committed fits together: notebooks, exams, and what students receive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import zipfile
+
+import pytest
+
+from autograder import course
+from autograder.layout import Layout
+
+
+@dataclass(frozen=True)
+class FakeExam:
+    """Name, cells and points."""
+
+    name: str = 'talker'
+    cells: tuple[str, ...] = ('talker',)
+    max_points: float = 3
+
+
+def cell(grade_id, source, **marks):
+    """Return a code cell with nbgrader's marks."""
+    return {
+        'cell_type': 'code',
+        'metadata': {'nbgrader': {'grade_id': grade_id, **marks}},
+        'source': source,
+        'outputs': [],
+        'execution_count': None,
+    }
+
+
+ANSWER = cell('talker', '%%node talker\nx', solution=True)
+CHECK = cell('check_talker', "check('talker')", grade=True, points=3)
+
+
+def unfit(*cells, exams=(FakeExam(),)):
+    """Return what is wrong with a notebook of some cells."""
+    return list(course.unfit_checks({'cells': list(cells)}, 'x.ipynb', '01', exams))
+
+
+class TestCheckCells:
+    """Each exam has one cell, below its answers, with its points."""
+
+    def test_a_fitting_pair_is_fine(self):
+        """Nothing is said."""
+        assert unfit(ANSWER, CHECK) == []
+
+    @pytest.mark.parametrize(
+        ('cells', 'said'),
+        [
+            ([ANSWER, {**CHECK, 'source': "check('taker')"}], "expected the one line check('"),
+            ([ANSWER, {**CHECK, 'source': "check('talker')\n1/0"}], 'expected the one line'),
+            ([CHECK, ANSWER], 'needs the answer talker'),
+            ([ANSWER], 'has no check cell'),
+            ([ANSWER, cell('check_talker', "check('talker')", grade=True, points=4)], '4 points'),
+            ([ANSWER, CHECK, cell('check_x', "check('x')", grade=True, points=1)], 'no exam x'),
+        ],
+    )
+    def test_a_misfit_is_one_line(self, cells, said):
+        """It names the cell."""
+        (line,) = [line for line in unfit(*cells) if said in line]
+
+        assert line.startswith('x.ipynb')
+
+    def test_a_grade_id_used_twice_is_named_with_both_places(self):
+        """Also across notebooks: the gradebook's pages are per course."""
+        seen = {}
+        assert list(course.repeated_ids({'cells': [ANSWER]}, 'a.ipynb', seen)) == []
+
+        (line,) = course.repeated_ids({'cells': [ANSWER]}, 'b.ipynb', seen)
+
+        assert 'b.ipynb' in line
+        assert 'a.ipynb' in line
+
+    @pytest.mark.parametrize('kept', [{'outputs': [{'x': 1}]}, {'execution_count': 3}])
+    def test_stored_outputs_are_found(self, kept):
+        """They make every run a change."""
+        (line,) = course.stored_outputs({'cells': [ANSWER, {**CHECK, **kept}]}, 'x.ipynb')
+
+        assert line.startswith('x.ipynb, cell 2')
+
+
+class TestBundle:
+    """What students receive."""
+
+    @pytest.fixture
+    def layout(self, tmp_path):
+        """Return a course with a file of every kind."""
+        for name in (
+            'README.md',
+            'nbgrader_config.py',
+            'notebooks/01/a.ipynb',
+            'notebooks/01/ros_ws/src/x.py',
+            'solutions/01/a.ipynb',
+            'autograder/judge.py',
+            'autograder/exams/visible/talker.py',
+            'autograder/exams/hidden/talker.py',
+            'autograder/_work/gradebook.db',
+            'autograder/__pycache__/judge.pyc',
+            'tests/submissions/01/pass__reference/expected.json',
+            'roslab/api.py',
+        ):
+            path = tmp_path / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(name)
+        (tmp_path / 'roslab' / 'link.py').symlink_to(tmp_path / 'solutions/01/a.ipynb')
+        return Layout(tmp_path)
+
+    def test_solutions_hidden_exams_and_grades_stay(self, layout):
+        """The list names what goes, not what stays."""
+        assert sorted(course.bundled_files(layout)) == [
+            'README.md',
+            'autograder/exams/visible/talker.py',
+            'autograder/judge.py',
+            'notebooks/01/a.ipynb',
+            'roslab/api.py',
+        ]
+
+    def test_the_same_course_gives_the_same_bytes(self, layout, tmp_path):
+        """A new bundle means a new course."""
+        first, second = tmp_path / 'a.zip', tmp_path / 'b.zip'
+
+        assert course.pack(layout, first) == course.pack(layout, second) == 5
+        assert first.read_bytes() == second.read_bytes()
+        assert zipfile.ZipFile(first).testzip() is None
+
+
+class TestThisCourse:
+    """The real notebooks and exams."""
+
+    def test_everything_committed_fits_together(self):
+        """The same as ``make check`` says."""
+        assert course.check(Layout.here()) == []
+
+    def test_the_bundle_of_this_course_has_no_hidden_file(self):
+        """Neither exams nor solutions nor submissions."""
+        names = list(course.bundled_files(Layout.here()))
+
+        assert any(name.startswith('autograder/exams/visible/') for name in names)
+        for part in ('hidden', 'solutions', 'submissions', '_work', 'gradebook'):
+            assert not [name for name in names if part in name], part
+
+    def test_nbgrader_is_told_the_same_folders(self):
+        """Layout and nbgrader_config.py agree."""
+        from autograder.converters import load_config
+
+        layout = Layout.here()
+        said = load_config(layout).CourseDirectory
+
+        assert layout.root / said.source_directory == layout.solutions
+        assert layout.root / said.release_directory == layout.notebooks
+        assert layout.root / said.submitted_directory == layout.submitted
+        assert said.db_url == f'sqlite:///{layout.work}/gradebook.db'

@@ -1,0 +1,106 @@
+"""From cells to files: the release says which file each answer has to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import pytest
+
+from autograder.extract import answer_files, extract
+from autograder.submission import Opened, rebuild, StudentCell
+
+
+@dataclass(frozen=True)
+class FakeExam:
+    """Name and cells are all that extraction knows of an exam."""
+
+    name: str
+    cells: tuple[str, ...]
+
+
+EXAMS = (FakeExam('message', ('msg', 'xml')), FakeExam('talker', ('talker',)))
+
+
+def solution(grade_id, source):
+    """Return an answer cell of a release."""
+    marks = {'grade_id': grade_id, 'solution': True}
+    return {'cell_type': 'code', 'metadata': {'nbgrader': marks}, 'source': source}
+
+
+RELEASE = {
+    'cells': [
+        solution('msg', '%%rosmsg Num\n# YOUR CODE HERE'),
+        solution('xml', '%%rospkg package.xml\n<!-- YOUR CODE HERE -->'),
+        solution('talker', '%%node talker\n# YOUR CODE HERE\nraise NotImplementedError()'),
+    ]
+}
+
+
+def files_of(**answers):
+    """Return the files of each exam for some answers; None removes a cell."""
+    sources = {
+        cell['metadata']['nbgrader']['grade_id']: cell['source'] for cell in RELEASE['cells']
+    }
+    sources.update(answers)
+    student = [
+        StudentCell(name, 'code', text) for name, text in sources.items() if text is not None
+    ]
+    notebook, problems = rebuild(RELEASE, student, 'x')
+    return extract(Opened(notebook, problems), EXAMS, RELEASE, 'x')
+
+
+def test_the_release_says_which_file_each_answer_is():
+    """Paths are those of the package."""
+    paths = {name: file.path for name, file in answer_files(RELEASE).items()}
+
+    assert paths == {'msg': 'msg/Num.msg', 'xml': 'package.xml', 'talker': 'talker.py'}
+
+
+def test_answers_become_files_without_their_magic_line():
+    """Each exam gets its own files only."""
+    found = files_of(msg='%%rosmsg Num\nint64 num', talker='%%node talker\nimport rclpy')
+
+    assert found['message'].files['msg/Num.msg'] == 'int64 num\n'
+    assert found['talker'].files == {'talker.py': 'import rclpy\n'}
+    assert found['talker'].problems == ()
+
+
+def test_an_untouched_stub_is_a_file_too():
+    """The exam says that nothing was done yet."""
+    assert 'NotImplementedError' in files_of()['talker'].files['talker.py']
+
+
+def test_a_missing_cell_is_no_file_although_the_stub_is_in_the_notebook():
+    """Missing and untouched are told apart."""
+    found = files_of(talker=None)
+
+    assert found['talker'].files == {}
+    assert list(found['message'].files) == ['msg/Num.msg', 'package.xml']
+
+
+@pytest.mark.parametrize(
+    ('source', 'got'),
+    [
+        ('%%node taler\npass', "'%%node taler'"),
+        ('%%rosmsg Talker\nint64 x', "'%%rosmsg Talker'"),
+        ('%%node\npass', "'%%node'"),
+        ('%%node ../../x\npass', "'%%node ../../x'"),
+        ('import rclpy\n', "'import rclpy'"),
+        ('', 'an empty cell'),
+        ('  \n\n', 'an empty cell'),
+    ],
+)
+def test_a_wrong_first_line_is_told_with_the_right_one(source, got):
+    """What a learner runs is what is graded, so the file is missing."""
+    found = files_of(talker=source)['talker']
+
+    assert found.files == {}
+    (problem,) = found.problems
+    assert problem.got == got
+    assert problem.expected == 'the first line %%node talker'
+    assert problem.cells == ('talker',)
+
+
+def test_blank_lines_above_the_magic_line_are_fine():
+    """They are easy to add and mean nothing."""
+    assert files_of(talker='\n\n%%node talker\nx = 1')['talker'].files == {'talker.py': 'x = 1\n'}

@@ -1,0 +1,177 @@
+"""The folder of submitted work: only real folders and regular files are looked into."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from autograder import inbox
+
+LESSON = '01_talker'
+FILE = 'talker.ipynb'
+
+
+@pytest.fixture
+def hand_in(tmp_path):
+    """Return a function that writes a file for a student."""
+
+    def write(student, name=FILE, data=b'{}', assignment=LESSON):
+        folder = tmp_path / student / assignment
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(data)
+        return folder
+
+    return write
+
+
+def look(tmp_path, known=(LESSON, '02_other')):
+    """Return the submissions by student."""
+    return {one.student: one for one in inbox.discover(tmp_path, LESSON, FILE, known)}
+
+
+def test_students_come_in_the_order_of_their_names(tmp_path, hand_in):
+    """A report is the same every time."""
+    for name in ('zoe', 'ann', 'bob-2', 'x.y@z'):
+        hand_in(name)
+
+    assert list(look(tmp_path)) == ['ann', 'bob-2', 'x.y@z', 'zoe']
+
+
+def test_a_regular_notebook_is_read(tmp_path, hand_in):
+    """The bytes come as they are."""
+    hand_in('ann', data=b'\xff')
+
+    found = look(tmp_path)['ann']
+
+    assert (found.data, found.problems, found.recordable) == (b'\xff', (), True)
+
+
+def test_files_beside_the_student_folders_are_no_students(tmp_path, hand_in):
+    """Instructors keep notes there."""
+    hand_in('ann')
+    (tmp_path / 'notes.txt').write_text('x')
+    (tmp_path / '.DS_Store').write_text('x')
+
+    assert list(look(tmp_path)) == ['ann']
+
+
+def test_work_for_another_assignment_only_is_no_submission(tmp_path, hand_in):
+    """Nobody gets a zero for what was not due."""
+    hand_in('ann', assignment='02_other')
+
+    assert look(tmp_path) == {}
+
+
+def test_an_unknown_assignment_is_a_problem(tmp_path, hand_in):
+    """It may be this one under a wrong name."""
+    hand_in('ann', assignment='1_talker')
+
+    found = look(tmp_path)['ann']
+
+    assert found.data is None
+    assert "only '1_talker'" in found.problems[0].line()
+
+
+@pytest.mark.parametrize('name', ['talker (1).ipynb', 'Talker.ipynb'])
+def test_a_single_notebook_under_another_name_counts(tmp_path, hand_in, name):
+    """Browsers rename downloads."""
+    hand_in('ann', name=name, data=b'here')
+
+    found = look(tmp_path)['ann']
+
+    assert found.data == b'here'
+    assert 'graded instead' in found.problems[0].got
+
+
+def test_of_several_other_notebooks_none_is_chosen(tmp_path, hand_in):
+    """The grader does not guess."""
+    hand_in('ann', name='a.ipynb')
+    hand_in('ann', name='b.ipynb')
+
+    found = look(tmp_path)['ann']
+
+    assert found.data is None
+    assert '2 other notebooks' in found.problems[0].got
+
+
+def test_a_folder_without_a_notebook_is_a_problem(tmp_path, hand_in):
+    """The line says which file is missing."""
+    hand_in('ann', name='readme.txt')
+
+    assert 'got no notebook' in look(tmp_path)['ann'].problems[0].line()
+
+
+def test_links_are_refused_at_every_level(tmp_path, hand_in):
+    """A link could show another student's work or the gradebook."""
+    secret = tmp_path.parent / 'secret.ipynb'
+    secret.write_text('secret')
+    folder = hand_in('file_link', name='x')
+    (folder / 'x').unlink()
+    (folder / FILE).symlink_to(secret)
+    (tmp_path / 'lesson_link').mkdir()
+    (tmp_path / 'lesson_link' / LESSON).symlink_to(folder)
+    (tmp_path / 'student_link').symlink_to(tmp_path / 'file_link')
+
+    found = look(tmp_path)
+
+    assert [one.data for one in found.values()] == [None, None, None]
+    assert 'symbolic link' in found['file_link'].problems[0].got
+    assert 'a link or a file' in found['lesson_link'].problems[0].got
+    assert 'a link or a file' in found['student_link'].problems[0].got
+
+
+def test_a_pipe_does_not_stop_the_batch(tmp_path, hand_in):
+    """Reading it would wait for ever."""
+    folder = hand_in('ann', name='x')
+    (folder / 'x').unlink()
+    os.mkfifo(folder / FILE)
+
+    assert 'a regular file' in look(tmp_path)['ann'].problems[0].expected
+
+
+def test_an_unreadable_folder_is_a_problem_of_one_student(tmp_path, hand_in, monkeypatch):
+    """The others go on."""
+    hand_in('ann')
+    hand_in('bob')
+    listdir = os.listdir
+
+    def refuse(path):
+        if str(path).endswith('ann'):
+            raise PermissionError(13, 'Permission denied')
+        return listdir(path)
+
+    monkeypatch.setattr(inbox.os, 'listdir', refuse)
+    found = look(tmp_path)
+
+    assert 'permission denied' in found['ann'].problems[0].line()
+    assert found['bob'].data == b'{}'
+
+
+@pytest.mark.parametrize('name', ['a*', 'a,b', '=1+1', '-rf', 'a\nb', 'x' * 101, ' a', 'a '])
+def test_a_name_that_nbgrader_would_misread_is_not_recorded(tmp_path, hand_in, name):
+    """It globs with ids, splits them at commas and exports them unquoted."""
+    hand_in(name)
+
+    (found,) = look(tmp_path).values()
+
+    assert not found.recordable
+    assert '\n' not in found.problems[0].line()
+
+
+def test_a_name_that_is_not_utf_8_is_not_recorded(tmp_path):
+    """The file system has it, the gradebook cannot."""
+    os.mkdir(os.fsencode(tmp_path) + b'/\xff\xfe')
+
+    (found,) = look(tmp_path).values()
+
+    assert not found.recordable
+    found.student.encode('utf-8')
+
+
+def test_a_file_is_read_only_up_to_the_limit(tmp_path, hand_in, monkeypatch):
+    """One byte more shows that it is too long."""
+    monkeypatch.setattr(inbox, 'MAX_BYTES', 4)
+    hand_in('ann', data=b'123456789')
+
+    assert look(tmp_path)['ann'].data == b'12345'

@@ -1,0 +1,38 @@
+"""A package folder as files: where nodes may lie, and what is left out."""
+
+from __future__ import annotations
+
+from autograder.package import read_package
+
+
+def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):
+    """The exams know a node by its file name."""
+    for name in ('msg/A.msg', 'package.xml', 'CMakeLists.txt', 'pkg/talker.py', 'listener.py'):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(name)
+
+    assert read_package(tmp_path) == {
+        'CMakeLists.txt': 'CMakeLists.txt',
+        'listener.py': 'listener.py',
+        'msg/A.msg': 'msg/A.msg',
+        'package.xml': 'package.xml',
+        'talker.py': 'pkg/talker.py',
+    }
+
+
+def test_hidden_files_links_and_other_kinds_are_left_out(tmp_path):
+    """Only what a build could need."""
+    (tmp_path / '.part.py').write_text('x')
+    (tmp_path / '__pycache__').mkdir()
+    (tmp_path / '__pycache__' / 'a.py').write_text('x')
+    (tmp_path / 'core').write_text('x')
+    (tmp_path / 'link.py').symlink_to('/etc/passwd')
+
+    assert read_package(tmp_path) == {}
+
+
+def test_odd_bytes_are_replaced(tmp_path):
+    """The compiler says what is wrong with them."""
+    (tmp_path / 'a.py').write_bytes(b'x = "\xff"')
+
+    assert read_package(tmp_path) == {'a.py': 'x = "\ufffd"'}

@@ -1,0 +1,170 @@
+"""A class in a pool: every submission gets its own answer, whatever happens to another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+import threading
+
+import pytest
+
+from autograder.errors import ProbeFailed
+from autograder.inbox import Submission
+from autograder.pipeline import grade_class, grade_notebook, Lesson
+from autograder.results import CheckResult, ExamResult, Verdict
+from autograder.submission import Notebook
+
+RELEASE: Notebook = {
+    'cells': [
+        {
+            'cell_type': 'code',
+            'metadata': {'nbgrader': {'grade_id': 'talker', 'solution': True}},
+            'source': '%%node talker\n# YOUR CODE HERE',
+        }
+    ],
+    'metadata': {},
+}
+
+
+@dataclass(frozen=True)
+class FakeExam:
+    """What the pipeline needs of an exam."""
+
+    name: str
+    cells: tuple[str, ...] = ('talker',)
+
+
+class FakeEngine:
+    """Gives a point for the word right; some words break it."""
+
+    def __init__(self):
+        self.threads = set()
+
+    def run(self, exam, files):
+        """Judge by words."""
+        self.threads.add(threading.current_thread().name)
+        text = ''.join(files.values())
+        if 'probe' in text and exam.name == 'first':
+            raise ProbeFailed('The probe broke off.', 'Again.')
+        if 'bug' in text:
+            raise ZeroDivisionError('oops')
+        if 'stop' in text:
+            raise KeyboardInterrupt
+        verdict = Verdict.PASSED if 'right' in text else Verdict.FAILED
+        points = float('right' in text)
+        return ExamResult(exam.name, (CheckResult('c', 'C.', verdict, points, 1),))
+
+
+LESSON = Lesson('01', 'talker.ipynb', RELEASE, (FakeExam('first'), FakeExam('second')))
+
+
+def handed_in(student, word):
+    """Return a submission whose answer is one word."""
+    text = (
+        '{"cells": [{"cell_type": "code", "metadata": {"nbgrader": {"grade_id": "talker"}},'
+        f' "source": "%%node talker\\n{word}"}}]}}'
+    )
+    return Submission(student, Path('x'), text.encode())
+
+
+def points(graded):
+    """Return points by student, None for review."""
+    return {one.result.student: None if one.result.fault else one.result.points for one in graded}
+
+
+def test_results_come_in_the_order_of_the_submissions():
+    """However long each one took."""
+    class_ = [handed_in(f's{number}', 'right') for number in range(20)]
+
+    graded = grade_class(class_, LESSON, FakeEngine(), jobs=4)
+
+    assert [one.result.student for one in graded] == [one.student for one in class_]
+    assert set(points(graded).values()) == {2.0}
+
+
+@pytest.mark.parametrize('word', ['probe', 'bug'])
+def test_our_own_fault_is_for_review_and_stops_nobody(word):
+    """Neither a zero nor full points, and the others have theirs."""
+    class_ = [handed_in('ann', 'right'), handed_in('bob', word), handed_in('cho', 'wrong')]
+
+    graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
+
+    assert points(graded) == {'ann': 2.0, 'bob': None, 'cho': 0.0}
+    assert graded[1].result.fault
+
+
+def test_a_broken_file_is_zero_with_the_reason():
+    """The exams say which file is missing."""
+    class_ = [Submission('ann', Path('x'), b'nonsense'), handed_in('bob', 'right')]
+
+    graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
+
+    assert points(graded) == {'ann': 0.0, 'bob': 2.0}
+    assert 'not JSON' in graded[0].result.first_cause
+
+
+def test_progress_is_told_once_a_run():
+    """Two exams, three students."""
+    told = []
+    class_ = [handed_in(name, 'right') for name in 'abc']
+
+    grade_class(class_, LESSON, FakeEngine(), jobs=2, on_done=lambda: told.append(1))
+
+    assert len(told) == 6
+
+
+def test_something_can_be_done_meanwhile_in_the_calling_thread():
+    """The imports of nbgrader take as long as a run."""
+    where = []
+
+    grade_class(
+        [handed_in('ann', 'right')],
+        LESSON,
+        FakeEngine(),
+        jobs=1,
+        meanwhile=lambda: where.append(threading.current_thread()),
+    )
+
+    assert where == [threading.main_thread()]
+
+
+def test_no_more_runs_at_a_time_than_asked_for():
+    """One job is one thread."""
+    engine = FakeEngine()
+
+    grade_class([handed_in(name, 'right') for name in 'abcdef'], LESSON, engine, jobs=1)
+
+    assert len(engine.threads) == 1
+
+
+def test_ctrl_c_starts_nothing_new():
+    """What was planned is dropped."""
+    engine = FakeEngine()
+    begun = threading.Event()
+    held = threading.Event()
+    run = engine.run
+
+    def wait_then_run(exam, files):
+        begun.set()
+        held.wait(10)
+        return run(exam, files)
+
+    def interrupt():
+        begun.wait(10)
+        raise KeyboardInterrupt
+
+    engine.run = wait_then_run
+    class_ = [handed_in(f's{number}', 'right') for number in range(50)]
+
+    with pytest.raises(KeyboardInterrupt):
+        grade_class(class_, LESSON, engine, jobs=1, meanwhile=interrupt)
+    held.set()
+
+    assert len(engine.threads) <= 1
+
+
+def test_one_notebook_is_graded_the_same_way():
+    """Bytes in, result out."""
+    result = grade_notebook(handed_in('ann', 'right').data, LESSON, 'ann', FakeEngine())
+
+    assert (result.student, result.points, result.max_points) == ('ann', 2.0, 2)

@@ -1,0 +1,230 @@
+"""Reports: complete, readable without colour, and inert whatever a student wrote."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+import io
+import json
+
+import pytest
+from rich.console import Console
+
+from autograder.feedback import exam_text, headline, printable
+from autograder.report import page_name, print_table, write_reports
+from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
+
+EVIL = '<script>alert(1)</script>&"\'\x1b[31m[bold]'
+
+
+def failing(**changes):
+    """Return a check that failed."""
+    facts = {
+        'expected': 'one warning',
+        'observed': 'none',
+        'cause': 'a typo',
+        'try_this': 'look again',
+        'read': 'Part 2',
+    }
+    return CheckResult('warns', 'It warns.', Verdict.FAILED, 0, 3, **{**facts, **changes})
+
+
+PASSED = CheckResult('runs', 'It runs.', Verdict.PASSED, 2, 2)
+WAITING = CheckResult('stops', 'It stops.', Verdict.NOT_RUN, 0, 1, waits_for='warns')
+
+
+def submission(student='ann', checks=None, **more):
+    """Return a result with one exam."""
+    checks = checks or (PASSED, failing(), WAITING)
+    exam = ExamResult('talker', tuple(checks), 'watched', 'bwrap-user', ('odd',), {'run_s': 0.5})
+    return SubmissionResult(student, '01_talker', (exam,), **more)
+
+
+class Reader(HTMLParser):
+    """Collects the tags, the links and the visible text of a page."""
+
+    def __init__(self):
+        super().__init__()
+        self.tags, self.links, self.text = [], [], ''
+
+    def handle_starttag(self, tag, attrs):
+        """Note a tag and where it leads."""
+        self.tags.append(tag)
+        self.links += [value for name, value in attrs if name in ('href', 'src')]
+
+    def handle_data(self, data):
+        """Note text."""
+        self.text += data
+
+
+def read(path):
+    """Return what a browser makes of a page."""
+    reader = Reader()
+    reader.feed(path.read_text(encoding='utf-8'))
+    return reader
+
+
+class TestPages:
+    """HTML."""
+
+    def test_a_failed_check_says_all_five_things(self, tmp_path):
+        """Expected, observed, cause, what to try, where to read."""
+        write_reports(tmp_path, '01_talker', [submission()])
+
+        text = read(tmp_path / '01_talker' / page_name('ann')).text
+        for part in ('It warns.', 'one warning', 'none', 'a typo', 'look again', 'Part 2'):
+            assert part in text
+
+    def test_the_verdict_is_a_word_and_not_only_a_colour(self, tmp_path):
+        """A check that was not run names the one it waits for."""
+        write_reports(tmp_path, '01_talker', [submission()])
+
+        text = read(tmp_path / '01_talker' / page_name('ann')).text
+        assert 'Passed:' in text
+        assert 'Failed:' in text
+        assert 'it waits for the check “It warns.”' in text
+
+    def test_mode_timing_and_flags_stand_apart(self, tmp_path):
+        """They are no part of the verdict."""
+        write_reports(tmp_path, '01_talker', [submission()])
+
+        text = read(tmp_path / '01_talker' / page_name('ann')).text
+        about = text.partition('About the grading')[2]
+        assert 'bwrap-user' in about
+        assert 'run_s 0.50' in about
+        assert 'Flag: odd' in about
+
+    @pytest.mark.parametrize('place', ['student', 'observed', 'problem', 'fault', 'flag'])
+    def test_hostile_words_stay_words(self, tmp_path, place):
+        """Every text on the pages may come from a student."""
+        result = submission(
+            student=EVIL if place == 'student' else 'ann',
+            checks=[failing(observed=EVIL, cause='') if place == 'observed' else failing()],
+            problems=(Problem(EVIL, 'a', 'b', 'c', (EVIL,)),) if place == 'problem' else (),
+            fault=EVIL if place == 'fault' else '',
+        )
+        if place == 'flag':
+            exam = ExamResult('talker', (PASSED,), EVIL, EVIL, (EVIL,))
+            result = SubmissionResult('ann', '01_talker', (exam,))
+
+        index = write_reports(tmp_path, '01_talker', [result], EVIL)
+
+        for path in index.parent.rglob('*.html'):
+            page = read(path)
+            assert 'script' not in page.tags
+            assert '\x1b' not in path.read_text(encoding='utf-8')
+
+    def test_pages_load_nothing_and_link_only_each_other(self, tmp_path):
+        """They can be sent by mail."""
+        index = write_reports(tmp_path, '01_talker', [submission(), submission('../b c')])
+
+        links = read(index).links
+        assert len(links) == 2
+        for link in links:
+            assert (index.parent / link).is_file()
+        assert read(index.parent / links[0]).links == []
+
+    def test_a_fault_of_ours_is_no_zero(self, tmp_path):
+        """Neither page shows points."""
+        index = write_reports(tmp_path, '01_talker', [submission(fault='probe broke')])
+
+        assert 'for review' in read(index).text
+        assert '2 of 6' not in read(index).text
+        page = read(index.parent / page_name('ann')).text
+        assert 'no score yet' in page
+        assert '2 of 6' not in page
+
+    def test_a_new_report_replaces_the_old_one(self, tmp_path):
+        """Nobody finds last week's page."""
+        write_reports(tmp_path, '01_talker', [submission('old')])
+        index = write_reports(tmp_path, '01_talker', [submission('new')])
+
+        assert [path.name for path in (index.parent / 'students').iterdir()] == ['new.html']
+
+    def test_the_results_are_kept_as_data(self, tmp_path):
+        """Other programs read them."""
+        index = write_reports(tmp_path, '01_talker', [submission()])
+
+        data = json.loads((index.parent / 'results.json').read_text(encoding='utf-8'))
+        assert SubmissionResult.from_json(data[0]) == submission()
+
+    def test_pages_are_well_formed_for_readers(self, tmp_path):
+        """Language, title, one main heading, headed tables."""
+        index = write_reports(tmp_path, '01_talker', [submission()])
+
+        for path in index.parent.rglob('*.html'):
+            tags = read(path).tags
+            assert '<html lang="en">' in path.read_text(encoding='utf-8')
+            assert tags.count('h1') == tags.count('main') == tags.count('title') == 1
+        assert 'caption' in read(index).tags
+        assert '<th scope="col">' in index.read_text(encoding='utf-8')
+
+    @pytest.mark.parametrize('name', ['ann', 'a/b', '..', 'index', 'ü', 'a%2Fb', 'x' * 80])
+    def test_every_name_has_a_page_of_its_own_below_students(self, tmp_path, name):
+        """No name leads elsewhere."""
+        index = write_reports(tmp_path, '01_talker', [submission(name), submission('other')])
+
+        assert len(list((index.parent / 'students').iterdir())) == 2
+
+
+class TestTable:
+    """The terminal."""
+
+    def printed(self, *results):
+        """Return what a wide terminal shows."""
+        console = Console(file=io.StringIO(), width=150)
+        print_table(console, '01_talker', results)
+        return console.file.getvalue()
+
+    def test_it_shows_student_points_and_first_cause(self):
+        """One line each."""
+        line = next(line for line in self.printed(submission()).splitlines() if 'ann' in line)
+
+        assert '2 of 6' in line
+        assert 'a typo' in line
+
+    def test_flags_come_below(self):
+        """They are for the instructor."""
+        assert 'flag: ann: odd' in self.printed(submission()).splitlines()[-1]
+
+    def test_hostile_words_do_not_steer_the_terminal(self):
+        """No escape sequences, no markup."""
+        text = self.printed(submission(student=EVIL, checks=[failing(cause=EVIL)]))
+
+        assert '\x1b[31m' not in text
+        assert '[bold]' in text
+
+    def test_a_fault_of_ours_shows_no_points(self):
+        """A person has to look."""
+        text = self.printed(submission(fault='probe broke'))
+
+        assert 'for review' in text
+        assert '2 of 6' not in text
+
+
+class TestWords:
+    """Feedback and headlines."""
+
+    def test_the_text_of_an_exam_has_a_line_for_each_fact(self):
+        """It goes into the notebook's check cell."""
+        lines = exam_text(submission().exams[0]).splitlines()
+
+        assert lines[0] == '2 of 6 points'
+        assert '[pass] It runs. (2 of 2)' in lines
+        assert '[FAIL] It warns. (0 of 3)' in lines
+        assert '       likely cause: a typo' in lines
+        assert '       not looked at, waits for: It warns.' in lines
+
+    def test_control_characters_are_replaced(self):
+        """Line ends and tabs stay."""
+        assert printable('a\x1b[1mb\n\tc\x00') == 'a\ufffd[1mb\n\tc\ufffd'
+
+    def test_what_costs_points_comes_before_what_does_not(self):
+        """A note about a file name is no reason for missing points."""
+        note = Problem('x', 'a', 'b', 'c')
+        missing = Problem('y', 'a', 'b', 'c', ('talker',))
+
+        assert headline(submission(problems=(note,))) == 'a typo'
+        assert headline(submission(problems=(note, missing))).startswith('y:')
+        assert headline(submission(checks=[PASSED], problems=(note,))).startswith('x:')
+        assert headline(submission(checks=[PASSED])) == ''
+        assert headline(submission(fault='broken')) == 'broken'

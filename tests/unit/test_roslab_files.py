@@ -1,0 +1,117 @@
+"""Where cells are saved, and which names are refused."""
+
+import os
+import sys
+
+import psutil
+import pytest
+
+from autograder.cells import CellFile
+from roslab import child, package_files
+from roslab.errors import NameRefusedError
+from roslab.package_files import learner_package, LearnerPackage, package
+
+
+@pytest.fixture
+def learner(tmp_path):
+    """Return an empty package below an empty folder."""
+    return LearnerPackage('temp_monitor_pkg', tmp_path)
+
+
+def test_files_lie_where_a_ros_package_has_them(learner):
+    """Nodes go to the inner folder, messages to msg/, the rest to the top."""
+    paths = [
+        learner.path_of(CellFile(kind, name, ''))
+        for kind, name in [('node', 'a'), ('rosmsg', 'A'), ('rospkg', 'package.xml')]
+    ]
+
+    assert [str(path.relative_to(learner.folder)) for path in paths] == [
+        'temp_monitor_pkg/a.py',
+        'msg/A.msg',
+        'package.xml',
+    ]
+
+
+def test_saved_file_replaces_the_older_one_at_once(learner):
+    """A reader that has the older file open keeps it whole; no part files stay."""
+    path = learner.save(CellFile('node', 'a', 'old\n'))
+    with path.open() as older:
+        learner.save(CellFile('node', 'a', 'new\n'))
+
+        assert older.read() == 'old\n'
+    assert path.read_text() == 'new\n'
+    assert os.listdir(path.parent) == ['a.py']
+
+
+def test_link_out_of_the_package_is_refused(learner, tmp_path):
+    """A cell cannot write where a link points to."""
+    learner.folder.mkdir(parents=True)
+    (learner.folder / 'msg').symlink_to(tmp_path)
+    with pytest.raises(NameRefusedError, match='link'):
+        learner.save(CellFile('rosmsg', 'A', 'int64 x\n'))
+
+    assert not (tmp_path / 'A.msg').exists()
+
+
+def test_texts_are_keyed_as_the_grader_keys_them(learner):
+    """Node files are found under their own names, hidden and compiled files are not."""
+    learner.save(CellFile('node', 'a', 'pass\n'))
+    learner.save(CellFile('rosmsg', 'A', 'int64 x\n'))
+    (learner.folder / 'temp_monitor_pkg' / '__pycache__').mkdir()
+    (learner.folder / 'temp_monitor_pkg' / '__pycache__' / 'a.pyc').write_bytes(b'\x00')
+    (learner.folder / '.hidden').write_text('x')
+
+    assert learner.files() == {'a.py': 'pass\n', 'msg/A.msg': 'int64 x\n'}
+
+
+@pytest.mark.parametrize('name', ['', 'Temp', '../x', 'a b', 'a__b', '1a', 'a_', 'a-b', 3])
+def test_package_name_that_ros_would_refuse_is_refused(name):
+    """The name of the package follows the rules of ROS 2."""
+    with pytest.raises(NameRefusedError, match='temp_monitor_pkg'):
+        package(name)
+
+
+def test_package_name_can_be_chosen(monkeypatch, tmp_path):
+    """Another lesson keeps its cells in another package."""
+    monkeypatch.setattr(package_files, '_name', 'temp_monitor_pkg')
+    monkeypatch.chdir(tmp_path)
+
+    assert package() == 'temp_monitor_pkg'
+    assert package('num_pkg') == 'num_pkg'
+    assert learner_package().folder == tmp_path / 'ros_ws/src/num_pkg'
+
+
+def run(code, tmp_path, deadline_s=20.0):
+    """Run a line of Python as a child."""
+    command = [sys.executable, '-c', code]
+    return child.run(command, cwd=tmp_path, env=os.environ, deadline_s=deadline_s, tick_s=0.05)
+
+
+def test_child_returns_its_output_and_code(tmp_path):
+    """Both streams are kept."""
+    outcome = run('import sys; print(1); print(2, file=sys.stderr); sys.exit(3)', tmp_path)
+
+    assert outcome.returncode == 3
+    assert sorted(outcome.output.split()) == ['1', '2']
+
+
+def test_child_past_its_deadline_is_ended_with_its_family(tmp_path):
+    """Not even a grandchild stays."""
+    family = (
+        'import subprocess, sys, time\n'
+        'p = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])\n'
+        'print(p.pid, flush=True)\n'
+        'time.sleep(600)\n'
+    )
+    outcome = run(family, tmp_path, deadline_s=2.0)
+
+    assert outcome.returncode is None
+    assert not psutil.pid_exists(int(outcome.output))
+
+
+def test_long_output_is_cut_at_its_beginning(tmp_path):
+    """A child that prints for ever does not fill the kernel; its last words are kept."""
+    outcome = run('print("x" * 5_000_000); print("end")', tmp_path)
+
+    assert len(outcome.output) <= 2_000_000
+    assert outcome.output.endswith('end\n')

@@ -1,0 +1,118 @@
+"""The table of visible checks, as text and as HTML."""
+
+import json
+
+import pytest
+
+from autograder.results import CheckResult, ExamResult, Problem, Verdict
+from roslab import checking
+from roslab.child import Outcome
+from roslab.report import CheckReport
+
+PASSED = CheckResult('name', 'The node has the right name.', Verdict.PASSED, 3, 3)
+FAILED = CheckResult(
+    'rate',
+    'One message a second.',
+    Verdict.FAILED,
+    0,
+    5,
+    expected='60 messages in 60 s',
+    observed='<script>alert(1)</script>',
+    cause='The timer has the wrong period.',
+    cause_id='period',
+    try_this='create_timer(1.0, ...)',
+    read='02_spinning',
+)
+WAITING = CheckResult('stamp', 'Stamps follow.', Verdict.NOT_RUN, 0, 2, waits_for='rate')
+
+
+def report(*checks, **more):
+    """Return the report of an exam with these checks."""
+    return CheckReport('temperature_publisher', ExamResult('x', checks, **more))
+
+
+def test_text_has_one_line_per_check_and_the_facts_of_a_failure():
+    """A failed check says what was expected, what was seen, and what to try."""
+    text = str(report(PASSED, FAILED, WAITING))
+
+    assert text.splitlines()[0].startswith('temperature_publisher: 3 of 10 points')
+    assert '✓   3/3  The node has the right name.' in text
+    assert '✗   0/5  One message a second.' in text
+    for part in ('expected: 60', 'likely cause: The timer', 'try: create_timer', 'read: 02'):
+        assert part in text
+    assert 'waits for: One message a second.' in text
+
+
+def test_html_escapes_what_the_program_did():
+    """What a learner's program prints is text, never markup."""
+    page = report(FAILED)._repr_html_()
+
+    assert '<script>' not in page
+    assert '&lt;script&gt;' in page
+    assert 'aria-label="failed"' in page
+
+
+def test_report_is_true_only_if_every_check_passed():
+    """No check at all is no success."""
+    assert report(PASSED)
+    assert not report(PASSED, WAITING)
+    assert not report(PASSED, FAILED)
+    assert not report()
+    assert not CheckReport('x', problem=Problem('a', 'b', 'c', 'd'))
+
+
+def test_plain_mode_is_said():
+    """A run without a sandbox is never silent about it."""
+    assert 'without a sandbox' in str(report(PASSED, mode='plain'))
+    assert 'sandbox' not in str(report(PASSED, mode='user'))
+
+
+def read(output, returncode=0, unfinished=()):
+    """Return the report of a child that printed something."""
+    return checking._read('temperature_publisher', Outcome(returncode, output, 1.0), unfinished)
+
+
+def test_verdicts_are_read_from_the_last_line_of_json():
+    """Noise before the verdict does not hide it."""
+    answer = json.dumps(ExamResult('x', (PASSED,)).to_json())
+
+    assert read(f'a warning\n{{"not": "it"}}\n{answer}\n')
+
+
+def test_error_of_the_child_is_shown_as_one_line():
+    """Bad input is named as the engine names it."""
+    problem = {'where': 'check', 'expected': 'a known exam', 'got': 'x', 'try_this': 'another'}
+    text = str(read(json.dumps({'error': problem}), 2))
+
+    assert 'check: expected a known exam, got x. Try: another.' in text
+
+
+@pytest.mark.parametrize('output', ['', 'Traceback\nKeyError: 1', '{"points": 3}', '{', '[1]\n'])
+def test_child_without_a_verdict_is_the_checkers_fault(output):
+    """Anything but a verdict is said to be ours, and is no success."""
+    broken = read(output, 1)
+
+    assert not broken
+    assert 'not your code' in str(broken)
+
+
+def test_deadline_is_named():
+    """A check that does not end says so."""
+    assert 'no answer within 180 s' in str(read('', None))
+
+
+def test_unfinished_files_are_named():
+    """A stub that is still there is the first thing to hear of."""
+    assert 'temp_publisher.py is not finished' in str(read('', 1, ('temp_publisher.py',)))
+
+
+def test_files_with_a_stub_are_unfinished():
+    """The marker alone may stay in a node as a comment; the stub's exception may not."""
+    files = {
+        'package.xml': '<!-- YOUR CODE HERE -->',
+        'a.py': '# YOUR CODE HERE\nraise NotImplementedError()',
+        'b.py': '# YOUR CODE HERE\nprint(1)',
+        'msg/Temperature.msg': 'float64 temperature_value',
+    }
+
+    assert checking._unfinished(files) == ['package.xml', 'a.py']

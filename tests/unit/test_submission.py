@@ -1,0 +1,273 @@
+"""Reading what students hand in: any bytes give a notebook that can be graded, or a reason."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from autograder import submission
+from autograder.submission import open_submission, read_notebook, rebuild, StudentCell
+
+
+def cell(grade_id='', source='', kind='code', **marks):
+    """Return a cell as it is in a file."""
+    metadata = {'nbgrader': {'grade_id': grade_id, **marks}} if grade_id else {}
+    more = {'outputs': [], 'execution_count': None} if kind == 'code' else {}
+    return {'cell_type': kind, 'metadata': metadata, 'source': source, **more}
+
+
+@pytest.fixture
+def release():
+    """Return a release with one node, one check and one question."""
+    return {
+        'cells': [
+            cell(source='# Title', kind='markdown'),
+            cell('talker', '%%node talker\n# YOUR CODE HERE', solution=True),
+            cell('check_talker', "check('talker')", grade=True, locked=True, points=3),
+            cell('why', 'YOUR ANSWER HERE', 'markdown', solution=True, grade=True, points=2),
+        ],
+        'metadata': {'kernelspec': {'name': 'ros2_jazzy'}},
+        'nbformat': 4,
+        'nbformat_minor': 5,
+    }
+
+
+def student_file(release, **changes):
+    """Return the release as bytes, with the sources of some cells changed."""
+    copy = json.loads(json.dumps(release))
+    for one in copy['cells']:
+        grade_id = one['metadata'].get('nbgrader', {}).get('grade_id')
+        if grade_id in changes:
+            one['source'] = changes[grade_id]
+    return copy
+
+
+def source_of(notebook, grade_id):
+    """Return the text of one cell."""
+    return next(
+        one['source']
+        for one in notebook['cells']
+        if one['metadata'].get('nbgrader', {}).get('grade_id') == grade_id
+    )
+
+
+class TestReadNotebook:
+    """Bytes that are no notebook are told apart, each with one line."""
+
+    @pytest.mark.parametrize(
+        ('data', 'got'),
+        [
+            (b'', 'an empty file'),
+            (b'  \n', 'an empty file'),
+            (b'<html></html>', 'not JSON'),
+            (b'PK\x03\x04zip', 'not JSON'),
+            (b'{"cells": [{"cell_type": "co', 'ends in the middle, after 28 bytes'),
+            (b'{"cells": [}\n}', 'broken JSON in line 1'),
+            (b'\xff\xfe{\x00}\x00', 'not UTF-8'),
+            (b'[]', 'no list of cells'),
+            (b'{}', 'no list of cells'),
+            (b'{"cells": 3}', 'no list of cells'),
+            (b'{"worksheets": []}', 'a notebook in format 3'),
+        ],
+    )
+    def test_bytes_that_are_no_notebook_get_one_clear_line(self, data, got):
+        """The line names the file, what was expected, what came, and what to try."""
+        cells, problems = read_notebook(data, 'submitted/ann/x.ipynb')
+
+        assert cells is None
+        assert len(problems) == 1
+        assert got in problems[0].got
+        assert problems[0].line().startswith('submitted/ann/x.ipynb: expected ')
+        assert '\n' not in problems[0].line()
+
+    def test_a_huge_file_is_refused_before_it_is_read(self, monkeypatch):
+        """The bound is on bytes."""
+        monkeypatch.setattr(submission, 'MAX_BYTES', 10)
+
+        cells, problems = read_notebook(b'{"cells": []}', 'x')
+
+        assert cells is None
+        assert 'at most' in problems[0].expected
+
+    def test_many_tiny_parts_are_refused_before_they_fill_the_memory(self):
+        """A megabyte of empty lists would take a hundred."""
+        data = b'{"cells": [' + b'[],' * 600_000 + b'[]]}'
+
+        cells, problems = read_notebook(data, 'x')
+
+        assert cells is None
+        assert 'too many' in problems[0].got
+
+    def test_deep_nesting_is_refused(self):
+        """The parser's own limit is no crash of ours."""
+        cells, problems = read_notebook(b'{"cells":' + b'[' * 100_000 + b']' * 100_000 + b'}', 'x')
+
+        assert cells is None
+        assert 'too deeply' in problems[0].got
+
+    def test_parts_of_the_wrong_type_count_as_empty(self):
+        """Odd JSON in one cell costs only that cell."""
+        cells = [
+            None,
+            {'cell_type': 3, 'source': {'a': 1}, 'metadata': []},
+            {'cell_type': 'code', 'source': ['a\n', 1, 'b'], 'metadata': {'nbgrader': 'x'}},
+            {'cell_type': 'code', 'source': 'x', 'metadata': {'nbgrader': {'grade_id': [1]}}},
+        ]
+
+        found, problems = read_notebook(json.dumps({'cells': cells}).encode(), 'x')
+
+        assert problems == ()
+        assert [one.source for one in found] == ['', '', 'a\nb', 'x']
+        assert {one.grade_id for one in found} == {''}
+
+    def test_a_byte_order_mark_and_windows_line_ends_are_fine(self):
+        """Editors on Windows add them."""
+        data = json.dumps({'cells': [cell('a', 'x\r\ny\rz')]}).encode('utf-8-sig')
+
+        found, problems = read_notebook(data, 'x')
+
+        assert problems == ()
+        assert found[0].source == 'x\ny\nz'
+
+    def test_half_a_surrogate_pair_becomes_writable_text(self):
+        """JSON can hold what no file can."""
+        found, _ = read_notebook(b'{"cells": [{"source": "a\\ud800b"}]}', 'x')
+
+        assert found[0].source.encode('utf-8') == b'a?b'
+
+
+class TestRebuild:
+    """The release with the student's answers, and nothing else of the student's."""
+
+    def test_answers_are_found_by_grade_id_wherever_they_stand(self, release):
+        """Order and extra cells do not matter."""
+        student = [
+            StudentCell('why', 'markdown', 'because'),
+            StudentCell('', 'code', 'scratch'),
+            StudentCell('talker', 'code', '%%node talker\nprint()'),
+            StudentCell('check_talker', 'code', "check('talker')"),
+        ]
+
+        notebook, problems = rebuild(release, student)
+
+        assert problems == ()
+        assert source_of(notebook, 'talker') == '%%node talker\nprint()'
+        assert source_of(notebook, 'why') == 'because'
+        assert len(notebook['cells']) == len(release['cells'])
+
+    def test_tags_metadata_and_outputs_of_the_student_are_dropped(self, release):
+        """A tag makes nbgrader skip a cell, an output makes it give points."""
+        content = student_file(release, talker='%%node talker\npass')
+        for one in content['cells']:
+            one['metadata']['tags'] = ['skip-execution']
+            if one['cell_type'] == 'code':
+                one['outputs'] = [{'output_type': 'execute_result', 'data': {'text/plain': '3'}}]
+        content['metadata']['kernelspec'] = {'name': 'evil'}
+
+        opened = open_submission(json.dumps(content).encode(), release, 'x')
+
+        assert 'skip-execution' not in json.dumps(opened.notebook)
+        assert 'execute_result' not in json.dumps(opened.notebook)
+        assert opened.notebook['metadata'] == release['metadata']
+
+    def test_the_release_itself_is_not_changed(self, release):
+        """Many threads share it."""
+        before = json.dumps(release)
+
+        rebuild(release, [StudentCell('talker', 'code', 'x')])
+
+        assert json.dumps(release) == before
+
+    def test_a_missing_cell_leaves_the_stub_and_is_named(self, release):
+        """Only this answer is missing."""
+        notebook, problems = rebuild(release, [StudentCell('why', 'markdown', 'because')], 'x')
+
+        assert [problem.cells for problem in problems] == [('talker',)]
+        assert source_of(notebook, 'talker') == '%%node talker\n# YOUR CODE HERE'
+        assert source_of(notebook, 'why') == 'because'
+
+    def test_a_renamed_cell_is_recognised_by_its_magic_line(self, release):
+        """The message says where the answer probably is."""
+        student = [
+            StudentCell('talker-Copy1', 'code', '%%node talker\npass'),
+            StudentCell('why', 'markdown', 'because'),
+        ]
+
+        _, problems = rebuild(release, student, 'x')
+
+        assert problems[0].cells == ('talker',)
+        assert "talker.py with grade id 'talker-Copy1'" in problems[0].got
+
+    def test_of_duplicated_cells_the_first_counts_and_nothing_is_lost(self, release):
+        """The message says which one counts."""
+        student = [
+            StudentCell('talker', 'code', 'first'),
+            StudentCell('talker', 'code', 'second'),
+            StudentCell('why', 'markdown', 'because'),
+        ]
+
+        notebook, problems = rebuild(release, student)
+
+        assert source_of(notebook, 'talker') == 'first'
+        assert '2; the first one counts' in problems[0].got
+        assert problems[0].cells == ()
+
+    def test_a_changed_cell_type_is_repaired(self, release):
+        """Pressing m in Jupyter costs no points."""
+        student = [
+            StudentCell('talker', 'markdown', '%%node talker\npass'),
+            StudentCell('why', 'code', 'because'),
+        ]
+
+        notebook, problems = rebuild(release, student)
+
+        assert [one['cell_type'] for one in notebook['cells']] == [
+            'markdown',
+            'code',
+            'code',
+            'markdown',
+        ]
+        assert [problem.cells for problem in problems] == [(), ()]
+
+    def test_a_changed_check_is_ignored_and_noted(self, release):
+        """Locked cells come from the release."""
+        student = [
+            StudentCell('talker', 'code', 'x'),
+            StudentCell('check_talker', 'code', '15.0'),
+            StudentCell('why', 'markdown', 'y'),
+        ]
+
+        notebook, problems = rebuild(release, student)
+
+        assert source_of(notebook, 'check_talker') == "check('talker')"
+        assert 'locked' in problems[0].expected
+        assert problems[0].cells == ()
+
+    def test_an_answer_of_a_megabyte_is_missing(self, release):
+        """It goes to a compiler and a database."""
+        student = [
+            StudentCell('talker', 'code', 'x' * 1_000_000),
+            StudentCell('why', 'markdown', 'y'),
+        ]
+
+        _, problems = rebuild(release, student)
+
+        assert problems[0].cells == ('talker',)
+        assert len(problems[0].line()) < 300
+
+    def test_an_unreadable_file_misses_every_answer(self, release):
+        """The reason is kept with them."""
+        opened = open_submission(b'nonsense', release, 'x')
+
+        assert opened.missing == {'talker', 'why'}
+        assert len(opened.problems) == 1
+
+    def test_no_file_at_all_misses_every_answer_for_the_reason_given(self, release):
+        """The folder's problem is the submission's problem."""
+        why = submission.Problem('x', 'a file', 'none', 'submit')
+
+        opened = open_submission(None, release, 'x', [why])
+
+        assert opened.missing == {'talker', 'why'}
+        assert [problem.got for problem in opened.problems] == ['none']
