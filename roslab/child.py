@@ -1,0 +1,106 @@
+"""
+Running a command for a cell: bounded, interruptible, and without leaving processes behind.
+
+The command stays in the kernel's process group, so that a kernel that is killed takes it along.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+import subprocess
+import tempfile
+import time
+
+import psutil
+
+from roslab.interrupts import HeldInterrupts
+
+_MOST_BYTES = 2_000_000
+_REAPING_S = 2.0
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """
+    What became of a command.
+
+    :param returncode: None if it was ended at its deadline
+    :param output: the end of what it wrote on stdout and stderr
+    :param seconds: how long it took [s]
+    """
+
+    returncode: int | None
+    output: str
+    seconds: float
+
+
+def run(
+    command: Sequence[str],
+    *,
+    cwd: Path,
+    env: Mapping[str, str],
+    deadline_s: float,
+    on_tick: Callable[[float], None] = lambda _: None,
+    tick_s: float = 0.5,
+) -> Outcome:
+    """
+    Run a command to its end, or to its deadline.
+
+    :param on_tick: called now and then with the seconds that have passed
+    :raises OSError: if the command cannot be started
+    """
+    begin = time.monotonic()
+    # Interrupts only while waiting: a process is either not started or known, and then ended.
+    with tempfile.TemporaryFile() as log, HeldInterrupts() as interrupts:
+        process = subprocess.Popen(
+            command,
+            cwd=cwd,
+            env=dict(env),
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+        )
+        try:
+            with interrupts.allowed():
+                _wait(process, begin, deadline_s, on_tick, tick_s)
+        finally:
+            ended = process.poll() is not None
+            _kill_tree(process)
+        size = log.seek(0, 2)
+        log.seek(max(0, size - _MOST_BYTES))
+        output = log.read().decode('utf-8', 'replace')
+    return Outcome(process.returncode if ended else None, output, time.monotonic() - begin)
+
+
+def _wait(
+    process: subprocess.Popen[bytes],
+    begin: float,
+    deadline_s: float,
+    on_tick: Callable[[float], None],
+    tick_s: float,
+) -> None:
+    while (passed := time.monotonic() - begin) < deadline_s:
+        try:
+            process.wait(min(tick_s, deadline_s - passed))
+            return
+        except subprocess.TimeoutExpired:
+            on_tick(time.monotonic() - begin)
+
+
+def _kill_tree(process: subprocess.Popen[bytes]) -> None:
+    """End a process that still runs, and all that it has started."""
+    if process.poll() is not None:
+        return
+    try:
+        family = psutil.Process(process.pid).children(recursive=True)
+    except psutil.NoSuchProcess:
+        family = []
+    process.kill()
+    for member in family:
+        with suppress(psutil.NoSuchProcess):
+            member.kill()
+    process.wait()
+    psutil.wait_procs(family, timeout=_REAPING_S)

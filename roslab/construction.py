@@ -1,0 +1,91 @@
+"""
+Making a node that replaces the older one of the same name.
+
+Running a cell twice makes a second node of the same name.  ROS 2 allows that but warns, and breaks
+the logging of both when one of them goes.  A cell only says ``start(Talker)``; which name the node
+has is known when ``Node.__init__`` is called, so that is where the older one is sent away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+import threading
+from typing import Any
+
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from roslab.interrupts import HeldInterrupts
+
+
+@dataclass
+class Construction:
+    """
+    What to change while a node is made, and what was made.
+
+    :param context: for nodes that name no other
+    :param make_room: called with the key of a node that is about to be made
+    :param name: replaces the name that the class gives, as ``-r __node:=`` does
+    :param parameters: initial values, as ``-p name:=value`` does
+    """
+
+    context: Context
+    make_room: Callable[[str], None]
+    name: str | None = None
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    made: list[Node] = field(default_factory=list)
+
+    def arguments(self, name: str, given: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+        """Return what ``Node.__init__`` is called with instead."""
+        arguments = {**given, 'context': given.get('context') or self.context}
+        if self.made:  # name and parameters are meant for the first node of a factory
+            return name, arguments
+        if self.parameters:
+            overrides = {item.name: item for item in given.get('parameter_overrides') or ()}
+            overrides.update(
+                {key: Parameter(key, value=value) for key, value in self.parameters.items()}
+            )
+            arguments['parameter_overrides'] = list(overrides.values())
+        return self.name or name, arguments
+
+
+def key_of(name: str, namespace: str | None) -> str:
+    """
+    Return how a node is called in a notebook: its name, or its full name inside a namespace.
+
+    :param name: the node's own name
+    :param namespace: as given to ``Node`` or returned by ``get_namespace``
+    """
+    space = (namespace or '').strip('/')
+    return f'/{space}/{name}' if space else name
+
+
+@contextmanager
+def constructing(construction: Construction) -> Iterator[None]:
+    """
+    Apply a construction to the nodes that this thread makes, and to no others.
+
+    :param construction: collects the nodes in ``made``
+    """
+    original = Node.__init__
+    thread = threading.get_ident()
+
+    def init(self: Node, node_name: str, **given: Any) -> None:
+        if threading.get_ident() != thread:
+            original(self, node_name, **given)
+            return
+        name, arguments = construction.arguments(node_name, given)
+        with HeldInterrupts():
+            if isinstance(name, str):
+                construction.make_room(key_of(name, arguments.get('namespace')))
+            original(self, name, **arguments)
+            construction.made.append(self)
+
+    Node.__init__ = init  # type: ignore[method-assign]
+    try:
+        yield
+    finally:
+        Node.__init__ = original  # type: ignore[method-assign]

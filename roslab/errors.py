@@ -1,0 +1,52 @@
+"""
+Errors that a notebook shows as one line.
+
+IPython asks an exception how it wants to be shown; these leave out the frames of this package,
+in which no learner has anything to look for.
+"""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+
+class RoslabError(Exception):
+    """Raised for a call that cannot work, with what was expected and what to try."""
+
+    def _render_traceback_(self) -> list[str]:
+        return [f'{type(self).__name__}: {self}']
+
+
+class NameRefusedError(RoslabError):
+    """A magic line names no file that may be written."""
+
+
+class NodeSyntaxError(RoslabError):
+    """A ``%%node`` cell is not valid Python; IPython would add its own frames to a SyntaxError."""
+
+
+class NotHereError(RoslabError):
+    """Something that has to exist first does not; the message says what to run."""
+
+
+E = TypeVar('E', bound=BaseException)
+
+
+def shown_as(error: E, text: str) -> E:
+    """
+    Let a notebook show an error as a given text instead of a traceback.
+
+    :param error: any error; its type stays what it is
+    :param text: all that is shown
+    """
+    error._render_traceback_ = lambda: [text]  # type: ignore[attr-defined]
+    return error
+
+
+def not_written_yet(message: str) -> NotImplementedError:
+    """
+    Return the error of an exercise that still has its stub.
+
+    :param message: which cell, and what to do
+    """
+    return shown_as(NotImplementedError(message), f'NotImplementedError: {message}')

@@ -1,0 +1,118 @@
+"""Listening to a topic from a notebook cell."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from typing import Any
+import weakref
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+
+from roslab.errors import RoslabError
+from roslab.interrupts import HeldInterrupts
+from roslab.session import Session
+from roslab.silence import type_name, why_silent
+from roslab.waiting import timeout_error, wait_in
+
+_MOST_MESSAGES = 10_000
+
+
+class Listener:
+    """
+    Keeps what arrives on a topic.
+
+    It hears as long as a name refers to it, so a cell that is run again replaces its listener.
+
+    :param session: whose hidden node subscribes
+    :param topic: name of the topic
+    :param msg_type: class of its messages
+    :param qos: profile of the subscription
+    """
+
+    def __init__(self, session: Session, topic: str, msg_type: type, qos: QoSProfile) -> None:
+        self.topic = topic
+        self.msg_type = msg_type
+        self.qos = qos
+        self._session = session
+        self._heard: deque[Any] = deque(maxlen=_MOST_MESSAGES)
+        self._node = session.helper
+        with HeldInterrupts():
+            # The callback holds the deque, not the listener, which has to be free to go.
+            subscription = _subscribe(self._node, topic, msg_type, qos, self._heard)
+            self._end = weakref.finalize(self, _unsubscribe, session, self._node, subscription)
+            # At exit the session destroys its nodes as a whole.
+            self._end.atexit = False
+
+    @property
+    def messages(self) -> list[Any]:
+        """All messages heard so far, oldest first."""
+        return list(self._heard)
+
+    @property
+    def last(self) -> Any | None:
+        """The newest message, or None before the first."""
+        return self._heard[-1] if self._heard else None
+
+    def wait(self, count: int = 1, timeout: float = 10.0) -> list[Any]:
+        """
+        Wait until that many messages have been heard since listening began.
+
+        :param count: how many messages
+        :param timeout: how long to wait [s]
+        :returns: all messages heard so far
+        :raises TimeoutError: with what the ROS graph says about the reason
+        """
+        if not wait_in(self._session, lambda: len(self._heard) >= count, timeout):
+            raise timeout_error(
+                f'Heard {len(self._heard)} of {count} messages on {self.topic} in {timeout:g} s.',
+                why_silent(self._node, self.topic, self.msg_type, self.qos),
+                self._session.hints() if self._session.nodes() else '',
+            )
+        return self.messages
+
+    def clear(self) -> None:
+        """Forget what was heard, to wait for new messages."""
+        self._heard.clear()
+
+    def stop(self) -> None:
+        """Stop listening; what was heard is kept."""
+        self._end()
+
+    def __len__(self) -> int:
+        return len(self._heard)
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.messages)
+
+    def __getitem__(self, index: int) -> Any:
+        return self.messages[index]
+
+    def __repr__(self) -> str:
+        state = 'listening' if self._end.alive else 'stopped'
+        return f'<{self.topic} [{type_name(self.msg_type)}]: {len(self)} heard, {state}>'
+
+
+def _subscribe(
+    node: Node, topic: str, msg_type: type, qos: QoSProfile, heard: deque[Any]
+) -> Subscription:
+    if not (isinstance(msg_type, type) and hasattr(msg_type, 'get_fields_and_field_types')):
+        raise RoslabError(
+            f'listen({topic!r}, ...) expected a message class, as in '
+            f'listen({topic!r}, String) after "from std_msgs.msg import String", got {msg_type!r}.'
+        )
+    # Asked first, because the middleware refuses a second type with misleading words on stderr.
+    known = dict(node.get_topic_names_and_types()).get(node.resolve_topic_name(topic), [])
+    if known and type_name(msg_type) not in known:
+        raise RoslabError(
+            f'{topic} carries {" and ".join(known)}, so it cannot be heard as '
+            f'{type_name(msg_type)}. Listen with the type that the publisher uses.'
+        )
+    return node.create_subscription(msg_type, topic, lambda message: heard.append(message), qos)
+
+
+def _unsubscribe(session: Session, node: Node, subscription: Subscription) -> None:
+    """End a subscription; may be called by the garbage collector in any thread."""
+    session.forget(node, subscription)

@@ -1,0 +1,138 @@
+"""
+What nodes have logged, as a table.
+
+The lines are taken where rclpy hands them to the logging library, after levels and filters such as
+``once``.  Nothing is lost to discovery or to queues, loggers that belong to no node are seen too,
+and a line is in the table when the call that logged it returns.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+import html
+import time
+from typing import Any
+
+from rclpy.impl.implementation_singleton import rclpy_implementation
+
+_MOST_LINES = 5000
+_LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
+_COLOURS = {'WARN': '#b8860b', 'ERROR': '#c0392b', 'FATAL': '#c0392b', 'DEBUG': '#888888'}
+_HOOK = 'rclpy_logging_rcutils_log'
+
+
+@dataclass(frozen=True)
+class LogLine:
+    """
+    One line that a node logged.
+
+    :param stamp_s: when, on the wall clock [s]
+    :param level: 'DEBUG', 'INFO', 'WARN', 'ERROR' or 'FATAL'
+    :param logger: name of the logger; a node's is its name, with dots for its namespace
+    """
+
+    stamp_s: float
+    level: str
+    logger: str
+    message: str
+
+
+class LogTable:
+    """
+    Log lines in order: a sequence that shows itself as a table.
+
+    :param lines: oldest first
+    """
+
+    def __init__(self, lines: tuple[LogLine, ...]) -> None:
+        self.lines = lines
+
+    @property
+    def messages(self) -> list[str]:
+        """The texts alone."""
+        return [line.message for line in self.lines]
+
+    def at_level(self, level: str) -> LogTable:
+        """
+        Return the lines of one level.
+
+        :param level: such as 'WARN'
+        """
+        return LogTable(tuple(line for line in self.lines if line.level == level.upper()))
+
+    def __len__(self) -> int:
+        return len(self.lines)
+
+    def __iter__(self) -> Iterator[LogLine]:
+        return iter(self.lines)
+
+    def __getitem__(self, index: int) -> LogLine:
+        return self.lines[index]
+
+    def __repr__(self) -> str:
+        if not self.lines:
+            return 'No log lines.'
+        width = max(len(line.logger) for line in self.lines)
+        return '\n'.join(
+            f'{_clock(line.stamp_s)}  {line.level:<5}  {line.logger:<{width}}  {line.message}'
+            for line in self.lines
+        )
+
+    def _repr_html_(self) -> str:
+        rows = ''.join(
+            f'<tr style="color: {_COLOURS.get(line.level, "inherit")}">'
+            f'<td>{_clock(line.stamp_s)}</td><td>{line.level}</td>'
+            f'<td>{html.escape(line.logger)}</td>'
+            f'<td style="text-align: left">{html.escape(line.message)}</td></tr>'
+            for line in self.lines
+        )
+        head = ''.join(
+            f'<th scope="col">{name}</th>' for name in ('time', 'level', 'logger', 'message')
+        )
+        return f'<table><caption>{len(self)} log lines</caption><tr>{head}</tr>{rows}</table>'
+
+
+class _Recorder:
+    """Stands before the C function that rclpy's loggers call."""
+
+    def __init__(self) -> None:
+        self.lines: deque[LogLine] = deque(maxlen=_MOST_LINES)
+        self._write = getattr(rclpy_implementation, _HOOK)
+        setattr(rclpy_implementation, _HOOK, self)
+
+    def __call__(self, severity: Any, name: str, message: str, *place: Any) -> None:
+        level = _LEVELS.get(int(severity), str(severity))
+        self.lines.append(LogLine(time.time(), level, str(name), str(message)))
+        self._write(severity, name, message, *place)
+
+
+_recorder: _Recorder | None = None
+
+
+def record_logs() -> None:
+    """Begin to keep log lines; later calls do nothing."""
+    global _recorder
+    if _recorder is None:
+        _recorder = _Recorder()
+
+
+def log_table(logger: str | None = None) -> LogTable:
+    """
+    Return what was logged in this kernel so far.
+
+    :param logger: only this logger and its children
+    """
+    lines = tuple(_recorder.lines) if _recorder else ()
+    if logger is None:
+        return LogTable(lines)
+    return LogTable(
+        tuple(
+            line for line in lines if line.logger == logger or line.logger.startswith(f'{logger}.')
+        )
+    )
+
+
+def _clock(stamp_s: float) -> str:
+    return f'{time.strftime("%H:%M:%S", time.localtime(stamp_s))}.{int(stamp_s % 1 * 1000):03d}'

@@ -1,0 +1,196 @@
+"""
+The cell magics ``%%node``, ``%%rosmsg`` and ``%%rospkg``: a cell that is a file.
+
+Each saves its cell in the learner's package, so that what runs in the notebook, what colcon builds
+and what is graded are the same text.  ``%%node`` also runs it, as a module of that name.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+import importlib.util
+from pathlib import Path
+import sys
+from types import ModuleType
+from typing import Any
+
+from IPython.core.magic import no_var_expand
+
+from autograder.cells import CellFile, CellSyntaxError, parse_cell
+from roslab.errors import NameRefusedError, NodeSyntaxError, not_written_yet
+from roslab.output import say
+from roslab.package_files import learner_package, LearnerPackage
+
+KINDS = ('node', 'rosmsg', 'rospkg')
+
+
+def register(shell: Any) -> None:
+    """
+    Make the magics known to an IPython shell.
+
+    :param shell: what ``get_ipython()`` returns
+    """
+    for kind in KINDS:
+        shell.register_magic_function(_magic(shell, kind), 'cell', kind)
+    if _keep_empty_body not in shell.input_transformers_cleanup:
+        shell.input_transformers_cleanup.append(_keep_empty_body)
+
+
+def _magic(shell: Any, kind: str) -> Callable[[str, str], None]:
+    @no_var_expand
+    def magic(line: str, cell: str) -> None:
+        __tracebackhide__ = True
+        run_cell(kind, line, cell, shell.user_ns)
+
+    magic.__doc__ = f'Save the cell in the package; see roslab.magics (%%{kind}).'
+    return magic
+
+
+def _keep_empty_body(lines: list[str]) -> list[str]:
+    """Give a magic line that stands alone an empty body, which IPython itself would refuse."""
+    alone = len(lines) == 1 and lines[0].startswith(tuple(f'%%{kind}' for kind in KINDS))
+    return [*lines, '\n'] if alone else lines
+
+
+def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None:
+    """
+    Save a cell and, if it is a node, run it.
+
+    :param kind: one of :data:`KINDS`
+    :param line: what follows the name of the magic
+    :param cell: the text below
+    :param namespace: where the public names of a node go
+    """
+    __tracebackhide__ = True
+    package = learner_package()
+    file = _read(kind, line, cell)
+    if kind == 'node':
+        _refuse_known_module(file, package)
+    path = package.save(file)
+    shown = package.shown(path)
+    if kind != 'node':
+        if file.unsolved or not file.body.strip():
+            raise not_written_yet(
+                f'%%{kind} {file.name} is not written yet: write it below the first line '
+                'of the cell, then run the cell again.'
+            )
+        say(f'Saved {shown} ({_lines(file)}).')
+        return
+    module = _run_node(file, path)
+    skipped = _export(module, namespace)
+    defined = _defined(module)
+    say(f'Saved {shown} ({_lines(file)}){f"; defined {defined}" if defined else ""}.')
+    for name in skipped:
+        say(f'Your name {name!r} was kept out of the notebook: it would hide roslab.{name}.')
+
+
+def _read(kind: str, line: str, cell: str) -> CellFile:
+    __tracebackhide__ = True
+    try:
+        file = parse_cell(f'%%{kind} {line.strip()}\n{cell}')
+    except CellSyntaxError as error:
+        raise NameRefusedError(str(error)) from None
+    assert file is not None  # the first line is one of our magics
+    return file
+
+
+def _refuse_known_module(file: CellFile, package: LearnerPackage) -> None:
+    """Refuse a name under which Python already knows something else, such as rclpy."""
+    __tracebackhide__ = True
+    loaded = sys.modules.get(file.name)
+    origin = getattr(loaded, '__file__', None)
+    if loaded is None:
+        spec = importlib.util.find_spec(file.name)
+        if spec is None:
+            return
+        origin = spec.origin
+    ours = origin is not None and (
+        Path(origin) == package.path_of(file) or Path(origin).parent == package.root
+    )
+    if not ours:
+        raise NameRefusedError(
+            f'%%node {file.name}: there is a Python module of that name already, and importing '
+            'it would no longer work. Choose another name, as in %%node temp_publisher.'
+        )
+
+
+def _run_node(file: CellFile, path: Path) -> ModuleType:
+    """Run the saved text as a module; its tracebacks show the lines of the saved file."""
+    __tracebackhide__ = True
+    tree = _without_main_call(_parse(file, path))
+    module = ModuleType(file.name)
+    module.__file__ = str(path)
+    sys.modules[file.name] = module
+    try:
+        exec(compile(tree, str(path), 'exec', dont_inherit=True), module.__dict__)
+    except NotImplementedError as error:
+        sys.modules.pop(file.name, None)
+        reason = str(error) or 'write it in place of the stub, then run the cell again.'
+        raise not_written_yet(f'%%node {file.name} is not written yet: {reason}') from None
+    except BaseException:
+        sys.modules.pop(file.name, None)
+        raise
+    return module
+
+
+def _parse(file: CellFile, path: Path) -> ast.Module:
+    __tracebackhide__ = True
+    try:
+        return ast.parse(file.body, str(path))
+    except SyntaxError as error:
+        place = f'{path.name}, line {error.lineno} (the first line is the one below %%node)'
+        text = (error.text or '').rstrip('\n')
+        caret = ' ' * max(0, (error.offset or 1) - 1) + '^'
+        said = f'{error.msg}\n  {place}\n    {text}\n    {caret}'
+        raise NodeSyntaxError(said) from None
+
+
+def _without_main_call(tree: ast.Module) -> ast.Module:
+    """Leave out a bare ``main()`` on the outermost level, which would block the notebook."""
+    kept = []
+    for statement in tree.body:
+        call = statement.value if isinstance(statement, ast.Expr) else None
+        if (
+            isinstance(call, ast.Call)
+            and isinstance(call.func, ast.Name)
+            and call.func.id == 'main'
+        ):
+            say(
+                f'Line {statement.lineno} calls main() whenever the file is read; it was left out '
+                "here, or this cell would not end. Write it below: if __name__ == '__main__':"
+            )
+        else:
+            kept.append(statement)
+    tree.body = kept
+    return tree
+
+
+def _export(module: ModuleType, namespace: dict[str, Any]) -> list[str]:
+    """Copy public names to the notebook and return those that would hide roslab's own."""
+    import roslab
+
+    skipped = []
+    for name, value in vars(module).items():
+        if name.startswith('_'):
+            continue
+        own = getattr(roslab, name, None) if name in roslab.__all__ else None
+        if own is not None and value is not own and namespace.get(name) is own:
+            skipped.append(name)
+        else:
+            namespace[name] = value
+    return skipped
+
+
+def _defined(module: ModuleType) -> str:
+    names = [
+        name
+        for name, value in vars(module).items()
+        if not name.startswith('_') and getattr(value, '__module__', None) == module.__name__
+    ]
+    return ', '.join(names)
+
+
+def _lines(file: CellFile) -> str:
+    count = file.body.count('\n')
+    return f'{count} line' if count == 1 else f'{count} lines'

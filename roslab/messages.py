@@ -1,0 +1,304 @@
+"""
+Building the learner's messages from a notebook, with colcon and the real generators.
+
+A package that has not changed is not built again.  What was built is made importable in the
+running kernel: it takes the place of the course's own package of that name, unless that has been
+imported already, because a process cannot load two versions of one message library.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+import hashlib
+import html
+import importlib
+import json
+import os
+from pathlib import Path
+import shutil
+import sys
+from typing import Any
+
+from autograder.cells import UNSOLVED
+from roslab import child
+from roslab.build_advice import diagnose, Diagnosis, MISSING_AMENT_PACKAGE, NO_MESSAGES
+from roslab.errors import NotHereError
+from roslab.output import has_frontend, say, show
+from roslab.package_files import learner_package, LearnerPackage
+from roslab.ros_variables import build_variables
+
+_DEADLINE_S = 300.0
+_PRELOADED = (
+    'generator_c',
+    'typesupport_fastrtps_cpp',
+    'typesupport_fastrtps_c',
+    'typesupport_introspection_c',
+    'typesupport_c',
+    'generator_py',
+)
+"""Message libraries in the order in which they need one another."""
+
+
+@dataclass(frozen=True)
+class BuildReport:
+    """
+    What became of a build.
+
+    :param package: name of the package
+    :param ok: whether its messages can be used
+    :param messages: names such as 'Temperature'
+    :param seconds: how long the build took [s], 0 if nothing had changed
+    :param diagnosis: why it failed
+    :param restart: whether the kernel must be restarted to import what was built
+    :param log: all that the build printed
+    """
+
+    package: str
+    ok: bool
+    messages: tuple[str, ...] = ()
+    seconds: float = 0.0
+    diagnosis: Diagnosis | None = None
+    restart: bool = False
+    log: Path | None = None
+
+    def __bool__(self) -> bool:
+        return self.ok
+
+    def __str__(self) -> str:
+        if self.diagnosis is not None:
+            place = f'{self.diagnosis.where}: ' if self.diagnosis.where else ''
+            log = f'\n  Everything it printed: {self.log}' if self.log else ''
+            return (
+                f'{self.package} was not built.\n  {place}{self.diagnosis.error}\n'
+                f'  Try: {self.diagnosis.advice}{log}'
+            )
+        names = ', '.join(self.messages)
+        how = f'built in {self.seconds:.1f} s' if self.seconds else 'unchanged, nothing to build'
+        return f'{self.package}: {how}. {self._use(names)}'
+
+    def _use(self, names: str) -> str:
+        if self.restart:
+            return (
+                f'This kernel already uses another version of {self.package}, which cannot be '
+                'replaced while it runs: restart the kernel and run the cells again.'
+            )
+        return f'Ready: from {self.package}.msg import {names}'
+
+    def _repr_html_(self) -> str:
+        colour = '#2e7d32' if self.ok else '#c0392b'
+        return (
+            f'<pre style="border-left: 3px solid {colour}; padding-left: .6em">'
+            f'{html.escape(str(self))}</pre>'
+        )
+
+    def _ipython_display_(self) -> None:
+        """Stay silent as the value of a cell: the report was shown when it was made."""
+
+
+def build_messages(package_dir: str | Path | None = None) -> BuildReport:
+    """
+    Build the learner's package and make its messages importable here.
+
+    :param package_dir: folder of a package, by default the one that the cells are saved in
+    :returns: a report, true if the messages can be used; it has been shown
+    :raises NotHereError: if there is no package to build
+    """
+    package = _package(package_dir)
+    report = _unfinished(package)
+    if report is None:
+        report = _built(package)
+    show(str(report), report._repr_html_())
+    return report
+
+
+def _package(package_dir: str | Path | None) -> LearnerPackage:
+    package = learner_package()
+    if package_dir is not None:
+        folder = Path(package_dir).resolve()
+        package = LearnerPackage(folder.name, folder.parents[2])
+        if package.folder != folder:
+            raise NotHereError(
+                f'{folder}: expected a package inside a workspace, as in ros_ws/src/{folder.name}.'
+            )
+    for name in ('package.xml', 'CMakeLists.txt'):
+        if not (package.folder / name).is_file():
+            raise NotHereError(
+                f'{package.shown(package.folder / name)} is not there yet: run the cell that '
+                f'begins with %%rospkg {name} first.'
+            )
+    return package
+
+
+def _unfinished(package: LearnerPackage) -> BuildReport | None:
+    files = [name for name, text in package.files().items() if UNSOLVED in text]
+    files = [name for name in files if not name.endswith('.py')]
+    if not files:
+        return None
+    advice = 'replace YOUR CODE HERE in its cell and run the cell again.'
+    error = f'{" and ".join(files)}: not written yet.'
+    return BuildReport(package.name, False, diagnosis=Diagnosis('unfinished', error, advice, ''))
+
+
+def _built(package: LearnerPackage) -> BuildReport:
+    variables = build_variables()
+    digest = _digest(package, variables)
+    note = package.workspace / 'install' / '.roslab.json'
+    if _noted(note).get('digest') == digest['digest']:
+        return _usable(package, digest['interfaces'], 0.0)
+    outcome = _colcon(package, variables, _noted(note).get('interfaces') != digest['interfaces'])
+    log = package.workspace / 'log' / 'build_messages.log'
+    log.parent.mkdir(parents=True, exist_ok=True)
+    log.write_text(outcome.output, encoding='utf-8')
+    shown = Path(package.shown(log))
+    if outcome.returncode != 0:
+        return BuildReport(package.name, False, diagnosis=_failure(outcome, package), log=shown)
+    lacking = _lacking(package)
+    if lacking is not None:
+        return BuildReport(package.name, False, diagnosis=lacking, log=shown)
+    note.write_text(json.dumps(digest), encoding='utf-8')
+    return _usable(package, digest['interfaces'], outcome.seconds)
+
+
+def _failure(outcome: child.Outcome, package: LearnerPackage) -> Diagnosis:
+    if outcome.returncode is None:
+        error = f'The build did not end within {_DEADLINE_S:.0f} s.'
+        return Diagnosis('deadline', error, 'run the cell again.', '')
+    return diagnose(outcome.output, package.folder)
+
+
+def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> child.Outcome:
+    """
+    Run colcon.
+
+    :param clean: whether messages changed, so that nothing of the older ones may be left
+    """
+    workspace = package.workspace
+    # Always from an empty install folder: libraries that this kernel has loaded must not be
+    # overwritten in place, and files of removed messages must go.
+    shutil.rmtree(workspace / 'install', ignore_errors=True)
+    if clean:
+        shutil.rmtree(workspace / 'build', ignore_errors=True)
+    command = [
+        shutil.which('colcon', path=variables.get('PATH')) or 'colcon',
+        *('--log-base', 'log', 'build', '--base-paths', str(package.folder)),
+        *('--event-handlers', 'console_direct+'),
+        *('--cmake-args', '-DBUILD_TESTING=OFF'),
+    ]
+    progress = _Progress(package.name)
+    try:
+        return child.run(
+            command, cwd=workspace, env=variables, deadline_s=_DEADLINE_S, on_tick=progress.tick
+        )
+    except OSError as error:
+        raise NotHereError(f'colcon could not be started: {error}. Try: make doctor') from None
+    finally:
+        progress.end()
+
+
+class _Progress:
+    """One line that counts the seconds where a frontend shows it, and stands still elsewhere."""
+
+    def __init__(self, package: str) -> None:
+        self._text = f'Building {package} with colcon (about 10 s the first time)'
+        self._handle: Any = None
+        if has_frontend():
+            from IPython.display import display
+
+            self._handle = display(self._line(f'{self._text} ...'), raw=True, display_id=True)
+        else:
+            say(f'{self._text} ...')
+
+    def tick(self, seconds: float) -> None:
+        """Show how long it has taken so far [s]."""
+        if self._handle is not None:
+            self._handle.update(self._line(f'{self._text} ... {seconds:.0f} s'), raw=True)
+
+    def end(self) -> None:
+        """Take the line away."""
+        if self._handle is not None:
+            self._handle.update(self._line(''), raw=True)
+
+    @staticmethod
+    def _line(text: str) -> dict[str, str]:
+        return {'text/plain': text}
+
+
+def _lacking(package: LearnerPackage) -> Diagnosis | None:
+    """Return what a build that succeeded has left out."""
+    prefix = _prefix(package)
+    if not _site_packages(package).joinpath('msg', '__init__.py').is_file():
+        return NO_MESSAGES
+    if not (prefix / 'share/ament_index/resource_index/packages' / package.name).is_file():
+        return MISSING_AMENT_PACKAGE
+    return None
+
+
+def _usable(package: LearnerPackage, interfaces: str, seconds: float) -> BuildReport:
+    names = tuple(sorted(path.stem for path in package.folder.glob('msg/*.msg')))
+    loaded = _make_importable(package, interfaces)
+    return BuildReport(package.name, True, names, seconds, restart=not loaded)
+
+
+_loaded: dict[str, str] = {}
+"""Digest of the messages that this process has loaded, by package: a library stays for good."""
+
+
+def _make_importable(package: LearnerPackage, interfaces: str) -> bool:
+    """
+    Let this process import what was built.
+
+    :returns: False if another version of it is in use already
+    """
+    name = package.name
+    if name in _loaded:
+        return _loaded[name] == interfaces
+    if f'{name}.msg' in sys.modules:
+        return False
+    for module in [key for key in sys.modules if key.split('.')[0] == name]:
+        del sys.modules[module]
+    for part in _PRELOADED:
+        library = _prefix(package) / 'lib' / f'lib{name}__rosidl_{part}.so'
+        ctypes.CDLL(str(library), ctypes.RTLD_GLOBAL)
+    sys.path.insert(0, str(_site_packages(package).parent))
+    _put_first('AMENT_PREFIX_PATH', str(_prefix(package)))
+    importlib.invalidate_caches()
+    _loaded[name] = interfaces
+    return True
+
+
+def _put_first(variable: str, value: str) -> None:
+    rest = [
+        part for part in os.environ.get(variable, '').split(os.pathsep) if part not in ('', value)
+    ]
+    os.environ[variable] = os.pathsep.join([value, *rest])
+
+
+def _prefix(package: LearnerPackage) -> Path:
+    return package.workspace / 'install' / package.name
+
+
+def _site_packages(package: LearnerPackage) -> Path:
+    """Return where the Python package was installed; Debian's Python calls it dist-packages."""
+    found = sorted(_prefix(package).glob(f'**/*-packages/{package.name}'))
+    return found[0] if found else _prefix(package) / 'none'
+
+
+def _digest(package: LearnerPackage, variables: dict[str, str]) -> dict[str, str]:
+    """Return digests of all that the build reads, and of the part that messages depend on."""
+    base = f'{sys.version} {variables.get("AMENT_PREFIX_PATH", "")}'
+    texts = package.files()
+    interfaces = {name: text for name, text in texts.items() if not name.endswith('.py')}
+    return {'digest': _hash(base, texts), 'interfaces': _hash(base, interfaces)}
+
+
+def _hash(base: str, texts: dict[str, str]) -> str:
+    return hashlib.sha256(json.dumps([base, sorted(texts.items())]).encode()).hexdigest()
+
+
+def _noted(note: Path) -> dict[str, str]:
+    try:
+        data = json.loads(note.read_text(encoding='utf-8'))
+    except (OSError, ValueError):
+        return {}
+    return data if isinstance(data, dict) else {}

@@ -1,0 +1,103 @@
+"""
+Where words and tables go.
+
+A notebook frontend gets a table as HTML; a notebook that is executed without a frontend (nbclient,
+nbgrader) gets the same facts as plain text on stdout.  Nothing is ever written to stderr: nbgrader
+takes a single line there for a failed cell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+import sys
+from typing import Any
+
+
+def shell() -> Any | None:
+    """Return the running IPython shell, or None in a plain Python."""
+    if 'IPython' not in sys.modules:
+        return None
+    from IPython import get_ipython
+
+    return get_ipython()
+
+
+@dataclass(frozen=True)
+class Cell:
+    """
+    The execution of a notebook cell.
+
+    :param number: the n of ``In [n]``
+    :param request: header and metadata of the message that asked for the execution
+    """
+
+    number: int
+    request: Mapping[str, Any]
+
+    @property
+    def has_frontend(self) -> bool:
+        """
+        Tell whether somebody is looking.
+
+        Frontends name the cell they execute, nbclient and a console do not.
+        """
+        return 'cellId' in self.request.get('metadata', {})
+
+
+def current_cell() -> Cell | None:
+    """Return the cell that is being executed, or None outside a notebook kernel."""
+    running = shell()
+    get_parent = getattr(running, 'get_parent', None)
+    if running is None or get_parent is None:
+        return None
+    return Cell(running.execution_count, get_parent() or {})
+
+
+def has_frontend() -> bool:
+    """Tell whether the running cell is shown by a notebook frontend."""
+    cell = current_cell()
+    return cell is not None and cell.has_frontend
+
+
+def say(text: str) -> None:
+    """Print one message at once, so that it keeps its place among the lines of nodes."""
+    print(text, flush=True)
+
+
+def show(text: str, html: str) -> None:
+    """
+    Show a table: HTML where a frontend is looking, else text on stdout.
+
+    :param text: the complete facts as plain text; also kept beside the HTML in the notebook file
+    :param html: the same facts
+    """
+    if not has_frontend():
+        say(text)
+        return
+    from IPython.display import display
+
+    display({'text/plain': text, 'text/html': html}, raw=True)
+
+
+@contextmanager
+def beside(cell: Cell | None) -> Iterator[None]:
+    """
+    Send what this thread prints to the output of an earlier cell.
+
+    Without a frontend nobody collects output for a cell that is over, so there it stays with the
+    cell that is running.
+
+    :param cell: the cell that started the work, or None to leave things as they are
+    """
+    stdout: Any = sys.stdout
+    if cell is None or not cell.has_frontend or not hasattr(stdout, 'set_thread_parent'):
+        yield
+        return
+    token = stdout.set_thread_parent(cell.request)
+    try:
+        yield
+    finally:
+        stdout.flush()
+        stdout.reset_thread_parent(token)

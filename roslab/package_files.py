@@ -1,0 +1,118 @@
+"""
+The learner's package on disk: where cells are saved, and what the grader is given.
+
+Everything lies beside the notebook, in a colcon workspace of the usual shape::
+
+    ros_ws/src/temp_monitor_pkg/package.xml, CMakeLists.txt
+                                msg/Temperature.msg
+                                temp_monitor_pkg/temp_publisher.py
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import os
+from pathlib import Path
+import re
+
+from autograder.cells import CellFile
+from roslab.errors import NameRefusedError
+
+WORKSPACE = 'ros_ws'
+_PACKAGE_NAME = re.compile(r'^[a-z][a-z0-9]*(_[a-z0-9]+)*$')
+_MOST_BYTES = 1_000_000
+
+
+@dataclass(frozen=True)
+class LearnerPackage:
+    """
+    A package below the folder of the notebook.
+
+    :param name: name of the package
+    :param root: folder of the notebook
+    """
+
+    name: str
+    root: Path
+
+    @property
+    def workspace(self) -> Path:
+        """The colcon workspace."""
+        return self.root / WORKSPACE
+
+    @property
+    def folder(self) -> Path:
+        """The sources of the package."""
+        return self.workspace / 'src' / self.name
+
+    def path_of(self, cell: CellFile) -> Path:
+        """
+        Return where a cell is saved: nodes in the inner folder, as in any Python ROS package.
+
+        :raises NameRefusedError: if that is outside the package
+        """
+        inside = f'{self.name}/{cell.path}' if cell.kind == 'node' else cell.path
+        path = self.folder / inside
+        if not path.resolve().is_relative_to(self.folder.resolve()):
+            raise NameRefusedError(
+                f'%%{cell.kind} {cell.name}: expected a file below {self.shown(self.folder)}, got '
+                f'{path.resolve()}. A link leads out of the package; remove it.'
+            )
+        return path
+
+    def save(self, cell: CellFile) -> Path:
+        """Write a cell's file; readers see the old file or the new one, never a half."""
+        path = self.path_of(cell)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part = path.with_name(f'.{path.name}.{os.getpid()}.part')
+        try:
+            part.write_text(cell.body, encoding='utf-8')
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+        return path
+
+    def shown(self, path: Path) -> str:
+        """Return a path as the learner sees it, from the notebook's folder."""
+        return str(path.relative_to(self.root)) if path.is_relative_to(self.root) else str(path)
+
+    def files(self) -> dict[str, str]:
+        """Return the texts of the package by the paths that the grader uses."""
+        found = {}
+        for path in sorted(self.folder.rglob('*')):
+            inside = path.relative_to(self.folder).as_posix()
+            name = inside.removeprefix(f'{self.name}/') if path.suffix == '.py' else inside
+            if _is_source(path, inside) and path.stat().st_size <= _MOST_BYTES:
+                found[name] = path.read_text(encoding='utf-8', errors='replace')
+        return found
+
+
+def _is_source(path: Path, inside: str) -> bool:
+    hidden = any(part.startswith(('.', '__pycache__')) for part in inside.split('/'))
+    return path.is_file() and not hidden
+
+
+_name = 'temp_monitor_pkg'
+
+
+def package(name: str | None = None) -> str:
+    """
+    Choose the package that cells are saved in, or just return its name.
+
+    :param name: lower case, digits and single underscores, as ROS 2 asks
+    :raises NameRefusedError: for any other name
+    """
+    global _name
+    if name is not None:
+        if not isinstance(name, str) or not _PACKAGE_NAME.match(name):
+            raise NameRefusedError(
+                f'package({name!r}): expected lower-case letters, digits and single underscores, '
+                "as in package('temp_monitor_pkg')."
+            )
+        _name = name
+    return _name
+
+
+def learner_package() -> LearnerPackage:
+    """Return the chosen package beside the running notebook."""
+    return LearnerPackage(_name, Path.cwd())

@@ -1,0 +1,32 @@
+"""The environment variables of processes that a notebook starts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import os
+
+from environment.ros import EnvironmentError_, ros_environment
+from roslab.errors import NotHereError
+
+
+def build_variables() -> dict[str, str]:
+    """
+    Return the variables for building the learner's package.
+
+    The course's own package of the same name must not be seen by that build, so what only its
+    workspace needs is taken out of the kernel's variables.
+
+    :raises NotHereError: if the set-up has not been run
+    """
+    try:
+        ros = ros_environment()
+    except EnvironmentError_ as error:
+        raise NotHereError(str(error)) from None
+    return _overlaid(os.environ, without=ros.variables, then=ros.base_variables)
+
+
+def _overlaid(
+    current: Mapping[str, str], without: Mapping[str, str], then: Mapping[str, str]
+) -> dict[str, str]:
+    kept = {name: value for name, value in current.items() if name not in without}
+    return {**kept, **then}

@@ -1,0 +1,293 @@
+"""
+The ROS 2 session of a kernel: its context, its executor and the nodes that cells have started.
+
+There is one :class:`Session` per kernel, made by :func:`session`.  It is ended at exit: nodes are
+destroyed and the context is shut down, because a process that dies with live nodes leaves its
+shared memory behind.
+
+A node whose callback raises is stopped and destroyed, as its program would end in a terminal; the
+other nodes go on.  Starting it again is enough to have it back.
+"""
+
+from __future__ import annotations
+
+import atexit
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+import time
+from typing import Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
+from rclpy.utilities import get_default_context
+
+from roslab.construction import constructing, Construction, key_of
+from roslab.errors import NotHereError, RoslabError
+from roslab.executor import BackgroundExecutor, CallbackStopped, Progress
+from roslab.interrupts import HeldInterrupts
+from roslab.logtable import record_logs
+from roslab.output import beside, Cell, current_cell
+from roslab.tracebacks import last_line, short_traceback
+
+HELPER_NAME = '_roslab'
+"""Node that owns the subscriptions of :func:`roslab.listen`; a leading underscore hides it."""
+
+_SLOW_CALLBACK_S = 1.0
+
+
+@dataclass(frozen=True)
+class Started:
+    """A node and the cell that started it."""
+
+    node: Node
+    cell: Cell | None
+
+
+class Session:
+    """
+    Nodes that run in the background of a kernel.
+
+    :param context: a private context, by default the one that ``rclpy.init`` makes
+    :param domain_id: for a private context
+    """
+
+    def __init__(self, context: Context | None = None, domain_id: int | None = None) -> None:
+        self.progress = Progress()
+        self._private = context
+        self._domain_id = domain_id
+        self._background: BackgroundExecutor | None = None
+        self._helper: Node | None = None
+        self._started: dict[str, Started] = {}
+        self._lost: dict[str, str] = {}
+        # A thread that still spins while the interpreter is torn down aborts the process.
+        atexit.register(self.close)
+
+    @property
+    def executor(self) -> BackgroundExecutor:
+        """The running executor; ROS is initialised if it is not."""
+        with HeldInterrupts():
+            background = self._background
+            if background is None or not background.alive:
+                self.close()
+                background = BackgroundExecutor(self._context(), self._on_failure, self.progress)
+                self._background = background
+            return background
+
+    @property
+    def helper(self) -> Node:
+        """A hidden node for what the notebook itself listens to."""
+        with HeldInterrupts():
+            executor = self.executor
+            if self._helper is None:
+                self._helper = Node(
+                    HELPER_NAME,
+                    context=executor.context,
+                    start_parameter_services=False,
+                    enable_rosout=False,
+                )
+                executor.add(self._helper)
+            return self._helper
+
+    def forget(self, node: Node, subscription: Subscription) -> None:
+        """
+        Destroy a subscription between two callbacks, soon; safe in finalizers.
+
+        :param node: the node that owns it, which may be gone already
+        """
+        background, destroy = self._background, node.destroy_subscription
+        if background is not None and background.alive and node is self._helper:
+            background.ask(lambda: destroy(subscription))
+
+    def nodes(self) -> dict[str, Node]:
+        """Return the nodes that are running, by name."""
+        for key, started in tuple(self._started.items()):
+            if not _is_alive(started.node):
+                self._started.pop(key, None)
+        return {key: started.node for key, started in self._started.items()}
+
+    def start(
+        self,
+        factory: Callable[..., Any] | Node,
+        name: str | None = None,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Node:
+        """
+        Make a node and run it in the background.
+
+        :param factory: a subclass of Node, a function that returns a node, or a node
+        :param name: replaces the node's own name
+        :param parameters: initial values of parameters that the node declares
+        :raises RoslabError: if the factory makes no node
+        """
+        with HeldInterrupts() as interrupts:
+            executor = self.executor
+            if isinstance(factory, Node):
+                node = factory
+            else:
+                making = Construction(executor.context, self._make_room, name, parameters or {})
+                node = self._construct(factory, making, interrupts)
+            key = key_of(node.get_name(), node.get_namespace())
+            if key in self._started and self._started[key].node is not node:
+                self.stop(key)
+            executor.add(node)
+            self._started[key] = Started(node, current_cell())
+            self._lost.pop(key, None)
+        return node
+
+    def stop(self, which: Node | str) -> None:
+        """
+        Stop and destroy a node; one that has already stopped is no error.
+
+        :param which: the node, or its name
+        :raises NotHereError: if no node of that name was ever started
+        """
+        key = self._key(which)
+        with HeldInterrupts():
+            started = self._started.pop(key, None)
+            if started is not None:
+                self._lost[key] = 'was stopped'
+                self._destroy(started.node)
+        if started is None and key not in self._lost and isinstance(which, str):
+            running = ', '.join(self.nodes()) or 'none'
+            raise NotHereError(f'No node {key!r} was started. Running nodes: {running}.')
+
+    def stop_all(self) -> None:
+        """Stop and destroy every node that was started."""
+        for key in tuple(self._started):
+            self.stop(key)
+
+    def close(self) -> None:
+        """Stop everything and shut the context down; a later call starts anew."""
+        with HeldInterrupts():
+            self._close()
+
+    def _close(self) -> None:
+        background, self._background = self._background, None
+        nodes = [started.node for started in self._started.values()]
+        if self._helper is not None:
+            nodes.append(self._helper)
+        self._helper = None
+        self._started.clear()
+        if background is None:
+            return
+        background.stop()
+        for node in nodes:
+            _destroy_quietly(node)
+        background.context.try_shutdown()
+        if self._private is None and not rclpy.ok():
+            rclpy.try_shutdown()  # makes room for a new default context
+
+    def hints(self) -> str:
+        """Return what may explain that something awaited does not happen, as sentences."""
+        said = [f'Node {key} {why}.' for key, why in self._lost.items() if why != 'was stopped']
+        running = self._background.running if self._background else None
+        if running is not None and time.monotonic() - running[1] > _SLOW_CALLBACK_S:
+            owner = running[0].get_name() if running[0] is not None else 'a node'
+            said.append(
+                f'A callback of {owner} has been running for '
+                f'{time.monotonic() - running[1]:.0f} s, and no other callback runs before it '
+                f'ends. To end it: stop({owner!r}).'
+            )
+        if not said and not self.nodes():
+            said.append('No node was started in this notebook: run the cell with start(...).')
+        return ' '.join(said)
+
+    def _context(self) -> Context:
+        """Return an initialised context."""
+        record_logs()
+        if self._private is not None:
+            if not self._private.ok():
+                self._private = self._private if self._private.handle is None else Context()
+                self._private.init(args=[], domain_id=self._domain_id)
+            return self._private
+        if not rclpy.ok():
+            rclpy.try_shutdown()
+            # rclpy's own handlers would shut the context down when a cell is interrupted.
+            rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        return get_default_context()
+
+    def _construct(
+        self, factory: Callable[..., Any], making: Construction, interrupts: HeldInterrupts
+    ) -> Node:
+        called = getattr(factory, '__name__', repr(factory))
+        if not callable(factory) or called == 'main':
+            why = 'main() would spin in this cell and not come back. ' if called == 'main' else ''
+            raise RoslabError(
+                f'start({called}) expected a node class, as in start(TemperaturePublisher). {why}'
+            )
+        try:
+            with constructing(making), interrupts.allowed():
+                node = factory()
+            if not isinstance(node, Node):
+                raise RoslabError(
+                    f'start({called}) expected a class or function that makes a Node, got '
+                    f'{type(node).__name__}. A class must inherit from Node, a function return it.'
+                )
+        except BaseException:
+            for half_made in making.made:  # or it would stay in the graph without a name
+                _destroy_quietly(half_made)
+            raise
+        return node
+
+    def _make_room(self, key: str) -> None:
+        if key in self._started:
+            self.stop(key)
+
+    def _destroy(self, node: Node) -> None:
+        if self._background is not None and self._background.alive:
+            self._background.destroy(node)
+        else:
+            _destroy_quietly(node)
+
+    def _key(self, which: Node | str) -> str:
+        if isinstance(which, str):
+            return which.lstrip('/') if which.lstrip('/') in self._started else which
+        for key, started in self._started.items():
+            if started.node is which:
+                return key
+        return repr(which)
+
+    def _on_failure(self, node: Node | None, error: BaseException) -> None:
+        """Say what a callback raised and stop its node; runs in the executor's thread."""
+        key = self._key(node) if node is not None else 'a callback'
+        started = self._started.pop(key, None)
+        if node is not None:
+            _destroy_quietly(node)
+        if isinstance(error, CallbackStopped):
+            return
+        self._lost[key] = f'stopped: {last_line(error)}'
+        with beside(started.cell if started else None):
+            print(
+                f'{key} stopped, a callback raised an exception:\n{short_traceback(error)}\n'
+                '  The other nodes go on. Correct the cell, run it, and start the node again.',
+                flush=True,
+            )
+
+
+def _is_alive(node: Node) -> bool:
+    try:
+        with node.handle:
+            return node.context.ok()
+    except Exception:
+        return False
+
+
+def _destroy_quietly(node: Node) -> None:
+    """Destroy a node that may be half made, already destroyed or without a context."""
+    with suppress(Exception):
+        node.destroy_node()
+
+
+_session: Session | None = None
+
+
+def session() -> Session:
+    """Return the session of this kernel; the first call makes it."""
+    global _session
+    if _session is None:
+        _session = Session()
+    return _session

@@ -1,0 +1,61 @@
+"""Short tracebacks: only the learner's own lines, named as the learner knows them."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+import sys
+import sysconfig
+import traceback
+
+from roslab.output import shell
+
+_MOST_FRAMES = 4
+_LIBRARIES = tuple(
+    os.path.join(path, '')
+    for path in {
+        *(sysconfig.get_paths()[name] for name in ('stdlib', 'platstdlib', 'purelib', 'platlib')),
+        str(Path(__file__).resolve().parent),
+    }
+)
+
+
+def short_traceback(error: BaseException) -> str:
+    """
+    Return the learner's lines of a traceback, innermost last, and the error.
+
+    :param error: an exception that was raised
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not is_library(frame.filename)]
+    lines = [_frame_text(frame) for frame in own[-_MOST_FRAMES:]]
+    return '\n'.join([*lines, f'  {last_line(error)}'])
+
+
+def last_line(error: BaseException) -> str:
+    """Return the type of an error and the first line of what it says."""
+    said = str(error).strip().splitlines()
+    return f'{type(error).__name__}: {said[0]}' if said else type(error).__name__
+
+
+def is_library(filename: str) -> bool:
+    """Tell whether a file belongs to Python, to an installed package or to roslab."""
+    if filename.startswith('<'):
+        return True
+    # A sourced installation has rclpy outside this interpreter's own folders.
+    ros = getattr(sys.modules.get('rclpy'), '__file__', None)
+    known = (*_LIBRARIES, os.path.join(str(Path(ros).parent), '')) if ros else _LIBRARIES
+    return os.path.realpath(filename).startswith(known) or filename.startswith(known)
+
+
+def where(filename: str, line: int | None) -> str:
+    """Return a place in words: a cell by its number, a file by its name."""
+    running = shell()
+    format_code_name = getattr(getattr(running, 'compile', None), 'format_code_name', None)
+    cell = format_code_name(filename) if format_code_name else None
+    return f'{" ".join(cell) if cell else Path(filename).name}, line {line}'
+
+
+def _frame_text(frame: traceback.FrameSummary) -> str:
+    source = f'\n    {frame.line}' if frame.line else ''
+    return f'  {where(frame.filename, frame.lineno)}, in {frame.name}{source}'

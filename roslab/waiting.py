@@ -1,0 +1,60 @@
+"""Waiting for something that nodes do, never longer than a given time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+import math
+from typing import TypeVar
+
+from roslab.errors import RoslabError, shown_as
+from roslab.session import Session
+
+T = TypeVar('T')
+
+_SLICE_S = 0.05
+"""How often to look again when no callback has run: discovery runs none [s]."""
+
+
+def wait_in(session: Session, condition: Callable[[], T], timeout_s: float) -> T:
+    """
+    Wait in this thread while the session's nodes go on.
+
+    :param condition: looked at after each callback
+    :param timeout_s: how long to wait [s]
+    :returns: the last value of the condition, which is false after a timeout
+    :raises RoslabError: if called from a callback, or without a bound
+    """
+    if not callable(condition):
+        raise RoslabError(
+            'wait_until() expected a function to call again and again, as in '
+            f'wait_until(lambda: len(heard) > 2), got {condition!r}.'
+        )
+    if not (isinstance(timeout_s, (int, float)) and math.isfinite(timeout_s) and timeout_s >= 0):
+        raise RoslabError(f'timeout: expected a number of seconds, as in 5.0, got {timeout_s!r}.')
+    if session.executor.is_this_thread:
+        raise RoslabError(
+            'A callback cannot wait for other callbacks: all of them run in one thread. '
+            'Return from it and do the rest in the callback of what you wait for.'
+        )
+    value: T = session.progress.wait(condition, timeout_s, _SLICE_S)
+    return value
+
+
+def wait_until_in(session: Session, condition: Callable[[], T], timeout_s: float, what: str) -> T:
+    """
+    Wait until a condition is true.
+
+    :param what: the condition in words
+    :returns: the condition's value
+    :raises TimeoutError: in words, with what may explain it
+    """
+    value = wait_in(session, condition, timeout_s)
+    if not value:
+        raise timeout_error(f'Waited {timeout_s:g} s for {what}, in vain.', session.hints())
+    return value
+
+
+def timeout_error(*sentences: str) -> TimeoutError:
+    """Return a TimeoutError that a notebook shows as its sentences alone."""
+    text = ' '.join(sentence for sentence in sentences if sentence)
+    return shown_as(TimeoutError(text), f'TimeoutError: {text}')

@@ -1,0 +1,111 @@
+"""Visible checks in a notebook: the grader's own engine in a child process."""
+
+import os
+
+import pytest
+import test_roslab_kernel
+
+pytestmark = [pytest.mark.ros, pytest.mark.slow]
+
+kernel = test_roslab_kernel.kernel
+
+TWICE_A_SECOND = """%%node temp_publisher
+import rclpy
+from rclpy.node import Node
+from temp_monitor_pkg.msg import Temperature
+
+class TemperaturePublisher(Node):
+    def __init__(self):
+        super().__init__('temperature_publisher')
+        self.publisher = self.create_publisher(Temperature, 'temperature_topic', 10)
+        self.create_timer(0.5, self.on_timer)
+
+    def on_timer(self):
+        self.publisher.publish(Temperature(temperature_value=25.0, unit='Celsius'))
+
+def main(args=None):
+    rclpy.init(args=args)
+    rclpy.spin(TemperaturePublisher())
+
+if __name__ == '__main__':
+    main()
+"""
+CHECK = "report = check('temperature_publisher')"
+
+
+def test_check_judges_what_the_saved_node_does(kernel):
+    """Right and wrong things are told apart, with points and facts, and nothing on stderr."""
+    kernel.run('from roslab import *')
+    kernel.run(TWICE_A_SECOND)
+    outputs = kernel.run(CHECK)
+
+    assert '✓' in outputs.text
+    assert '✗' in outputs.text
+    assert 'observed:' in outputs.text
+    assert outputs.streams['stderr'] == ''
+    assert kernel.run('0 < report.points < report.max_points, bool(report)').value == (
+        '(True, False)'
+    )
+
+
+def test_check_never_runs_the_file_in_the_kernel(kernel, tmp_path):
+    """A file that was not even typed in a cell is judged in the child, not here."""
+    folder = tmp_path / 'ros_ws' / 'src' / 'temp_monitor_pkg' / 'temp_monitor_pkg'
+    folder.mkdir(parents=True)
+    (folder / 'temp_publisher.py').write_text('import builtins\nbuiltins.ran_here = True\n')
+    kernel.run('import builtins; from roslab import *')
+    kernel.run(CHECK)
+
+    assert kernel.run('hasattr(builtins, "ran_here"), report.points == 0').value == '(False, True)'
+
+
+def test_unfinished_cell_is_named_and_still_checked(kernel):
+    """A stub is not an error of check(): it says which file is not finished."""
+    kernel.run('from roslab import *')
+    kernel.run('%%node temp_publisher\n# YOUR CODE HERE\nraise NotImplementedError()')
+    outputs = kernel.run(CHECK)
+
+    assert 'temp_publisher.py is not finished' in outputs.text
+    assert outputs.error is None
+    assert kernel.run('report.points == 0').value == 'True'
+
+
+def test_cell_that_was_not_run_is_asked_for(kernel):
+    """Another file than the exam's was saved: the cell to run is what helps."""
+    kernel.run('from roslab import *')
+    kernel.run('%%node something_else\npass')
+
+    assert 'run the cell of the exercise before' in kernel.run(CHECK).text
+
+
+def test_unknown_exercise_is_named(kernel):
+    """A typing mistake in the name lists the names that there are."""
+    kernel.run('from roslab import *')
+    kernel.run(TWICE_A_SECOND)
+
+    assert 'temperature_subscriber' in kernel.run("check('temperature_publsher')").text
+
+
+def test_interrupted_check_leaves_no_process(kernel):
+    """Interrupt ends the checker and the sandbox, and the next check works."""
+    kernel.run('from roslab import *; import psutil')
+    kernel.run(TWICE_A_SECOND)
+    outputs = kernel.interrupt_at(f'print("go", flush=True); {CHECK}', 'go')
+
+    assert outputs.error['ename'] == 'KeyboardInterrupt'
+    assert kernel.run('psutil.Process().children(recursive=True)').value == '[]'
+    assert '✓' in kernel.run(CHECK).text
+
+
+def test_validate_button_fails_on_a_failed_check(monkeypatch, tmp_path):
+    """Under nbgrader's Validate a failed check is a failed cell; elsewhere it is a table."""
+    monkeypatch.setitem(os.environ, 'NBGRADER_EXECUTION', 'validate')
+    validating = test_roslab_kernel.Kernel(tmp_path)
+    validating.run('from roslab import *')
+    validating.run(TWICE_A_SECOND)
+    outputs = validating.run(CHECK)
+    validating.shut_down()
+
+    assert outputs.error['ename'] == 'AssertionError'
+    assert 'temperature_publisher' in outputs.error['evalue']
+    assert '✗' in outputs.text

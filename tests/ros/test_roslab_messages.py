@@ -1,0 +1,165 @@
+"""Messages that are typed in a notebook, built by colcon and used in the same kernel."""
+
+from pathlib import Path
+import shutil
+
+import pytest
+import test_roslab_kernel
+
+kernel = test_roslab_kernel.kernel
+
+pytestmark = [pytest.mark.ros, pytest.mark.slow]
+
+TEMPERATURE = """%%rosmsg Temperature
+float64 temperature_value
+string unit
+builtin_interfaces/Time timestamp
+string sensor_id
+int32 made_by_the_learner
+"""
+PACKAGE = """%%rospkg package.xml
+<?xml version="1.0"?>
+<package format="3">
+  <name>temp_monitor_pkg</name>
+  <version>0.1.0</version>
+  <description>A learner's package.</description>
+  <maintainer email="me@example.org">Me</maintainer>
+  <license>Apache-2.0</license>
+  <buildtool_depend>ament_cmake</buildtool_depend>
+  <buildtool_depend>rosidl_default_generators</buildtool_depend>
+  <depend>builtin_interfaces</depend>
+  <exec_depend>rosidl_default_runtime</exec_depend>
+  <member_of_group>rosidl_interface_packages</member_of_group>
+  <export><build_type>ament_cmake</build_type></export>
+</package>
+"""
+CMAKE = """%%rospkg CMakeLists.txt
+cmake_minimum_required(VERSION 3.16)
+project(temp_monitor_pkg)
+find_package(ament_cmake REQUIRED)
+find_package(builtin_interfaces REQUIRED)
+find_package(rosidl_default_generators REQUIRED)
+rosidl_generate_interfaces(${PROJECT_NAME} "msg/Temperature.msg" DEPENDENCIES builtin_interfaces)
+ament_export_dependencies(rosidl_default_runtime)
+ament_package()
+"""
+USE = """
+from temp_monitor_pkg.msg import Temperature
+from rclpy.node import Node
+node = start(lambda: Node('sender'))
+publisher = node.create_publisher(Temperature, 'readings', 10)
+heard = listen('readings', Temperature)
+wait_until(lambda: publisher.get_subscription_count())
+publisher.publish(Temperature(made_by_the_learner=7, unit='Celsius'))
+heard.wait(1)[0].made_by_the_learner
+"""
+
+
+def write(kernel, *cells):
+    """Run the cells that save the package."""
+    kernel.run('from roslab import *')
+    for cell in cells:
+        outputs = kernel.run(cell)
+        assert outputs.error is None, outputs.error
+
+
+def test_learners_messages_take_the_place_of_the_courses(kernel):
+    """Built once, reused at once, loaded from the learner's libraries, replaced honestly."""
+    write(kernel, TEMPERATURE, PACKAGE, CMAKE)
+    built = kernel.run('report = build_messages()')
+    again = kernel.run(
+        'import time; begin = time.monotonic(); bool(build_messages()), '
+        'time.monotonic() - begin < 1'
+    )
+
+    assert 'Ready: from temp_monitor_pkg.msg import Temperature' in built.text
+    assert built.streams['stderr'] == ''
+    assert 'unchanged' in again.text
+    assert again.value == '(True, True)'
+    used = kernel.run(USE)
+    assert used.value == '7'
+    assert used.streams['stderr'] == ''
+    maps = Path(f'/proc/{kernel.pid}/maps').read_text().splitlines()
+    loaded = {line.split()[-1] for line in maps if 'temp_monitor_pkg' in line}
+    assert loaded
+    assert all('/ros_ws/install/' in path for path in loaded)
+
+    write(kernel, TEMPERATURE.replace('made_by_the_learner', 'changed'))
+    rebuilt = kernel.run('report = build_messages()')
+    assert 'restart the kernel' in rebuilt.text
+    assert kernel.run('bool(report), report.restart').value == '(True, True)'
+    # What was loaded goes on working, although its files have been replaced.
+    assert kernel.run(USE).value == '7'
+
+
+def test_course_messages_that_are_in_use_stay(kernel):
+    """After the course's own messages were imported, a build says that a restart is needed."""
+    kernel.run('from temp_monitor_pkg.msg import Temperature')
+    write(kernel, TEMPERATURE, PACKAGE, CMAKE)
+    built = kernel.run('report = build_messages()')
+
+    assert 'restart the kernel' in built.text
+    assert kernel.run('report.ok, hasattr(Temperature, "sensor_id")').value == '(True, True)'
+
+
+@pytest.mark.parametrize(
+    ('cells', 'cause', 'said'),
+    [
+        (
+            (TEMPERATURE.replace('float64', 'float'), PACKAGE, CMAKE),
+            'unknown_type',
+            'msg/Temperature.msg, line 1',
+        ),
+        (
+            (TEMPERATURE, PACKAGE, CMAKE.replace('ament_package()', '')),
+            'missing_ament_package',
+            'last line',
+        ),
+        (
+            (TEMPERATURE, PACKAGE, CMAKE.partition('rosidl_gen')[0] + 'ament_package()'),
+            'no_messages',
+            'rosidl_generate_interfaces',
+        ),
+    ],
+    ids=['unknown type', 'no ament_package', 'no messages'],
+)
+def test_failed_build_says_where_and_what_to_try(kernel, cells, cause, said):
+    """One decisive line with its place and one line of advice; the whole log is kept."""
+    write(kernel, *cells)
+    outputs = kernel.run('report = build_messages()')
+
+    assert 'was not built' in outputs.text
+    assert said in outputs.text
+    assert outputs.streams['stderr'] == ''
+    value = kernel.run('bool(report), report.diagnosis.cause, report.log.is_file()').value
+    assert value == f"(False, '{cause}', True)"
+
+
+def test_build_before_the_cells_names_the_cell_to_run(kernel):
+    """Without a package there is one sentence and no build."""
+    kernel.run('from roslab import *')
+    outputs = kernel.run('build_messages()')
+
+    assert '%%rospkg package.xml' in '\n'.join(outputs.error['traceback'])
+
+
+def test_build_of_a_stub_is_not_started(kernel, tmp_path):
+    """A file that still is a stub is named at once."""
+    write(kernel, TEMPERATURE, CMAKE)
+    kernel.run('%%rospkg package.xml\n<!-- YOUR CODE HERE -->')
+    outputs = kernel.run('build_messages()')
+
+    assert 'package.xml: not written yet' in outputs.text
+    assert not (tmp_path / 'ros_ws' / 'build').exists()
+
+
+def test_interrupted_build_leaves_no_process(kernel, tmp_path):
+    """Interrupt ends colcon and all that it has started; the next build works."""
+    write(kernel, TEMPERATURE, PACKAGE, CMAKE)
+    outputs = kernel.interrupt_at('build_messages()', 'Building')
+
+    assert outputs.error['ename'] == 'KeyboardInterrupt'
+    children = kernel.run('import psutil; len(psutil.Process().children(recursive=True))')
+    assert children.value == '0'
+    shutil.rmtree(tmp_path / 'ros_ws' / 'build', ignore_errors=True)
+    assert kernel.run('bool(build_messages())').value == 'True'

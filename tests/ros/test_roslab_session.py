@@ -1,0 +1,360 @@
+"""Nodes that run in the background, in private contexts of the test process."""
+
+import random
+import threading
+import time
+
+import pytest
+
+rclpy = pytest.importorskip('rclpy')
+
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data, QoSProfile
+from std_msgs.msg import Int32, String
+
+from roslab.errors import NotHereError, RoslabError
+from roslab.listening import Listener
+from roslab.logtable import log_table
+from roslab.session import HELPER_NAME, Session
+from roslab.waiting import wait_until_in
+
+pytestmark = pytest.mark.ros
+
+RELIABLE = QoSProfile(depth=10)
+
+
+class Talker(Node):
+    """Counts aloud, fast."""
+
+    def __init__(self, name='talker', topic='chatter', qos=RELIABLE):
+        super().__init__(name)
+        self.declare_parameter('prefix', '')
+        self.count = 0
+        self.publisher = self.create_publisher(String, topic, qos)
+        self.create_timer(0.01, self.on_timer)
+
+    def on_timer(self):
+        """Say the next number."""
+        self.count += 1
+        text = f'{self.get_parameter("prefix").value}{self.count}'
+        self.publisher.publish(String(data=text))
+        self.get_logger().info(f'said {text}', once=True)
+
+
+class Failing(Talker):
+    """Raises in its third callback."""
+
+    def __init__(self, error=ZeroDivisionError):
+        super().__init__('failing', 'failures')
+        self.error = error
+
+    def on_timer(self):
+        """Say a number, or fail."""
+        super().on_timer()
+        if self.count == 3:
+            raise self.error('third')
+
+
+class Endless(Node):
+    """Has a callback that does not come to an end."""
+
+    def __init__(self):
+        super().__init__('endless')
+        self.entered = threading.Event()
+        self.create_timer(0.01, self.on_timer)
+
+    def on_timer(self):
+        """Run until somebody ends it."""
+        self.entered.set()
+        while True:
+            pass
+
+
+@pytest.fixture
+def session():
+    """Return a session that shares nothing with other tests."""
+    session = Session(Context(), domain_id=random.randrange(1, 101))
+    yield session
+    session.close()
+
+
+def test_started_node_publishes_while_the_test_waits(session):
+    """A node that was started runs by itself."""
+    session.start(Talker)
+    heard = Listener(session, 'chatter', String, RELIABLE)
+
+    assert [message.data for message in heard.wait(3)][:3] == sorted(
+        message.data for message in heard.messages[:3]
+    )
+    assert heard.last in heard.messages
+
+
+def test_node_started_again_replaces_the_older_one_without_a_warning(session, capfd):
+    """Running a cell twice leaves one node, and the middleware has nothing to complain about."""
+    first = session.start(Talker)
+    second = session.start(Talker)
+    names = second.get_node_names()
+
+    assert names.count('talker') == 1
+    assert session.nodes() == {'talker': second}
+    assert first is not second
+    out, err = capfd.readouterr()
+    assert 'already registered' not in out + err
+    assert err == ''
+
+
+def test_name_and_parameters_are_passed_to_a_class_that_takes_no_arguments(session):
+    """`start(Talker, name=..., parameters=...)` acts as remapping and -p do in a terminal."""
+    node = session.start(Talker, name='other', parameters={'prefix': 'no. '})
+    heard = Listener(session, 'chatter', String, RELIABLE)
+
+    assert node.get_name() == 'other'
+    assert heard.wait(1)[0].data.startswith('no. ')
+
+
+def test_two_nodes_of_one_class_run_under_two_names(session):
+    """Only nodes of the same name replace each other."""
+    session.start(Talker, name='one')
+    session.start(lambda: Talker('two'))
+
+    assert sorted(session.nodes()) == ['one', 'two']
+
+
+def test_same_name_in_another_namespace_is_another_node(session):
+    """A node's name includes its namespace."""
+    session.start(lambda: Node('talker', namespace='lab'))
+    session.start(Talker)
+
+    assert sorted(session.nodes()) == ['/lab/talker', 'talker']
+    session.stop('/lab/talker')
+    assert sorted(session.nodes()) == ['talker']
+
+
+def test_failing_callback_ends_its_node_and_no_other(session, capfd):
+    """The exception names the node and the line; other nodes go on; nothing is on stderr."""
+    talker = session.start(Talker)
+    failing = session.start(Failing)
+    wait_until_in(session, lambda: 'failing' not in session.nodes(), 5, 'the failure')
+    count = talker.count
+    wait_until_in(session, lambda: talker.count > count + 5, 5, 'the talker')
+
+    out, err = capfd.readouterr()
+    assert 'failing stopped' in out
+    assert "raise self.error('third')" in out
+    assert 'ZeroDivisionError: third' in out
+    assert 'rclpy' not in out
+    assert err == ''
+    assert 'failing' not in talker.get_node_names()
+    assert failing.count == 3
+
+
+def test_failed_node_can_be_started_again(session):
+    """After the correction the cell is simply run again."""
+    session.start(Failing)
+    wait_until_in(session, lambda: 'failing' not in session.nodes(), 5, 'the failure')
+    node = session.start(lambda: Talker('failing'))
+    wait_until_in(session, lambda: node.count > 3, 5, 'the new node')
+
+    assert session.hints() == ''
+
+
+@pytest.mark.parametrize('error', [SystemExit, KeyboardInterrupt])
+def test_exit_in_a_callback_ends_its_node_only(session, error):
+    """sys.exit() in a callback takes neither the kernel nor the executor along."""
+    talker = session.start(Talker)
+    session.start(lambda: Failing(error))
+    wait_until_in(session, lambda: 'failing' not in session.nodes(), 5, 'the failure')
+    count = talker.count
+
+    assert wait_until_in(session, lambda: talker.count > count, 5, 'the talker')
+
+
+def test_endless_callback_is_named_and_ended_by_stop(session):
+    """A callback in an endless loop is named by a wait, and stop() gets the thread back."""
+    talker = session.start(Talker)
+    endless = session.start(Endless)
+    assert endless.entered.wait(5)
+    with pytest.raises(TimeoutError, match=r"stop\('endless'\)"):
+        wait_until_in(session, lambda: False, 1.2, 'what cannot be')
+    begin = time.monotonic()
+    session.stop(endless)
+
+    assert time.monotonic() - begin < 5
+    count = talker.count
+    assert wait_until_in(session, lambda: talker.count > count, 5, 'the talker')
+
+
+def test_close_ends_even_an_endless_callback(session):
+    """The end of a kernel is not held up by a callback."""
+    endless = session.start(Endless)
+    assert endless.entered.wait(5)
+    begin = time.monotonic()
+    session.close()
+
+    assert time.monotonic() - begin < 5
+    assert not [t for t in threading.enumerate() if t.name == 'roslab executor']
+
+
+def test_node_whose_constructor_fails_leaves_nothing_in_the_graph(session):
+    """Half a node would stay visible as long as the notebook keeps the traceback."""
+
+    def half():
+        Node('half')
+        raise ValueError('not now')
+
+    talker = session.start(Talker)
+    with pytest.raises(ValueError, match='not now') as kept:
+        session.start(half)
+
+    assert kept.traceback
+    assert sorted(talker.get_node_names()) == ['talker']
+
+
+@pytest.mark.parametrize(
+    ('factory', 'word'),
+    [(lambda: None, 'NoneType'), (String, 'String'), (3, 'node class'), ('x', 'node class')],
+)
+def test_start_of_something_else_says_what_it_expected(session, factory, word):
+    """start() names what it was given."""
+    with pytest.raises(RoslabError, match=word):
+        session.start(factory)
+
+
+def test_start_of_main_is_refused(session):
+    """main() spins for ever; the cell would never end."""
+
+    def main():
+        raise AssertionError('was called')
+
+    with pytest.raises(RoslabError, match='main'):
+        session.start(main)
+
+
+def test_stop_is_repeatable_and_names_a_wrong_name(session):
+    """Stopping twice is fine, a node that never was is not."""
+    node = session.start(Talker)
+    session.stop(node)
+    session.stop(node)
+    session.stop('talker')
+
+    with pytest.raises(NotHereError, match='walker'):
+        session.stop('walker')
+
+
+def test_session_starts_anew_after_a_shutdown(session):
+    """A cell that shuts ROS down costs its nodes, not the kernel."""
+    session.start(Talker)
+    session.executor.context.shutdown()
+
+    assert session.nodes() == {}
+    node = session.start(Talker)
+    assert wait_until_in(session, lambda: node.count > 2, 5, 'the talker')
+
+
+def test_node_destroyed_by_a_cell_is_no_longer_listed(session):
+    """destroy_node() in a cell is noticed, and the executor goes on."""
+    talker = session.start(Talker)
+    other = session.start(Talker, name='other')
+    other.destroy_node()
+
+    assert list(session.nodes()) == ['talker']
+    count = talker.count
+    assert wait_until_in(session, lambda: talker.count > count + 5, 5, 'the talker')
+
+
+def test_wait_returns_the_value_and_is_woken_by_callbacks(session):
+    """A wait ends with the callback that makes its condition true."""
+    talker = session.start(Talker)
+
+    assert wait_until_in(session, lambda: talker.count >= 3 and 'three', 5, 'three') == 'three'
+
+
+def test_wait_from_a_callback_is_refused(session, capfd):
+    """A callback that waits for others would wait for ever."""
+
+    class Waiting(Node):
+        def __init__(self):
+            super().__init__('waiting')
+            self.create_timer(0.01, lambda: wait_until_in(session, lambda: False, 5, 'it'))
+
+    session.start(Waiting)
+    wait_until_in(session, lambda: 'waiting' not in session.nodes(), 5, 'the failure')
+
+    assert 'A callback cannot wait' in capfd.readouterr().out
+
+
+@pytest.mark.parametrize('timeout', [float('inf'), -1, None, 'soon'])
+def test_wait_without_a_bound_is_refused(session, timeout):
+    """No wait may last for ever."""
+    with pytest.raises(RoslabError, match='seconds'):
+        wait_until_in(session, lambda: True, timeout, 'it')
+
+
+def test_silence_is_explained_by_a_similar_topic(session):
+    """A typing mistake in the topic's name is pointed out."""
+    session.start(Talker)
+    with pytest.raises(TimeoutError, match='did you mean /chatter'):
+        Listener(session, 'chater', String, RELIABLE).wait(1, timeout=0.2)
+
+
+def test_silence_is_explained_by_incompatible_qos(session):
+    """A best-effort publisher is not heard by a reliable listener."""
+    session.start(lambda: Talker(qos=qos_profile_sensor_data))
+    with pytest.raises(TimeoutError, match='QoS'):
+        Listener(session, 'chatter', String, RELIABLE).wait(1, timeout=0.2)
+
+
+def test_another_type_on_the_topic_is_named(session, capfd):
+    """Listening with the wrong type says which type there is, and nothing on stderr."""
+    talker = session.start(Talker)
+    wait_until_in(session, lambda: talker.count > 0, 5, 'the talker')
+    with pytest.raises(RoslabError, match='std_msgs/msg/String'):
+        Listener(session, 'chatter', Int32, RELIABLE)
+
+    assert capfd.readouterr().err == ''
+
+
+def test_listener_without_a_name_hears_no_more(session):
+    """Running a cell again must not leave the older subscription behind."""
+    session.start(Talker)
+    first = Listener(session, 'chatter', String, RELIABLE)
+    first.wait(1)
+    first = Listener(session, 'chatter', String, RELIABLE)
+
+    assert wait_until_in(
+        session, lambda: len(list(session.helper.subscriptions)) == 1, 5, 'the older to go'
+    )
+    assert first.wait(1)
+
+
+def test_stopped_listener_keeps_what_it_heard(session):
+    """stop() ends listening, not the notebook's evidence."""
+    session.start(Talker)
+    heard = Listener(session, 'chatter', String, RELIABLE)
+    heard.wait(2)
+    heard.stop()
+    wait_until_in(session, lambda: not list(session.helper.subscriptions), 5, 'the end')
+
+    assert len(heard) >= 2
+    assert 'stopped' in repr(heard)
+
+
+def test_logs_are_kept_by_node(session):
+    """The table has the node's line, its level and its name."""
+    node = session.start(Talker, name='logging_talker')
+    wait_until_in(session, lambda: node.count > 1, 5, 'the talker')
+    lines = log_table('logging_talker')
+
+    assert lines.messages == ['said 1']
+    assert lines[0].level == 'INFO'
+    assert 'said 1' in repr(lines)
+    assert '<td>INFO</td>' in lines._repr_html_()
+
+
+def test_helper_is_hidden_and_alone(session):
+    """What the notebook adds to the graph is one node with a hidden name."""
+    talker = session.start(Talker)
+    Listener(session, 'chatter', String, RELIABLE)
+
+    assert sorted(talker.get_node_names()) == [HELPER_NAME, 'talker']
