@@ -1,0 +1,260 @@
+"""
+Lessons, executed and measured: the sources in solutions/ and the releases in notebooks/.
+
+Each notebook runs once, in a copy, because its cells write a ROS workspace beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+import os
+from pathlib import Path
+import re
+from statistics import median
+import tempfile
+import time
+
+from nbclient import NotebookClient
+import nbformat
+import pytest
+
+from autograder.cells import parse_cell, UNSOLVED
+
+ROOT = Path(__file__).resolve().parents[2]
+LESSONS = sorted(ROOT.glob('solutions/*/*.ipynb'))
+RELEASES = sorted(ROOT.glob('notebooks/*/*.ipynb'))
+
+KERNEL = 'ros2_jazzy'
+MOST_SECONDS = 60
+MOST_SECONDS_FOR_A_CELL = 120
+BUSY = 1.5
+"""Processes a core, above which a wall-clock time is not the lesson's own."""
+WORDS_FOR_A_TEXT_CELL = (25, 60)
+LINES_FOR_A_CODE_CELL = (1, 5)
+MOST_LINES = 12
+MOST_LINES_IN_A_FILE = 100
+
+lessons = pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
+releases = pytest.mark.parametrize('path', RELEASES, ids=lambda path: path.stem)
+
+
+def executed(test: Callable[..., None]) -> Callable[..., None]:
+    """Mark a test that runs a notebook in the course's kernel."""
+    return pytest.mark.ros(pytest.mark.notebooks(pytest.mark.slow(test)))
+
+
+@dataclass(frozen=True)
+class Run:
+    """
+    What came of executing a notebook.
+
+    :param cells: the code cells, with their outputs
+    :param seconds: wall-clock time, kernel start and end included [s]
+    """
+
+    cells: list[nbformat.NotebookNode]
+    seconds: float
+
+    def outputs(self, kind: str) -> list[tuple[str, nbformat.NotebookNode]]:
+        """Return all outputs of one type, each with the id of its cell."""
+        return [
+            (cell.id, output)
+            for cell in self.cells
+            for output in cell.outputs
+            if output.output_type == kind
+        ]
+
+
+@cache
+def run(path: Path) -> Run:
+    """Execute a copy of a notebook to its end, whatever its cells raise."""
+    notebook = nbformat.read(path, as_version=4)
+    # Another kernel on this machine must not be heard.
+    environment = {**os.environ, 'ROS_DOMAIN_ID': str(1 + os.getpid() % 100)}
+    with tempfile.TemporaryDirectory() as folder:
+        client = NotebookClient(
+            notebook,
+            kernel_name=KERNEL,
+            timeout=MOST_SECONDS_FOR_A_CELL,
+            allow_errors=True,
+            resources={'metadata': {'path': folder}},
+        )
+        began = time.monotonic()
+        client.execute(env=environment)
+        seconds = time.monotonic() - began
+    return Run([cell for cell in notebook.cells if cell.cell_type == 'code'], seconds)
+
+
+def read(path: Path) -> list[nbformat.NotebookNode]:
+    """Return the cells of a valid notebook."""
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    return notebook.cells
+
+
+def words(cell: nbformat.NotebookNode) -> int:
+    """Count the words that a reader sees, without drawings and markup."""
+    text = re.sub(r'```.*?```|<[^>]+>', ' ', cell.source, flags=re.DOTALL)
+    return len(re.findall(r"\w[\w'.-]*", text))
+
+
+def lines(cell: nbformat.NotebookNode) -> int:
+    """Count the lines that are not empty."""
+    return sum(1 for line in cell.source.splitlines() if line.strip())
+
+
+def grader_data(cell: nbformat.NotebookNode) -> dict:
+    """Return what nbgrader knows about a cell, empty for a plain one."""
+    return cell.metadata.get('nbgrader', {})
+
+
+@lessons
+@executed
+def test_lesson_executed_raises_nothing(path: Path) -> None:
+    """A solved lesson runs from top to bottom without an error."""
+    raised = [(where, error.ename, error.evalue) for where, error in run(path).outputs('error')]
+
+    assert raised == []
+
+
+@lessons
+@executed
+def test_lesson_executed_leaves_stderr_empty(path: Path) -> None:
+    """Nothing goes to stderr, which nbgrader would take for a failed cell."""
+    written = [
+        (where, output.text)
+        for where, output in run(path).outputs('stream')
+        if output.name == 'stderr'
+    ]
+
+    assert written == []
+
+
+@lessons
+@executed
+def test_lesson_executed_passes_its_own_checks(path: Path) -> None:
+    """Each check cell of a solved lesson gives all the points of the visible checks."""
+    result = run(path)
+    said = {where: output.text for where, output in result.outputs('stream')}
+    checked = [cell.id for cell in result.cells if cell.source.startswith('check(')]
+
+    for where in checked:
+        points = re.search(r'(\d+) of (\d+) points', said.get(where, ''))
+
+        assert points is not None, (where, said.get(where))
+        assert points[1] == points[2], said[where]
+
+
+@lessons
+@executed
+def test_lesson_executed_is_quick(path: Path) -> None:
+    """A lesson takes less than a minute, on a machine that has nothing else to do."""
+    seconds = run(path).seconds
+    load = os.getloadavg()[0] / (os.cpu_count() or 1)
+    if seconds >= MOST_SECONDS and load > BUSY:
+        pytest.skip(f'{seconds:.0f} s on a machine with {load:.1f} processes a core says nothing')
+
+    assert seconds < MOST_SECONDS
+
+
+@releases
+@executed
+def test_release_executed_raises_only_not_implemented(path: Path) -> None:
+    """An untouched release says what is still to be written, and fails in no other way."""
+    result = run(path)
+    raised = [(where, error.ename) for where, error in result.outputs('error')]
+    stderr = [item for item in result.outputs('stream') if item[1].name == 'stderr']
+
+    assert {name for _, name in raised} == {'NotImplementedError'}, raised
+    assert stderr == []
+
+
+@lessons
+def test_lesson_has_its_release(path: Path) -> None:
+    """Each lesson was released under the same name."""
+    assert (ROOT / 'notebooks' / path.parent.name / path.name).is_file()
+
+
+@lessons
+def test_lesson_is_stored_clean(path: Path) -> None:
+    """Sources keep no outputs, name the course's kernel and have readable cell ids."""
+    notebook = nbformat.read(path, as_version=4)
+    code = [cell for cell in notebook.cells if cell.cell_type == 'code']
+
+    assert (notebook.nbformat, notebook.nbformat_minor) == (4, 5)
+    assert notebook.metadata.kernelspec == {
+        'display_name': 'ROS 2 Jazzy',
+        'language': 'python',
+        'name': KERNEL,
+    }
+    assert [cell.id for cell in code if cell.outputs or cell.execution_count] == []
+    assert [cell.id for cell in notebook.cells if not re.fullmatch(r'[a-z0-9-]+', cell.id)] == []
+    assert len({cell.id for cell in notebook.cells}) == len(notebook.cells)
+
+
+@lessons
+def test_lesson_text_comes_in_small_portions(path: Path) -> None:
+    """A text cell has the length that learners read."""
+    least, most = WORDS_FOR_A_TEXT_CELL
+    counts = [words(cell) for cell in read(path) if cell.cell_type == 'markdown']
+
+    assert least <= median(counts) <= most
+
+
+@lessons
+def test_lesson_code_comes_in_small_portions(path: Path) -> None:
+    """A code cell shows one idea; only files of the package are longer."""
+    least, most = LINES_FOR_A_CODE_CELL
+    code = [cell for cell in read(path) if cell.cell_type == 'code']
+    files = [cell for cell in code if parse_cell(cell.source)]
+    plain = [cell for cell in code if not parse_cell(cell.source)]
+
+    assert least <= median(lines(cell) for cell in plain) <= most
+    assert [cell.id for cell in plain if lines(cell) > MOST_LINES] == []
+    assert [cell.id for cell in files if lines(cell) > MOST_LINES_IN_A_FILE] == []
+
+
+def test_grade_ids_are_unique_in_the_course() -> None:
+    """No two cells of one lesson share a grade id, and none has a generated name."""
+    for path in LESSONS:
+        ids = [grader_data(cell)['grade_id'] for cell in read(path) if grader_data(cell)]
+
+        assert len(set(ids)) == len(ids), path
+        assert [name for name in ids if not re.fullmatch(r'[a-z][a-z0-9_]*', name)] == [], path
+
+
+@lessons
+def test_grade_cell_holds_one_readable_line(path: Path) -> None:
+    """What is graded is named in the notebook and hidden outside it."""
+    for cell in read(path):
+        data = grader_data(cell)
+        if cell.cell_type == 'code' and data.get('grade'):
+            exam = data['grade_id'].removeprefix('check_')
+
+            assert cell.source == f"check('{exam}')"
+            assert data['locked']
+            assert data['points'] > 0
+            assert not data['solution']
+
+
+@lessons
+def test_solution_marks_are_in_solution_cells_only(path: Path) -> None:
+    """Whatever a learner has to write is in a cell that nbgrader clears."""
+    for cell in read(path):
+        marked = 'BEGIN SOLUTION' in cell.source
+
+        assert not marked or grader_data(cell).get('solution'), cell.id
+        assert UNSOLVED not in cell.source or cell.cell_type == 'markdown', cell.id
+
+
+@releases
+def test_release_shows_no_solution(path: Path) -> None:
+    """Each answer cell of a release holds its stub instead."""
+    for cell in read(path):
+        data = grader_data(cell)
+
+        assert 'SOLUTION' not in cell.source, cell.id
+        if data.get('solution'):
+            assert UNSOLVED in cell.source or 'YOUR ANSWER HERE' in cell.source, cell.id
