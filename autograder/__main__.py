@@ -114,9 +114,9 @@ def _parser() -> argparse.ArgumentParser:
     grade.add_argument(
         '--jobs',
         type=_positive,
-        default=os.cpu_count() or 1,
+        default=(os.cpu_count() or 1) + 1,
         metavar='N',
-        help='runs at a time (default: one per processor, here %(default)s)',
+        help='runs at a time (default: one more than processors, as runs wait; here %(default)s)',
     )
     grade.add_argument('--fresh', action='store_true', help='repeat runs that are recorded')
     grade.add_argument('--json', action='store_true', help='print the results as JSON')

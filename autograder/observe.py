@@ -28,10 +28,13 @@ from autograder.sandbox import Confined, HERE, Limits, Program, Sandbox
 KEPT_OUTPUT = 64 * 1024
 LARGEST_RECORDING = 32 << 20
 WATCH_EVERY_S = 0.05
-TICK = os.sysconf('SC_CLK_TCK')
+# What the probe is told, see probe.py.
+TICK, QUIET, EXITED = b't', b'q', b'e'
+MOST_WALL = 5  # times the limit, before a machine counts as too busy for a verdict
+CPU_TICKS = os.sysconf('SC_CLK_TCK')
 PAGE = os.sysconf('SC_PAGESIZE')
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
-BUILD_LIMITS = Limits(cpu_s=60, processes=128)
+BUILD_LIMITS = Limits(cpu_s=60)  # a message package takes some 12 s of processor time
 
 
 def program_for(scenario: Scenario, submission: Path, python: str) -> tuple[Program, Limits]:
@@ -125,7 +128,8 @@ class _Watched:
         self.cpu_s = 0.0
         self.ready_s = 0.0
         self.done = False
-        self.deadline = time.monotonic() + limits.wall_s
+        self.began = self.looked = time.monotonic()
+        self.own_s = 0.0
 
     def run(self) -> list[dict[str, Any]]:
         """Drive the run to its end and return all events."""
@@ -159,7 +163,6 @@ class _Watched:
                 os.close(ended)
 
     def _read_until_done(self, pipes: selectors.BaseSelector) -> None:
-        look_again = 0.0
         while not self.done:
             for key, _ in pipes.select(WATCH_EVERY_S):
                 if key.data == 'ended':
@@ -167,10 +170,8 @@ class _Watched:
                     self._student_ended()
                 else:
                     self._read(pipes, key)
-            now = time.monotonic()
-            if now > look_again:
-                look_again = now + WATCH_EVERY_S
-                self.killed = self.killed or self._over_limit(now)
+            if time.monotonic() > self.looked + WATCH_EVERY_S:
+                self._look()
             if self.killed:
                 return
 
@@ -203,7 +204,7 @@ class _Watched:
                 continue
             if event['event'] == 'is_it_quiet':
                 wait_until_quiet(self.student.pid)
-                self._tell_probe(b'quiet\n')
+                self._tell_probe(QUIET)
                 continue
             self.events.append(event)
             self.done = self.done or event['event'] == 'end'
@@ -212,7 +213,7 @@ class _Watched:
 
     def _student_ended(self) -> None:
         self.exit = self.student.process.wait()
-        self._tell_probe(b'exited\n')
+        self._tell_probe(EXITED)
 
     def _tell_probe(self, line: bytes) -> None:
         assert self.probe.stdin is not None
@@ -222,16 +223,37 @@ class _Watched:
         except BrokenPipeError:
             pass  # it ended first
 
-    def _over_limit(self, now: float) -> str:
+    def _look(self) -> None:
+        """Charge the time since the last look, tell the probe, and compare with the limits."""
+        now = time.monotonic()
+        passed, self.looked = now - self.looked, now
+        resident, seconds = usage(self.student.pid) if self.exit is None else (0, self.cpu_s)
+        used, self.cpu_s = max(0.0, seconds - self.cpu_s), max(self.cpu_s, seconds)
+        before = int(self.own_s / WATCH_EVERY_S)
+        # A program's time is what it computes and what it sleeps. While it, or our probe, wants a
+        # processor and does not get it, the machine is busy and nobody is late.
+        self.own_s += min(passed, used) if self._somebody_runs() else passed
+        if ticks := int(self.own_s / WATCH_EVERY_S) - before:
+            self._tell_probe(TICK * ticks)
+        if now - self.began > MOST_WALL * self.limits.wall_s:
+            raise ProbeFailed(
+                f'The machine was too busy: {now - self.began:.0f} s passed, and the program had '
+                f'{self.own_s:.0f} s of them.'
+            )
+        self.killed = self.killed or self._over_limit(resident, seconds)
+
+    def _somebody_runs(self) -> bool:
+        pids = [self.probe.pid] + ([self.student.pid] if self.exit is None else [])
+        return any(state in 'RD' for pid in pids for state in _thread_states(pid))
+
+    def _over_limit(self, resident: int, seconds: float) -> str:
         """Return the name of the limit that is passed, or nothing."""
-        if now > self.deadline:
+        if self.own_s > self.limits.wall_s:
             return 'wall_time_limit'
         if self.printed > self.limits.output:
             return 'output_limit'
         if self.exit is not None:
             return ''
-        resident, seconds = usage(self.student.pid)
-        self.cpu_s = max(self.cpu_s, seconds)
         if resident > self.limits.memory:
             return 'memory_limit'
         if seconds > self.limits.cpu_s:
@@ -318,4 +340,4 @@ def usage(pid: int) -> tuple[int, float]:
         # utime, stime and those of waited-for children, then the resident pages: proc(5)
         ticks += sum(int(fields[number]) for number in (11, 12, 13, 14))
         resident += int(fields[21]) * PAGE
-    return resident, ticks / TICK
+    return resident, ticks / CPU_TICKS

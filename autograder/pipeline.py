@@ -164,7 +164,7 @@ def grade_class(
     meanwhile: Callable[[], None] = lambda: None,
 ) -> tuple[Graded, ...]:
     """
-    Grade a class, (submission, exam) by (submission, exam).
+    Grade a class, (submission, exam) by (submission, exam); equal files are one run.
 
     :param jobs: how many runs at a time
     :param on_done: called after each run, in any thread, for a progress bar
@@ -174,13 +174,17 @@ def grade_class(
     opened = [open_one(submission, lesson) for submission in submissions]
     files = [extract(one, lesson.exams, lesson.release, lesson.notebook) for one in opened]
     tasks: dict[tuple[int, str], Future[ExamResult | GraderError]] = {}
+    runs: dict[tuple[str, tuple[tuple[str, str], ...]], Future[ExamResult | GraderError]] = {}
     pool = ThreadPoolExecutor(max_workers=max(1, jobs), thread_name_prefix=THREADS)
     try:
         for index, found in enumerate(files):
             for exam in lesson.exams:
-                future = pool.submit(_run, engine, exam, found[exam.name].files)
-                future.add_done_callback(lambda _: on_done())
-                tasks[index, exam.name] = future
+                answers = found[exam.name].files
+                run = exam.name, tuple(sorted(answers.items()))
+                if run not in runs:
+                    runs[run] = pool.submit(_run, engine, exam, answers)
+                runs[run].add_done_callback(lambda _: on_done())
+                tasks[index, exam.name] = runs[run]
         meanwhile()
         wait(tasks.values())
     finally:

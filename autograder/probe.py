@@ -22,6 +22,7 @@ This file imports nothing of this project: only its text enters the probe's sand
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import importlib
 import json
 import math
@@ -42,6 +43,12 @@ from rosgraph_msgs.msg import Clock
 from type_description_interfaces.srv import GetTypeDescription
 
 NANOSECONDS = 1_000_000_000
+# What the grader says while the scenario runs, one byte each: the program had another TICK_S of
+# time; none of its threads runs; it has ended. Time in which somebody waits for a processor does
+# not count, so that a busy machine changes no verdict.
+TICK, QUIET, EXITED = b't', b'q', b'e'
+TICK_S = 0.05
+CONNECT_S = 1.0
 RESEND_S = 0.5  # a request lost while endpoints still match; about one run in a hundred
 LONGEST_EVENT = 65536  # characters of one message's JSON; longer ones are recorded by their size
 MOST_EVENTS = 20000
@@ -115,7 +122,8 @@ class Probe:
         self.input: int | None = None
         self.logs = 0
         self.student_exited = False
-        self.heard = b''
+        self.quiet = False
+        self.patience_s = 0.0
         self.clients: dict[str, Any] = {}
         self.unreachable: set[str] = set()
         self.context = Context()
@@ -209,21 +217,22 @@ class Probe:
         self.executor.spin_once(timeout_sec=seconds)
         self._hear_grader(0)
 
-    def _hear_grader(self, seconds: float) -> bool:
-        """Read a line of the grader, if one comes: 'quiet', or 'exited' for the program."""
+    def _hear_grader(self, seconds: float) -> None:
+        """Read what the grader says, if it says something: see TICK, QUIET and EXITED."""
         if not select.select([0], [], [], seconds)[0]:
-            return False
-        self.heard += os.read(0, 4096)
-        self.student_exited = self.student_exited or b'exited' in self.heard
-        return True
+            return
+        heard = os.read(0, 4096)
+        self.patience_s += heard.count(TICK) * TICK_S
+        self.quiet = self.quiet or QUIET in heard
+        # The end of the input is the end of the grader.
+        self.student_exited = self.student_exited or EXITED in heard or not heard
 
     def wait_until_quiet(self) -> None:
         """Wait until no thread of the student's program runs; the grader bounds the wait."""
-        self.heard = b''
+        self.quiet = False
         self.write({'event': 'is_it_quiet'})
-        while b'quiet' not in self.heard and not self.student_exited:
-            if not self._hear_grader(5.0):
-                return
+        while not self.quiet and not self.student_exited:
+            self._hear_grader(1.0)
 
     def drain(self) -> None:
         """Handle everything that has already arrived."""
@@ -247,11 +256,11 @@ class Probe:
 
     def wait_for_nodes(self) -> None:
         """Wait until the student's side shows a node."""
-        deadline = time.monotonic() + self.scenario['appear_s']
+        deadline = self.patience_s + self.scenario['appear_s']
         while not self.student_nodes():
             if self.student_exited:
                 raise Stop('student_exited')
-            if time.monotonic() > deadline:
+            if self.patience_s > deadline:
                 raise Stop('no_node')
             self.spin(0.02)
 
@@ -277,22 +286,21 @@ class Probe:
 
     def call(self, name: str, patience_s: float) -> bool:
         """Do one round trip to a node's get_parameters service; False if it does not answer."""
-        deadline = time.monotonic() + patience_s
-        while True:
+        deadline = self.patience_s + patience_s
+        while self.patience_s <= deadline:
             client = self.client_of(name)
             ready = client is not None and client.service_is_ready()
             future = client.call_async(client.srv_type.Request()) if ready else None
-            resend = min(time.monotonic() + (RESEND_S if future else 0.02), deadline)
-            while time.monotonic() < resend:
-                self.spin(max(0.0, min(resend - time.monotonic(), 0.05)))
+            resend = time.monotonic() + (RESEND_S if future else 0.02)
+            while (left := resend - time.monotonic()) > 0:
+                self.spin(min(left, 0.05))
                 if future is not None and future.done():
                     return True
                 if self.student_exited:
                     raise Stop('student_exited')
             if future is not None:
                 client.remove_pending_request(future)
-            if time.monotonic() >= deadline:
-                return False
+        return False
 
     def barrier(self, rounds: int) -> None:
         """Prove that every node that answers has handled all it was sent before."""
@@ -367,7 +375,7 @@ class Probe:
     def step_feed(self, step: dict[str, Any], lockstep: bool) -> None:
         """Send readings one by one, or as one burst, and collect what follows each."""
         cls, publisher = self.feeds[step['topic']]
-        if publisher.get_subscription_count() == 0:
+        if not self.wait_until(lambda: publisher.get_subscription_count() > 0, CONNECT_S):
             self.emit('not_connected', topic=step['topic'])
             raise Stop('not_connected')
         for message in step['messages']:
@@ -396,11 +404,15 @@ class Probe:
 
     def wait_for_log(self, logs: int, seconds: float) -> bool:
         """Wait until more than this many log lines have come, at most so long."""
-        deadline = time.monotonic() + seconds
-        while self.logs <= logs:
+        return self.wait_until(lambda: self.logs > logs, seconds)
+
+    def wait_until(self, condition: Callable[[], bool], seconds: float) -> bool:
+        """Wait until something holds, at most so long; tell whether it does."""
+        deadline = self.patience_s + seconds
+        while not condition():
             if self.student_exited:
                 raise Stop('student_exited')
-            if time.monotonic() > deadline:
+            if self.patience_s > deadline:
                 return False
             self.spin(0.05)
         return True

@@ -6,8 +6,10 @@ differs from the reference solution, as plain files without their magic line, an
 ``expected.json``::
 
     {"about": "...", "notebook": "...", "points": {exam: points},
-     "failed": {exam: {check: cause_id}}}
+     "failed": {exam: {check: cause_id}}, "in_class": true}
 
+A submission with ``"in_class": false`` proves a check in the tests and is not in the class that
+``make grade`` shows on a fresh clone.
 ``notebook`` names what happened to the notebook as a whole, see :data:`DAMAGES`.
 """
 
@@ -80,11 +82,19 @@ UNTOUCHED = 'untouched'
 """For ``notebook``: the release as it was received, without the reference's answers."""
 
 
-def samples(layout: Layout, assignment: str) -> Iterator[Path]:
-    """Yield the folders of the sample submissions of an assignment, by name."""
+def samples(layout: Layout, assignment: str, everything: bool = False) -> Iterator[Path]:
+    """
+    Yield the folders of the sample submissions of an assignment, by name.
+
+    :param everything: also those that are only for the tests
+    """
     folder = layout.sample_class / assignment
     if folder.is_dir():
-        yield from sorted(path for path in folder.iterdir() if (path / 'expected.json').is_file())
+        for path in sorted(folder.iterdir()):
+            if (path / 'expected.json').is_file() and (
+                everything or expected_of(path).get('in_class', True)
+            ):
+                yield path
 
 
 def expected_of(sample: Path) -> dict[str, Any]:

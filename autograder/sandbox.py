@@ -421,11 +421,11 @@ FIX_MISSING = 'Install bubblewrap 0.8 or newer: sudo apt-get install bubblewrap'
 FIX_APPARMOR = (
     'This system forbids user namespaces to bubblewrap. Either once: sudo sysctl -w '
     'kernel.apparmor_restrict_unprivileged_userns=0, or for good an AppArmor profile for '
-    '/usr/bin/bwrap; both are written out in environment.md, section "Sandbox".'
+    '/usr/bin/bwrap; both are written out in environment.md, section "Grading refuses".'
 )
 FIX_CONTAINER = (
     'Inside a container, start it with --security-opt seccomp=unconfined --security-opt '
-    'apparmor=unconfined; see environment.md, section "Sandbox".'
+    'apparmor=unconfined; see environment.md, section "Grading refuses".'
 )
 
 
@@ -437,7 +437,7 @@ def _fix(said: str) -> str:
         return FIX_CONTAINER
     if 'nknown option' in said:
         return FIX_MISSING
-    return 'See environment.md, section "Sandbox".'
+    return 'See environment.md, section "Grading refuses".'
 
 
 @functools.lru_cache(maxsize=1)

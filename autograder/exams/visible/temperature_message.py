@@ -94,7 +94,7 @@ def declares_its_dependencies(run: Run) -> None:
             why=Cause('xml', 'A tag is not closed, or is misspelled.', 'Look at that line.'),
         ) from None
     have = {(child.tag, (child.text or '').strip()) for child in root}
-    missing = [wanted for wanted, ways in _declarations() if not have & ways]
+    missing = [wanted for wanted, ways in _declarations() if not any(way <= have for way in ways)]
     if root.findtext('name', '').strip() != 'temp_monitor_pkg':
         missing.insert(0, '<name>temp_monitor_pkg</name>')
     kind = root.findtext('export/build_type', '').strip()
@@ -114,11 +114,11 @@ def declares_its_dependencies(run: Run) -> None:
         )
 
 
-def _declarations() -> list[tuple[str, set[tuple[str, str]]]]:
-    """Return each needed declaration with the tags that declare it (REP 149)."""
+def _declarations() -> list[tuple[str, list[set[tuple[str, str]]]]]:
+    """Return each needed declaration with the sets of tags that declare it (REP 149)."""
 
-    def ways(name: str, *tags: str) -> set[tuple[str, str]]:
-        return {(tag, name) for tag in tags}
+    def ways(name: str, *alternatives: str) -> list[set[tuple[str, str]]]:
+        return [{(tag, name) for tag in tags.split()} for tags in alternatives]
 
     generators, runtime = 'rosidl_default_generators', 'rosidl_default_runtime'
     return [
@@ -130,7 +130,10 @@ def _declarations() -> list[tuple[str, set[tuple[str, str]]]]:
             f'<buildtool_depend>{generators}</buildtool_depend>',
             ways(generators, 'buildtool_depend', 'build_depend', 'depend'),
         ),
-        ('<depend>builtin_interfaces</depend>', ways('builtin_interfaces', 'depend')),
+        (
+            '<depend>builtin_interfaces</depend>',
+            ways('builtin_interfaces', 'depend', 'build_depend exec_depend'),
+        ),
         (f'<exec_depend>{runtime}</exec_depend>', ways(runtime, 'exec_depend', 'depend')),
         (
             '<member_of_group>rosidl_interface_packages</member_of_group>',
@@ -143,13 +146,24 @@ def commands_of(text: str) -> list[tuple[str, list[str]]]:
     """
     Read a CMake file as (command, arguments) pairs.
 
-    :param text: commands are lower-cased; comments and quotes are dropped; bracket arguments and
-        generator expressions are not understood, and lessons do not use them
+    :param text: command names are lower-cased, comments and quotes dropped, and variables of
+        ``set``, ``list(APPEND)`` and ``project`` put in; bracket arguments and generator
+        expressions are not understood, and lessons do not use them
     """
     bare = re.sub(r'#[^\n]*', '', text)
+    variables: dict[str, str] = {}
     found = []
     for match in re.finditer(r'([A-Za-z_]\w*)\s*\(([^()]*)\)', bare):
-        found.append((match[1].lower(), re.findall(r'[^\s";]+', match[2])))
+        name = match[1].lower()
+        given = re.sub(r'\$\{(\w+)\}', lambda used: variables.get(used[1], used[0]), match[2])
+        words = re.findall(r'[^\s";]+', given)
+        if name == 'project' and words:
+            variables['PROJECT_NAME'] = words[0]
+        elif name == 'set' and words:
+            variables[words[0]] = ' '.join(words[1:])
+        elif name == 'list' and words[:1] == ['APPEND'] and len(words) > 1:
+            variables[words[1]] = ' '.join([variables.get(words[1], ''), *words[2:]])
+        found.append((name, words))
     return found
 
 

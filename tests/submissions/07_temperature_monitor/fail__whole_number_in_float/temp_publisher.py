@@ -1,0 +1,19 @@
+import rclpy
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.node import Node
+from temp_monitor_pkg.msg import Temperature
+import random
+
+class P(Node):
+    def __init__(self):
+        super().__init__('temperature_publisher')
+        self.pub = self.create_publisher(Temperature, 'temperature_topic', 10)
+        self.timer = self.create_timer(1.0, self.tick)
+    def tick(self):
+        msg = Temperature(temperature_value=20, unit='Celsius', sensor_id='temp_sensor_01')
+        msg.timestamp = self.get_clock().now().to_msg()
+        self.pub.publish(msg)
+
+
+def main():
+    rclpy.init(); rclpy.spin(P())

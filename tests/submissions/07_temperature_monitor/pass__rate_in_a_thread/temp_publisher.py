@@ -1,0 +1,27 @@
+import rclpy
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.node import Node
+from temp_monitor_pkg.msg import Temperature
+import random
+
+import threading
+class P(Node):
+    def __init__(self):
+        super().__init__('temperature_publisher')
+        self.pub = self.create_publisher(Temperature, 'temperature_topic', 10)
+    def tick(self):
+        msg = Temperature(temperature_value=20.0 + random.random(), unit='Celsius', sensor_id='temp_sensor_01')
+        msg.timestamp = self.get_clock().now().to_msg()
+        self.pub.publish(msg)
+
+def main():
+    rclpy.init()
+    node = P()
+    threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+    rate = node.create_rate(1.0)
+    while rclpy.ok():
+        rate.sleep()
+        node.tick()
+
+if __name__ == '__main__':
+    main()
