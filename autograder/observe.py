@@ -137,6 +137,7 @@ class _Watched:
             self._loop()
         finally:
             said = self._end_probe()
+        self._read_the_rest()
         if not self.events or self.events[-1]['event'] != 'end':
             if not self.killed:
                 raise ProbeFailed(f'The probe broke off: {said or "it said nothing"}.')
@@ -183,12 +184,25 @@ class _Watched:
         elif key.data == 'probe':
             self._recorded(data)
         else:
-            self.printed += len(data)
-            # The beginning and the end are kept: the end has the traceback.
-            kept = self.output[key.data] + data
-            if len(kept) > KEPT_OUTPUT:
-                kept = kept[: KEPT_OUTPUT // 4] + kept[-KEPT_OUTPUT * 3 // 4 :]
-            self.output[key.data] = kept
+            self._keep(key.data, data)
+
+    def _keep(self, name: str, data: bytes) -> None:
+        """Keep the beginning and the end of what was printed: the end has the traceback."""
+        self.printed += len(data)
+        kept = self.output[name] + data
+        if len(kept) > KEPT_OUTPUT:
+            kept = kept[: KEPT_OUTPUT // 4] + kept[-KEPT_OUTPUT * 3 // 4 :]
+        self.output[name] = kept
+
+    def _read_the_rest(self) -> None:
+        """Read what the program printed last, without waiting for more."""
+        for name in self.output:
+            stream = getattr(self.student.process, name)
+            os.set_blocking(stream.fileno(), False)
+            try:
+                self._keep(name, os.read(stream.fileno(), 1 << 20))
+            except BlockingIOError:
+                continue
 
     def _recorded(self, data: bytes) -> None:
         self.recorded += len(data)

@@ -49,6 +49,7 @@ NANOSECONDS = 1_000_000_000
 TICK, QUIET, EXITED = b't', b'q', b'e'
 TICK_S = 0.05
 CONNECT_S = 1.0
+LEAVE_S = 2.0
 RESEND_S = 0.5  # a request lost while endpoints still match; about one run in a hundred
 LONGEST_EVENT = 65536  # characters of one message's JSON; longer ones are recorded by their size
 MOST_EVENTS = 20000
@@ -304,7 +305,12 @@ class Probe:
 
     def barrier(self, rounds: int) -> None:
         """Prove that every node that answers has handled all it was sent before."""
-        for name in self.student_nodes():
+        names = self.student_nodes()
+        if not names:
+            # Nobody is left to answer: the program takes its node down, usually to end.
+            self.wait_until(lambda: False, LEAVE_S)
+            raise Stop('no_node_left')
+        for name in names:
             if name in self.unreachable:
                 continue
             for _ in range(rounds):

@@ -21,5 +21,5 @@ for folder, _, names in os.walk('/'):
                     text = file.read()
             except OSError:
                 continue
-            if 'CANARY' in text and not path.startswith('/submission'):
+            if 'CANARY-7f3a9c' in text and not path.startswith('/submission'):
                 print('FOUND', path, text[:2000])
