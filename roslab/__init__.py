@@ -12,6 +12,7 @@ from typing import Any
 from roslab.api import listen, logs, nodes, start, stop, stop_all, wait_until
 from roslab.checking import check
 from roslab.errors import NameRefusedError, NotHereError, RoslabError
+from roslab.interrupts import watch_cells
 from roslab.logtable import record_logs
 from roslab.magics import register
 from roslab.messages import build_messages
@@ -43,4 +44,5 @@ def load_ipython_extension(ipython: Any) -> None:
 _shell = shell()
 if _shell is not None:
     register(_shell)
+    watch_cells(_shell)
     record_logs()

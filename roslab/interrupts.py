@@ -1,8 +1,9 @@
 """
-Keeping Interrupt away from the few steps that must not be done by half.
+Interrupt, at any moment and without harm.
 
-The kernel's Interrupt raises KeyboardInterrupt between any two instructions of a cell.  Between
-making a node and writing down that it exists, that would leave a node nobody knows of.
+The kernel's Interrupt raises KeyboardInterrupt between any two instructions of a cell.  Two
+moments are bad: between making a node and writing down that it exists, where it would leave a node
+nobody knows of, and inside a finalizer, where Python drops the exception and the cell runs on.
 """
 
 from __future__ import annotations
@@ -13,6 +14,9 @@ import signal
 import threading
 from types import FrameType, TracebackType
 from typing import Any
+import weakref
+
+_RETRY_S = 0.01
 
 
 class HeldInterrupts:
@@ -59,3 +63,37 @@ class HeldInterrupts:
 
     def _hold(self, number: int, frame: FrameType | None) -> None:
         self._held = True
+
+
+def watch_cells(shell: Any) -> None:
+    """
+    Deliver the interrupts of this kernel's cells outside of finalizers.
+
+    :param shell: what ``get_ipython()`` returns
+    """
+    # ipykernel puts its own handler in place for each cell, and the older one back after it.
+    shell.events.register('pre_run_cell', _watch_cell)
+
+
+def _watch_cell(_: Any) -> None:
+    main = threading.current_thread() is threading.main_thread()
+    if main and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _deliver)
+
+
+def _deliver(number: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt, a little later if it would be lost here."""
+    if not _in_finalizer(frame):
+        signal.default_int_handler(number, frame)
+    main = threading.main_thread().ident or 0
+    retry = threading.Timer(_RETRY_S, signal.pthread_kill, (main, signal.SIGINT))
+    retry.daemon = True
+    retry.start()
+
+
+def _in_finalizer(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_name == '__del__' or frame.f_code.co_filename == weakref.__file__:
+            return True
+        frame = frame.f_back
+    return False
