@@ -15,7 +15,9 @@ import sys
 import tempfile
 from typing import Any
 
+from autograder import exams
 from autograder.cells import UNSOLVED
+from autograder.errors import ExamInvalid
 from autograder.results import ExamResult, Problem
 from roslab import child
 from roslab.package_files import learner_package, LearnerPackage
@@ -60,15 +62,21 @@ def _run(exam: str, package: LearnerPackage) -> CheckReport:
             env=os.environ,
             deadline_s=_DEADLINE_S,
         )
-    return _read(exam, outcome, tuple(_unfinished(files)))
+    return _read(exam, outcome, tuple(_unfinished(exam, files)))
 
 
-def _unfinished(files: Mapping[str, str]) -> list[str]:
-    """Return the files that still are stubs."""
+def _unfinished(exam: str, files: Mapping[str, str]) -> list[str]:
+    """Return the files that still are stubs, of those that the exercise is about."""
+    try:
+        about = {Path(name).name for name in exams.load(exam, hidden=False).requires}
+    except ExamInvalid:
+        return []  # no such exercise: the checker says so, with the names that exist
     return [
         name
         for name, text in files.items()
-        if UNSOLVED in text and (not name.endswith('.py') or 'NotImplementedError' in text)
+        if Path(name).name in about
+        and UNSOLVED in text
+        and (not name.endswith('.py') or 'NotImplementedError' in text)
     ]
 
 

@@ -71,9 +71,10 @@ def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None
     shown = package.shown(path)
     if kind != 'node':
         if file.unsolved or not file.body.strip():
+            where = 'in place of YOUR CODE HERE' if file.unsolved else 'below the first line'
             raise not_written_yet(
-                f'%%{kind} {file.name} is not written yet: write it below the first line '
-                'of the cell, then run the cell again.'
+                f'%%{kind} {file.name} is not written yet: write your lines {where}, then run '
+                'the cell again.'
             )
         say(f'Saved {shown} ({_lines(file)}).')
         return

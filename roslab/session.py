@@ -221,7 +221,8 @@ class Session:
             )
         try:
             with constructing(making), interrupts.allowed():
-                node = factory()
+                # A bare Node gets its name from start(Node, name=...), see Construction.
+                node = Node(making.name or '') if factory is Node else factory()
             if not isinstance(node, Node):
                 raise RoslabError(
                     f'start({called}) expected a class or function that makes a Node, got '

@@ -113,6 +113,11 @@ def test_name_and_parameters_are_passed_to_a_class_that_takes_no_arguments(sessi
     assert heard.wait(1)[0].data.startswith('no. ')
 
 
+def test_plain_node_takes_its_name_from_start(session):
+    """`start(Node, name=...)` needs no class of one's own."""
+    assert session.start(Node, name='bench').get_name() == 'bench'
+
+
 def test_two_nodes_of_one_class_run_under_two_names(session):
     """Only nodes of the same name replace each other."""
     session.start(Talker, name='one')

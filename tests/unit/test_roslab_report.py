@@ -106,13 +106,26 @@ def test_unfinished_files_are_named():
     assert 'temp_publisher.py is not finished' in str(read('', 1, ('temp_publisher.py',)))
 
 
-def test_files_with_a_stub_are_unfinished():
-    """The marker alone may stay in a node as a comment; the stub's exception may not."""
+@pytest.mark.parametrize(
+    ('exam', 'unfinished'),
+    [
+        ('temperature_message', ['package.xml']),
+        ('temperature_publisher', ['temp_monitor_pkg/temp_publisher.py']),
+        ('temperature_subscriber', []),
+        ('unknown', []),
+    ],
+)
+def test_files_with_a_stub_are_unfinished(exam, unfinished):
+    """
+    Only the exercise's own files count.
+
+    The marker alone may stay in a node as a comment; the stub's exception may not.
+    """
     files = {
         'package.xml': '<!-- YOUR CODE HERE -->',
-        'a.py': '# YOUR CODE HERE\nraise NotImplementedError()',
-        'b.py': '# YOUR CODE HERE\nprint(1)',
+        'temp_monitor_pkg/temp_publisher.py': '# YOUR CODE HERE\nraise NotImplementedError()',
+        'temp_monitor_pkg/temp_subscriber.py': '# YOUR CODE HERE\nprint(1)',
         'msg/Temperature.msg': 'float64 temperature_value',
     }
 
-    assert checking._unfinished(files) == ['package.xml', 'a.py']
+    assert checking._unfinished(exam, files) == unfinished
