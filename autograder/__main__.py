@@ -132,6 +132,11 @@ def _parser() -> argparse.ArgumentParser:
     sample = commands.add_parser('sample-class', help='write the bundled example submissions')
     sample.add_argument('--to', type=Path, metavar='DIR', help='default: the submitted folder')
     sample.set_defaults(run=_sample_class)
+
+    proof = commands.add_parser(
+        'self-check', help='grade the reference solution and the bare release of every lesson'
+    )
+    proof.set_defaults(run=_self_check)
     return parser
 
 
@@ -140,6 +145,19 @@ def _positive(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f'expected a whole number of at least 1, got {text!r}')
     return int(text)
+
+
+def _self_check(chosen: argparse.Namespace) -> int:
+    """Show that the reference passes every exam here and that the bare release does not."""
+    from autograder.pipeline import grading_engine
+    from autograder.self_check import self_check
+
+    layout = Layout.here()
+    code = 0
+    for right, line in self_check(layout, grading_engine(layout)):
+        print(line, flush=True)
+        code = code if right else FOR_REVIEW
+    return code
 
 
 # -- grade ----------------------------------------------------------------------------------

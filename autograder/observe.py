@@ -30,6 +30,7 @@ LARGEST_RECORDING = 32 << 20
 WATCH_EVERY_S = 0.05
 # What the probe is told, see probe.py.
 TICK, QUIET, EXITED = b't', b'q', b'e'
+BUSY_S = 3.0  # processor time without a node: imports take 0.3 s, and a slow machine thrice that
 MOST_WALL = 5  # times the limit, before a machine counts as too busy for a verdict
 CPU_TICKS = os.sysconf('SC_CLK_TCK')
 PAGE = os.sysconf('SC_PAGESIZE')
@@ -273,7 +274,7 @@ class _Watched:
         if seconds > self.limits.cpu_s:
             return 'cpu_limit'
         starting = not self.events
-        if starting and self.scenario.program == 'node' and seconds > 0.25 * self.limits.cpu_s:
+        if starting and self.scenario.program == 'node' and seconds > BUSY_S:
             return 'busy_before_node'
         if self.isolated and self._inodes() > self.limits.inodes:
             return 'inode_limit'

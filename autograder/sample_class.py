@@ -20,7 +20,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from autograder.cells import CellFile
+from autograder.cells import body_of, CellFile
 from autograder.errors import GraderError
 from autograder.extract import answer_files
 from autograder.layout import Layout
@@ -153,15 +153,13 @@ def _kind_of(release: Notebook, grade_id: str) -> str:
 
 
 def _reference(layout: Layout, assignment: str) -> dict[str, str]:
-    """Return the reference solution's answers by grade id, without the solution marks."""
+    """Return the reference solution's answers by grade id, with blanked solution marks."""
     path = layout.solutions / assignment / layout.release(assignment).name
-    answers = {}
-    for cell in read_release(path)['cells']:
-        if marks_of(cell).get('solution'):
-            lines = cell['source'].split('\n')
-            kept = [line for line in lines if ' SOLUTION' not in line or '###' not in line]
-            answers[marks_of(cell)['grade_id']] = '\n'.join(kept)
-    return answers
+    return {
+        marks_of(cell)['grade_id']: body_of(cell['source']).rstrip('\n')
+        for cell in read_release(path)['cells']
+        if marks_of(cell).get('solution')
+    }
 
 
 def write_sample_class(layout: Layout, folder: Path) -> int:

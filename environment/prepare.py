@@ -1,7 +1,8 @@
 """
 The steps from a fresh machine to a prepared environment.
 
-system programs -> virtual environment -> packages -> course package -> kernel and files -> trial
+system programs -> virtual environment -> packages -> course package -> kernel and files ->
+trial -> self-check of the grader
 
 Every step says whether it is needed, so a second run does nothing and a run that was stopped
 anywhere goes on. A virtual environment whose packages were not completely installed is made anew:
@@ -114,6 +115,13 @@ def steps_of(plan: Plan) -> list[Step]:
             lambda: True,
             lambda job: try_imports(plan, job),
             try_this='make clean, then run the same command again; make doctor tells more',
+        ),
+        Step(
+            'self-check',
+            'Grader: the reference solution through its exams',
+            lambda: _can_grade(plan),
+            lambda job: prove_grader(plan, job),
+            about='ten to twenty seconds',
         ),
     ]
 
@@ -249,6 +257,26 @@ def try_imports(plan: Plan, job: Job) -> None:
     """Start a fresh Python with the described variables and load ROS and the messages."""
     ros = plan.description()
     job.run([ros.python, '-c', _TRIAL], {**plan.clean_environ(), **ros.variables}, 'python')
+
+
+def _can_grade(plan: Plan) -> bool:
+    """Tell whether this copy has the hidden exams and this machine has a sandbox."""
+    hidden = plan.places.project / 'autograder' / 'exams' / 'hidden'
+    return hidden.is_dir() and not system.missing_tools()
+
+
+def prove_grader(plan: Plan, job: Job) -> None:
+    """
+    Let the grader grade the reference solution; its recordings are what grading starts with.
+
+    Lessons work without a grader, so a machine whose sandbox refuses is prepared all the same:
+    ``make doctor`` and grading itself say what is wrong.
+    """
+    ros = plan.description()
+    try:
+        job.run([ros.python, '-m', 'autograder', 'self-check'], plan.clean_environ(), 'self-check')
+    except StepError as error:
+        print(f'grading does not work yet: {error}', file=job.log)
 
 
 def leave_venv(places: Places) -> None:
