@@ -4,10 +4,12 @@
 #   make lab                  JupyterLab with the notebooks
 #   make grade                grade all of submitted/ (ARGS='--jobs 2' passes options on)
 #   make test                 all tests, without the browser and the benchmarks
+#   make test-browser         JupyterLab and formgrader in headless Chromium
 #   make check                style, types, and whether generated files are up to date
 #   make publisher            run the course's publisher node in this terminal ...
 #   make subscriber           ... and its subscriber in another one
-#   make release              generate notebooks/ from solutions/
+#   make release              generate notebooks/ from solutions/, pack a student bundle
+#   make bench                the benchmarks; ten minutes, best on a quiet machine
 #   make doctor               what is there and what is missing; needs no network
 #   make clean                remove everything that was prepared
 #
@@ -23,7 +25,7 @@ SHELL := /bin/sh
 .DEFAULT_GOAL := help
 # The goals share one environment and one terminal; each does its own work in parallel.
 .NOTPARALLEL:
-.PHONY: help prepare lab grade test check release publisher subscriber doctor clean
+.PHONY: help prepare lab grade test test-browser check release bench publisher subscriber doctor clean
 
 # An absolute VENV stays as it is, a relative one is seen from here.
 PY = $(VENV)/bin/python
@@ -33,7 +35,7 @@ NODES = $(VENV)/workspace/install/temp_monitor_pkg/lib/temp_monitor_pkg
 AS_ROOT = $(if $(filter 0,$(shell id -u)),--allow-root)
 
 help:
-	@sed -n '3,14s/^# \{0,1\}//p' Makefile
+	@sed -n '3,16s/^# \{0,1\}//p' Makefile
 
 prepare:
 	@sh environment/prepare.sh
@@ -51,6 +53,14 @@ grade: prepare
 test: prepare
 	@exec $(WITH_ROS) python -m pytest $(ARGS)
 
+test-browser: prepare
+	@for name in chromium chromium-browser google-chrome; do \
+	  command -v $$name >/dev/null && exit; \
+	done; echo 'No Chromium here. Try: sudo apt-get install -y chromium'; exit 1
+	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps \
+	  -r environment/requirements-browser.txt
+	@exec $(WITH_ROS) python -m pytest -m browser $(ARGS)
+
 check: prepare
 	$(PY) -m ruff check
 	$(PY) -m ruff format --check
@@ -59,6 +69,11 @@ check: prepare
 
 release: prepare
 	@exec $(PY) -m autograder.course release $(ARGS)
+
+bench: prepare
+	$(PY) -m benchmarks.one_submission
+	$(PY) -m benchmarks.stock_nbgrader
+	$(PY) -m benchmarks.repeat_class
 
 publisher: prepare
 	@exec $(WITH_ROS) '$(NODES)/temp_publisher' $(ARGS)

@@ -17,6 +17,9 @@ from autograder.exam import Cause, Run
 _FRAME = re.compile(r'File "[^"]*/(?P<file>[A-Za-z0-9_]+\.py)", line (?P<line>\d+)')
 _ERROR = re.compile(r'^(?P<type>[A-Za-z_][\w.]*(?:Error|Exception|Interrupt|Exit|Invalid\w*))\b')
 
+PUBLIC = ('Celsius', 'Fahrenheit', 'temp_sensor_01', 'nan', '30')
+"""Parts of inputs that every lesson shows; an error that names one gives nothing away."""
+
 BUSY_S = 1.5
 """Processor time [s] that imports and a node's start never reach, four times what they use."""
 
@@ -64,10 +67,23 @@ def traceback_of(run: Run) -> Traceback | None:
     if not errors:
         return None
     own = {name.rpartition('/')[2] for name in run.files}
+    error = _without_secrets(run, errors[-1][:200])
     frames = [match for match in map(_FRAME.search, lines) if match and match['file'] in own]
     if not frames:
-        return Traceback(errors[-1][:200], '', None)
-    return Traceback(errors[-1][:200], frames[-1]['file'], int(frames[-1]['line']))
+        return Traceback(error, '', None)
+    return Traceback(error, frames[-1]['file'], int(frames[-1]['line']))
+
+
+def _without_secrets(run: Run, error: str) -> str:
+    """Leave out the message of an exception that shows what a hidden exam has sent."""
+    if not run.facts.get('secret'):
+        return error
+    for event in run.recording.of('input'):
+        for value in event['data'].values():
+            shown = f'{value:g}' if isinstance(value, float) else str(value)
+            if shown not in PUBLIC and (shown in error or str(value) in error):
+                return error.partition(':')[0]
+    return error
 
 
 def exception_cause(trace: Traceback) -> Cause:
@@ -110,6 +126,12 @@ def why_it_ended(run: Run) -> Cause | None:
     if trace is not None and recording.process.get('exit') is not None:
         return exception_cause(trace)
     code = recording.process.get('exit')
+    if code == 0 and recording.of('input'):
+        return Cause(
+            'exited_early',
+            f'The program ended by itself after message number {len(recording.of("input"))}.',
+            'A node lives until it is stopped: rclpy.spin(node), and no sys.exit() in a callback.',
+        )
     if code == 0:
         return Cause(
             'exited_early',

@@ -6,6 +6,7 @@ Whose fault it is, as a class.
     GraderError                  ours: the submission is flagged for a person, never scored
     |- SandboxUnavailable        no isolation that may run hidden exams; carries the fix
     |- ProbeFailed               the probe died or broke off: there is no evidence to judge
+    |- TooBusy                   the machine gave a program too little of its time
     |- RecordingInvalid          a recording does not follow its format
     `- ExamInvalid               an exam contradicts itself
 
@@ -37,6 +38,10 @@ class SandboxUnavailable(GraderError):
 
 class ProbeFailed(GraderError):
     """The probe, our observer inside the sandbox's network, did not finish its work."""
+
+
+class TooBusy(GraderError):
+    """The machine had so little time for a program that no verdict would be fair."""
 
 
 class RecordingInvalid(GraderError):

@@ -170,7 +170,7 @@ class Check:
 
     :param needs: names of checks that must have passed, else this one is NOT_RUN
     :param read: section of the lesson to read, empty for the exam's own
-    :param static: whether it looks at the files alone and never at the recording
+    :param static: whether the files alone can answer it, so that nothing is run for its sake
     """
 
     name: str
@@ -230,8 +230,8 @@ class Exam:
 
         :param points: > 0
         :param needs: names of earlier checks
-        :param static: the check looks at the files alone; if what must be run waits for checks
-            that failed on the files, nothing is run
+        :param static: the files alone can answer it; if what must be run waits for checks that
+            failed on the files, nothing is run
         :raises ExamInvalid: for a repeated name, no docstring, no points or an unknown need
         """
 

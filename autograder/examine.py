@@ -73,8 +73,10 @@ def _kept_or_run(
         except RecordingInvalid:
             pass  # damaged or of an older format: it is made again
     recording, timing = _run(exam, files, sandbox)
-    recording.save(path)
-    _made_now.add(path)
+    # What a limit of time has ended is told once and tried again the next time.
+    if recording.process.get('killed') != 'wall_time_limit':
+        recording.save(path)
+        _made_now.add(path)
     return recording, timing
 
 

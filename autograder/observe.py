@@ -20,7 +20,7 @@ import tempfile
 import time
 from typing import Any
 
-from autograder.errors import ProbeFailed
+from autograder.errors import ProbeFailed, TooBusy
 from autograder.exam import Scenario
 from autograder.recording import header, Recording
 from autograder.sandbox import Confined, HERE, Limits, Program, Sandbox
@@ -140,7 +140,7 @@ class _Watched:
             said = self._end_probe()
         self._read_the_rest()
         if not self.events or self.events[-1]['event'] != 'end':
-            if not self.killed:
+            if not self.killed or not self.ready_s:
                 raise ProbeFailed(f'The probe broke off: {said or "it said nothing"}.')
             self.events.append({'event': 'end', 'clock_ns': None, 'reason': self.killed})
         self.events.append(self._process_event())
@@ -244,6 +244,8 @@ class _Watched:
         passed, self.looked = now - self.looked, now
         resident, seconds = usage(self.student.pid) if self.exit is None else (0, self.cpu_s)
         used, self.cpu_s = max(0.0, seconds - self.cpu_s), max(self.cpu_s, seconds)
+        # If it was this process that did not look for long, nobody else is to blame.
+        passed = min(passed, 2 * WATCH_EVERY_S)
         before = int(self.own_s / WATCH_EVERY_S)
         # A program's time is what it computes and what it sleeps. While it, or our probe, wants a
         # processor and does not get it, the machine is busy and nobody is late.
@@ -251,7 +253,7 @@ class _Watched:
         if ticks := int(self.own_s / WATCH_EVERY_S) - before:
             self._tell_probe(TICK * ticks)
         if now - self.began > MOST_WALL * self.limits.wall_s:
-            raise ProbeFailed(
+            raise TooBusy(
                 f'The machine was too busy: {now - self.began:.0f} s passed, and the program had '
                 f'{self.own_s:.0f} s of them.'
             )
@@ -259,7 +261,7 @@ class _Watched:
 
     def _somebody_runs(self) -> bool:
         pids = [self.probe.pid] + ([self.student.pid] if self.exit is None else [])
-        return any(state in 'RD' for pid in pids for state in _thread_states(pid))
+        return any(state == 'R' for pid in pids for state in _thread_states(pid))
 
     def _over_limit(self, resident: int, seconds: float) -> str:
         """Return the name of the limit that is passed, or nothing."""
@@ -269,7 +271,7 @@ class _Watched:
             return 'output_limit'
         if self.exit is not None:
             return ''
-        if resident > self.limits.memory:
+        if resident > self.limits.memory and proportional(self.student.pid) > self.limits.memory:
             return 'memory_limit'
         if seconds > self.limits.cpu_s:
             return 'cpu_limit'
@@ -312,7 +314,7 @@ def wait_until_quiet(pid: int, patience_s: float = 0.05) -> bool:
     """
     deadline = time.monotonic() + patience_s
     while True:
-        if not any(state in 'RD' for state in _thread_states(pid)):
+        if 'R' not in _thread_states(pid):
             return True
         if time.monotonic() > deadline:
             return False
@@ -332,6 +334,35 @@ def _thread_states(pid: int) -> Iterator[str]:
             continue  # it ended while we looked
 
 
+def proportional(pid: int) -> int:
+    """
+    Return the memory of a process and its descendants, with shared pages counted once [bytes].
+
+    Slower than :func:`usage`, so it is asked only when that sum is over a limit.
+    """
+    total = 0
+    for current in _family(pid):
+        try:
+            text = Path(f'/proc/{current}/smaps_rollup').read_text('ascii', 'replace')
+            total += int(text.partition('\nPss:')[2].split()[0]) * 1024
+        except (OSError, ValueError, IndexError):
+            continue  # it ended while we looked
+    return total
+
+
+def _family(pid: int) -> Iterator[int]:
+    pids = [pid]
+    while pids:
+        current = pids.pop()
+        yield current
+        try:
+            for task in os.listdir(f'/proc/{current}/task'):
+                children = Path(f'/proc/{current}/task/{task}/children').read_text('ascii')
+                pids += map(int, children.split())
+        except (OSError, ValueError):
+            continue
+
+
 def usage(pid: int) -> tuple[int, float]:
     """
     Return what a process and all its descendants use.
@@ -341,15 +372,11 @@ def usage(pid: int) -> tuple[int, float]:
     :param pid: host pid of the first process
     :returns: resident memory [bytes], processor time [s]
     """
-    resident, ticks, pids = 0, 0, [pid]
-    while pids:
-        current = pids.pop()
+    resident, ticks = 0, 0
+    for current in _family(pid):
         try:
             stat = Path(f'/proc/{current}/stat').read_text('ascii', 'replace')
-            for task in os.listdir(f'/proc/{current}/task'):
-                children = Path(f'/proc/{current}/task/{task}/children').read_text('ascii')
-                pids += [int(child) for child in children.split()]
-        except (OSError, ValueError):
+        except OSError:
             continue  # it ended while we looked
         fields = stat.rpartition(')')[2].split()
         # utime, stime and those of waited-for children, then the resident pages: proc(5)

@@ -334,20 +334,27 @@ class Probe:
     def run(self) -> None:
         """Run the whole scenario; always ends with a graph and an ``end`` event."""
         self.began = time.monotonic()
-        reason = 'complete'
+        reason, started = 'complete', False
         try:
             self.wait_for_nodes()
+            self.emit('seen', nodes=self.student_nodes())
+            until = self.patience_s + self.scenario['first_answer_s']
             for name in self.student_nodes():
-                if not self.call(name, self.scenario['first_answer_s']):
+                if not self.call(name, max(until - self.patience_s, 2 * TICK_S)):
                     self.unreachable.add(name)
                 self.emit('barrier', node=name, answered=name not in self.unreachable)
             self.graph('start')
+            started = True
             lockstep = len(self.unreachable) < len(self.student_nodes())
             for step in self.scenario['steps']:
                 getattr(self, f'step_{step["do"]}')(step, lockstep)
         except Stop as stop:
             reason = str(stop)
-        self.graph('end')
+        self.drain()
+        # A program that ended before its node could be asked has shown nothing for certain:
+        # whether its node is still in the graph is a matter of milliseconds.
+        if started or reason != 'student_exited':
+            self.graph('end')
         self.emit('end', reason=reason, wall_s=self.now())
 
     def tick(self, nanoseconds: int) -> None:
@@ -366,6 +373,10 @@ class Probe:
         for number in range(step['steps']):
             self.tick(now + step['first_ns'] + number * step['step_ns'])
             self.barrier(2)
+            # A rate in a thread of its own is woken by the tick, and must be asleep again
+            # before the next one.
+            self.wait_until_quiet()
+            self.drain()
         return None
 
     def _advance_in_wall_time(self, start_ns: int, seconds: float) -> None:
@@ -393,12 +404,21 @@ class Probe:
                 continue
             if lockstep:
                 self.settle(1)
+                self._let_a_second_pass()
             if self.input == 0:
                 self._wait_for_first_log(logs, lockstep)
             elif not lockstep:
                 self.wait_for_log(logs, 0.3)
         if step['burst'] and lockstep:
             self.settle(len(step['messages']))
+            self._let_a_second_pass()
+
+    def _let_a_second_pass(self) -> None:
+        """Move the clock, so that a node that answers from a timer answers."""
+        for _ in range(4):
+            self.tick((self.clock_ns or 0) + NANOSECONDS // 4)
+            self.barrier(2)
+        self.settle(1)
 
     def _wait_for_first_log(self, logs: int, lockstep: bool) -> None:
         if not self.wait_for_log(logs, self.scenario['first_log_s']):

@@ -4,6 +4,8 @@ The recording of one run: what the probe received, one JSON event a line.  Kept,
 The first line is the header ``{"format": "ros2-course-recording", "version": 1, "exam": ...,
 "mode": ...}``.  Then, in order of observation, events of the probe:
 
+``seen``
+    the first ``nodes`` of the program that were noticed.
 ``barrier``
     ``node`` answered a round trip, or did not: then the run is watched in wall time.
 ``graph``

@@ -76,7 +76,7 @@ class Limits:
             f'--fsize={self.folder}',
             '--core=0',
             '--nofile=256',
-            f'--cpu={self.cpu_s}',
+            f'--cpu={self.cpu_s + 5}',  # the watchdog, which sums, comes first
             '--',
         ]
 
@@ -263,15 +263,21 @@ class Sandbox:
 
         Their message classes stay importable where the program needs them.
         """
+
+        def hide(folder: str | Path) -> list[str]:
+            # A mount of its own, so it needs its own size and its own "read-only".
+            size = ['--perms', '0555', '--size', '4096', '--tmpfs', str(folder)]
+            return [*size, '--remount-ro', str(folder)]
+
         if not program.course_messages:
-            return ['--tmpfs', str(Path(self.ros.workspace).parents[1])]
+            return hide(Path(self.ros.workspace).parents[1])
         argv = []
         build = Path(self.ros.workspace).parents[1] / 'build'
         for folder in (build, Path(self.ros.workspace, 'lib', 'temp_monitor_pkg')):
-            argv += ['--tmpfs', str(folder)] if folder.is_dir() else []
+            argv += hide(folder) if folder.is_dir() else []
         for module in glob(f'{self.ros.workspace}/lib/python3*/site-packages/temp_monitor_pkg/*'):
             if module.endswith('__pycache__'):
-                argv += ['--tmpfs', module]
+                argv += hide(module)
             elif module.endswith('.py') and not module.endswith('__init__.py'):
                 argv += ['--ro-bind', '/dev/null', module]
         return argv
@@ -342,7 +348,11 @@ class Sandbox:
 
     def start_probe(self, student: Confined, home: Path) -> subprocess.Popen[bytes]:
         """
-        Start the probe in the student's network, confined like the student but apart from it.
+        Start the probe in the student's network, apart from the student.
+
+        As root it is confined by a sandbox of its own.  A plain user's probe joins the user
+        namespace, in which no further one can be made: limits and a bare environment are all it
+        has, so a fault in Fast DDS itself would be met with that user's rights.
 
         :param student: the held program
         """

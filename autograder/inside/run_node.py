@@ -1,56 +1,48 @@
 """
 Start a node file inside the sandbox, the way ``ros2 run`` would.
 
-Usage: run_node.py FILE [arguments of the program].  A file with an ``if __name__ == '__main__'``
-block, or one that is a plain script, runs as a script; a file that only defines ``main`` is
-imported and ``main()`` is called, as an entry point does.
+Usage: run_node.py FILE [arguments of the program].  The file runs as a script.  If it only defines
+``main`` and leaves the call to an entry point, ``main()`` is called afterwards.
 """
 
 from __future__ import annotations
 
 import ast
-import importlib.util
+from collections.abc import Iterator
 from pathlib import Path
-import runpy
 import sys
+import types
 
 import gate  # type: ignore[import-not-found]  # beside this file, inside the sandbox
 
 
-def runs_by_itself(source: str) -> bool:
-    """Tell whether executing the file as a script starts something."""
-    for statement in ast.parse(source).body:
-        calls = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call)
-        loops = isinstance(statement, (ast.While, ast.For, ast.Try, ast.With))
-        tests = isinstance(statement, ast.If) and '__name__' in ast.dump(statement.test)
-        if calls or loops or tests:
-            return True
-    return False
+def outside_definitions(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield all nodes that are executed when the file is, without those of functions."""
+    for child in ast.iter_child_nodes(tree):
+        if not isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+            yield child
+            yield from outside_definitions(child)
+
+
+def leaves_main_to_others(tree: ast.Module) -> bool:
+    """Tell whether the file neither calls ``main`` nor asks whether it is the script."""
+    names = {node.id for node in outside_definitions(tree) if isinstance(node, ast.Name)}
+    return not names & {'main', '__name__'}
 
 
 def main() -> None:
     """Run the file that the command line names."""
     gate.wait()
     path, sys.argv = sys.argv[1], sys.argv[1:]
+    source = Path(path).read_text(encoding='utf-8')
+    tree = ast.parse(source, path)  # a SyntaxError ends the program with Python's own message
     sys.path.insert(0, str(Path(path).parent))
-    try:
-        by_itself = runs_by_itself(Path(path).read_text(encoding='utf-8'))
-    except SyntaxError:
-        by_itself = True  # Python's own message, with the line, is the best there is
-    if by_itself:
-        runpy.run_path(path, run_name='__main__')
-        return
-    name = Path(path).stem
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    if hasattr(module, 'main'):
+    module = types.ModuleType('__main__')
+    module.__file__ = path
+    sys.modules['__main__'] = module
+    exec(compile(source, path, 'exec'), module.__dict__)
+    if leaves_main_to_others(tree) and callable(getattr(module, 'main', None)):
         module.main()
-    else:
-        print(f'{Path(path).name} defines no main() and starts nothing.', file=sys.stderr)
 
 
 if __name__ == '__main__':

@@ -45,4 +45,5 @@ exam = build(
         Reading(21.5, 'a reading of 21.5 °C'),
     ],
     burst=[Reading(45.0, 'a reading above 30 °C'), *usual(_draw, 4)],
+    secret=True,
 )

@@ -23,7 +23,7 @@ NODE = '/temperature_subscriber'
 TOPIC = '/temperature_topic'
 TYPE = 'temp_monitor_pkg/msg/Temperature'
 THRESHOLD_C = 30.0
-NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?')
+NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
 LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
 
 
@@ -70,10 +70,15 @@ class Reading:
 
 @dataclass(frozen=True)
 class Sent:
-    """Readings that were sent together, and the log lines that followed them."""
+    """
+    Readings that go together, and the log lines that followed them.
+
+    :param sent: False if the run ended before; then nothing followed
+    """
 
     readings: tuple[Reading, ...]
     logs: tuple[Event, ...]
+    sent: bool = True
 
     def count(self, level: int) -> int:
         """Return how many lines have a level."""
@@ -81,20 +86,27 @@ class Sent:
 
 
 def sent(run: Run) -> list[Sent]:
-    """Pair what was sent with what was logged after it."""
+    """Pair every reading of the exam, sent or not, with what was logged after it."""
     singles: Sequence[Reading] = run.facts['singles']
     burst: Sequence[Reading] = run.facts['burst']
     inputs = len(run.recording.of('input'))
     groups = [
-        Sent((reading,), tuple(run.recording.logs(after_input=number)))
-        for number, reading in enumerate(singles[:inputs])
+        Sent((reading,), tuple(run.recording.logs(after_input=number)), number < inputs)
+        for number, reading in enumerate(singles)
     ]
-    if burst and inputs == len(singles) + len(burst):
+    if burst:
         logs: list[Event] = []
-        for number in range(len(singles), inputs):
+        for number in range(len(singles), len(singles) + len(burst)):
             logs += run.recording.logs(after_input=number)
-        groups.append(Sent(tuple(burst), tuple(logs)))
+        groups.append(Sent(tuple(burst), tuple(logs), inputs == len(singles) + len(burst)))
     return groups
+
+
+def share_of(run: Run, right: int, all_of_them: int) -> float:
+    """Return the part of the points for what was right before a program ended in mid-run."""
+    if all(group.sent for group in sent(run)) or not all_of_them:
+        return 0.0
+    return round(right / all_of_them, 2)
 
 
 def starts_its_node(run: Run) -> None:
@@ -144,6 +156,7 @@ def logs_every_reading(run: Run) -> None:
         expected=f'{len(proper)} readings sent, each in an INFO line with its value',
         observed=f'{found} of them' + (f'; missing: {reading.kind}' if reading else ''),
         why=_why_not_logged(run, reading, group),
+        share=share_of(run, found, len(proper)),
     )
 
 
@@ -165,6 +178,12 @@ def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Ca
     if why:
         return why
     printed = str(run.recording.process.get('stdout', ''))
+    if not run.recording.logs() and '[INFO] [' in printed:
+        return Cause(
+            'other_logger',
+            "The lines come from a logger that is not the node's own; they reach no /rosout.",
+            'Use self.get_logger(), not rclpy.logging.get_logger(...).',
+        )
     if not run.recording.logs() and any(
         _shown(one, [{'level': 0, 'text': printed}], None)
         for one in (*run.facts['singles'], *run.facts['burst'])
@@ -217,9 +236,11 @@ def warns_when_too_hot(run: Run) -> None:
             why=why_silent(run),
         )
     due, found = sum(one.hot for one in worst.readings), worst.count(WARN)
+    right = [group for group in groups if group.count(WARN) == sum(g.hot for g in group.readings)]
     raise Failed(
         expected=f'{_lines(due, "WARN")} after {_what(worst)}',
-        observed=_lines(found, 'WARN'),
+        observed=_lines(found, 'WARN') if worst.sent else 'the run ended before it was sent',
+        share=share_of(run, len(right), len(groups)),
         why=_why_no_warning(run, worst, found > due),
     )
 
@@ -257,11 +278,7 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
             'Other readings are warned about, this one is not.',
             'Compare each reading by itself: value > 30.0, without rounding and without memory.',
         )
-    return Cause(
-        'no_warning',
-        'No warning is ever logged.',
-        'In the callback: if the value is above 30.0, call self.get_logger().warning(...).',
-    )
+    return _never_warns()
 
 
 def stays_quiet_otherwise(run: Run) -> None:
@@ -278,17 +295,34 @@ def stays_quiet_otherwise(run: Run) -> None:
                 observed=_lines(group.count(WARN), 'WARN'),
                 why=_why_false_alarm(group),
             )
-    if not groups or not _finished(run, groups):
+    handled = [group for group in groups if group.logs]
+    if len(handled) < len(groups):
         raise Failed(
             expected='INFO lines for cool readings and no warning',
-            observed='too few readings were handled to tell',
+            observed=f'{len(handled)} of {len(groups)} cool readings were handled: silence alone '
+            'proves nothing',
             why=why_silent(run),
+            share=share_of(run, len(handled), len(groups)),
+        )
+    _can_warn(run)
+
+
+def _can_warn(run: Run) -> None:
+    """Fail unless some warning was logged: a node that never warns is not careful."""
+    if not run.recording.logs(level=WARN):
+        raise Failed(
+            expected='warnings for hot readings and none for this',
+            observed='no warning at all',
+            why=why_silent(run) or _never_warns(),
         )
 
 
-def _finished(run: Run, groups: Sequence[Sent]) -> bool:
-    """Silence proves nothing unless the node shows that it was listening."""
-    return all(group.logs for group in groups)
+def _never_warns() -> Cause:
+    return Cause(
+        'no_warning',
+        'No warning is ever logged.',
+        'In the callback: if the value is above 30.0, call self.get_logger().warning(...).',
+    )
 
 
 def _why_false_alarm(group: Sent) -> Cause | None:
@@ -327,7 +361,7 @@ def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
         return _why_no_warning(run, group, too_many)
     return why_silent(run) or Cause(
         'ignores_unit',
-        'The number is compared with 30 whatever its unit is.',
+        'The number is compared without conversion, or the conversion gives another number.',
         'Look at msg.unit first: celsius = (value - 32) / 1.8 for Fahrenheit.',
     )
 
@@ -368,6 +402,7 @@ def does_not_warn_about_nan(run: Run) -> None:
                 ),
             )
     _was_listening(run, groups)
+    _can_warn(run)
 
 
 def _was_listening(run: Run, groups: Sequence[Sent]) -> None:
@@ -392,7 +427,7 @@ def _lines(count: int, level: str) -> str:
     return f'{count or "no"} {level} line{"" if count == 1 else "s"}'
 
 
-def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
+def build(singles: Sequence[Reading], burst: Sequence[Reading] = (), secret: bool = False) -> Exam:
     """
     Return the exam for some readings.
 
@@ -400,6 +435,7 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
         first reading may be late, see the log barrier of :mod:`autograder.probe`
     :param burst: sent at once at the end, Celsius only; at most five, so that the sensor-data
         profile's depth is enough
+    :param secret: whether their values must not appear in what learners are told
     """
     messages = [reading.message(number) for number, reading in enumerate((*singles, *burst))]
     steps = [Feed(TOPIC, messages[: len(singles)])]
@@ -414,7 +450,7 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
         requires=('temp_subscriber.py',),
         scenario=Scenario(file='temp_subscriber.py', feed={TOPIC: TYPE}, steps=tuple(steps)),
         read='Part 3: The subscriber',
-        facts={'singles': tuple(singles), 'burst': tuple(burst)},
+        facts={'singles': tuple(singles), 'burst': tuple(burst), 'secret': secret},
     )
     exam.check(points=1)(starts_its_node)
     exam.check(points=1)(subscribes_to_readings)
