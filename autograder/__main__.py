@@ -9,20 +9,18 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 import json
 import os
 from pathlib import Path
 import sys
-import threading
 import time
 from typing import Any, TYPE_CHECKING
 
-import psutil
-
 from autograder.errors import GraderError, SandboxUnavailable
 from autograder.layout import Layout
-from autograder.pipeline import THREADS
+from autograder.pipeline import end_runs
+from environment.ros import EnvironmentError_
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,6 +31,7 @@ if TYPE_CHECKING:
     from autograder.results import SubmissionResult
 
 OK, FOR_REVIEW, USAGE, STOPPED = 0, 1, 2, 130
+OURS = ('autograder', 'environment', 'roslab')
 
 
 class UsageError(Exception):
@@ -49,53 +48,40 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = _parser().parse_args(arguments)
     try:
         code: int = chosen.run(chosen)
-    except (UsageError, GraderError) as error:
-        print(f'autograder: {error}', file=sys.stderr)
-        if chosen.run is _check and chosen.json:
-            print(json.dumps({'error': _as_problem(error)}))
-        return USAGE
+    except (UsageError, GraderError, EnvironmentError_, OSError, ModuleNotFoundError) as error:
+        if isinstance(error, ModuleNotFoundError) and str(error.name).partition('.')[0] in OURS:
+            raise  # a defect of ours, not of the Python in use
+        return _refuse(error, chosen.run is _check and chosen.json)
     except KeyboardInterrupt:
         print('\nStopped. Finished runs are kept; the same command goes on.', file=sys.stderr)
-        _end_runs()
+        if not end_runs():
+            os._exit(STOPPED)
         return STOPPED
     return code
 
 
-def _end_runs(within_s: float = 5.0) -> None:
-    """
-    End what the pool's threads still run, so that they clean up and come to their end.
-
-    Dying with the runs is not enough: a sandbox that is just being set up is not yet tied to
-    this process.
-
-    :param within_s: if it takes longer, the process ends without them
-    """
-    deadline = time.monotonic() + within_s
-    while threads := [one for one in threading.enumerate() if one.name.startswith(THREADS)]:
-        for process in _inside_sandboxes():
-            with suppress(psutil.Error):
-                process.kill()
-        threads[0].join(0.05)
-        if time.monotonic() > deadline:
-            os._exit(STOPPED)
+def _refuse(error: Exception, as_json: bool) -> int:
+    """Say in one line why the command cannot be done."""
+    what, fix = _what_and_fix(error)
+    print(f'autograder: {" ".join(f"{what} {fix}".split())}', file=sys.stderr)
+    if as_json:
+        print(json.dumps({'error': _as_problem(what, fix)}))
+    return USAGE
 
 
-def _inside_sandboxes() -> list[psutil.Process]:
-    """
-    Return what runs for us, in the order in which it should end.
-
-    Probes come first: none may live to record that a student's program was killed.  The outer
-    process of a sandbox is left out, because it ends with the inner one and would orphan it.
-    """
-    probes: list[psutil.Process] = []
-    others: list[psutil.Process] = []
-    for process in reversed(psutil.Process().children(recursive=True)):
-        with suppress(psutil.Error):
-            if process.name() == 'bwrap' and process.ppid() == os.getpid():
-                continue
-            probing = any(word.endswith('/probe.py') for word in process.cmdline())
-            (probes if probing else others).append(process)
-    return [*probes, *others]
+def _what_and_fix(error: Exception) -> tuple[str, str]:
+    """Return what went wrong and what to do about it."""
+    if isinstance(error, GraderError):
+        return error.what, error.fix
+    if isinstance(error, ModuleNotFoundError):
+        what = f'{sys.executable}: expected a Python that has {error.name}, got one without it.'
+        return what, 'Try: run it with make grade or .venv/bin/python -m autograder'
+    if isinstance(error, OSError) and error.strerror:
+        where = 'the system' if error.filename is None else error.filename
+        what = f'{where}: expected a file or folder to work with, got: {error.strerror.lower()}.'
+        return what, 'Try: check its permissions and the free space on the disk'
+    what, found, fix = str(error).partition('Try: ')
+    return what, found + fix
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -325,13 +311,18 @@ def _check(chosen: argparse.Namespace) -> int:
     """Run one exam on a package; the visible one also runs where nothing isolates."""
     from autograder import exams
     from autograder.examine import examine
-    from autograder.package import read_package
+    from autograder.package import name_missing, read_package, what_is_there
 
     if not chosen.files.is_dir():
         raise UsageError(f'--files {chosen.files}: expected a package folder, got none.')
     exam = exams.load(chosen.exam, hidden=not chosen.visible)
+    files = read_package(chosen.files)
+    missing = [name for name in exam.requires if name not in files]
+    if missing and not chosen.json:
+        there = what_is_there(files)
+        raise UsageError(f'{chosen.files}: expected {", ".join(missing)}, got {there}.')
     sandbox, said = _sandbox(allow_plain=chosen.visible)
-    result = examine(exam, read_package(chosen.files), sandbox=sandbox)
+    result = name_missing(examine(exam, files, sandbox=sandbox), files)
     if said:
         print(said, file=sys.stderr)
     if chosen.json:
@@ -343,16 +334,18 @@ def _check(chosen: argparse.Namespace) -> int:
     return OK
 
 
-def _as_problem(error: UsageError | GraderError) -> dict[str, Any]:
+def _as_problem(what: str, fix: str) -> dict[str, Any]:
     """Return why there is no verdict, for a program that shows it."""
     from dataclasses import asdict
 
     from autograder.results import Problem
 
-    what, fix = (error.what, error.fix) if isinstance(error, GraderError) else (str(error), '')
-    fix = fix.rstrip('.') or 'run it again; if it stays, type make doctor in a terminal'
+    fix = (
+        fix.removeprefix('Try: ').rstrip('.')
+        or 'run it again; if it stays, type make doctor in a terminal'
+    )
     where = 'the checker itself, not your code'
-    return asdict(Problem(where, 'a verdict', what.rstrip('.'), fix))
+    return asdict(Problem(where, 'a verdict', what.rstrip(' .'), fix))
 
 
 def _sandbox(allow_plain: bool) -> tuple[Any, str]:

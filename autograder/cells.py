@@ -15,8 +15,12 @@ UNSOLVED = 'YOUR CODE HERE'
 
 PACKAGE_FILES = ('package.xml', 'CMakeLists.txt')
 
-_MAGIC = re.compile(r'^%%(?P<magic>node|rosmsg|rospkg)(?:[ \t]+(?P<name>.*?))?[ \t]*$')
-_SOLUTION_MARK = re.compile(r'^\s*### (?:BEGIN|END) SOLUTION\s*$')
+MAGIC_LINE_MAX = 200
+"""Characters of a magic line; file names are at most 255 bytes long."""
+
+_KINDS = {'%%node': 'node', '%%rosmsg': 'rosmsg', '%%rospkg': 'rospkg'}
+_SOLUTION_MARKS = ('### BEGIN SOLUTION', '### END SOLUTION')
+_SOMETHING = re.compile(r'\S')
 _NODE_NAME = re.compile(r'^[A-Za-z][A-Za-z0-9_]*$')
 _MESSAGE_NAME = re.compile(r'^[A-Z][A-Za-z0-9]*$')
 
@@ -87,14 +91,34 @@ def parse_cell(source: str) -> CellFile | None:
     :param source: the whole text of a code cell
     :raises CellSyntaxError: if the magic line names no valid file
     """
-    lines = source.replace('\r\n', '\n').split('\n')
-    first = next((number for number, line in enumerate(lines) if line.strip()), None)
-    match = _MAGIC.match(lines[first]) if first is not None else None
-    if first is None or match is None:
+    source = source.replace('\r\n', '\n')
+    line, start = first_line(source)
+    word, _, name = line.replace('\t', ' ').partition(' ')
+    if word not in _KINDS:
         return None
-    kind, name = match['magic'], match['name'] or ''
+    if len(line) > MAGIC_LINE_MAX:
+        raise CellSyntaxError(
+            f'{word}: expected a first line of at most {MAGIC_LINE_MAX} characters, got '
+            f'{len(line)}. Write {word} and a name, and the file below it.'
+        )
+    kind, name = _KINDS[word], name.strip(' ')
     check_name(kind, name)
-    return CellFile(kind, name, body_of('\n'.join(lines[first + 1 :])), first + 1)
+    below = source[start + len(line) + 1 :]
+    return CellFile(kind, name, body_of(below), source.count('\n', 0, start) + 1)
+
+
+def first_line(source: str) -> tuple[str, int]:
+    """
+    Return the first line that is not blank, and where in the text it begins.
+
+    :param source: the whole text of a cell; however long it is, no other line is copied
+    """
+    found = _SOMETHING.search(source)
+    if found is None:
+        return '', 0
+    start = source.rfind('\n', 0, found.start()) + 1
+    end = source.find('\n', start)
+    return source[start : end if end >= 0 else None], start
 
 
 def body_of(text: str) -> str:
@@ -103,5 +127,5 @@ def body_of(text: str) -> str:
 
     :param text: the cell's text below its magic line
     """
-    kept = ['' if _SOLUTION_MARK.match(line) else line for line in text.split('\n')]
+    kept = ['' if line.strip() in _SOLUTION_MARKS else line for line in text.split('\n')]
     return '\n'.join(kept).rstrip() + '\n'

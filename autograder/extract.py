@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from autograder.cells import CellFile, CellSyntaxError, parse_cell
+from autograder.cells import CellFile, CellSyntaxError, first_line, parse_cell
 from autograder.results import Problem
 from autograder.submission import marks_of, Notebook, Opened
 
@@ -100,22 +100,20 @@ def _read(
     try:
         found = parse_cell(source)
     except CellSyntaxError:
-        found, got = None, _first_line(source)
+        found, got = None, _quoted(source)
     if found is not None and found.path == wanted.path:
         return found, None
     problem = Problem(
         f'{where}, cell {grade_id}',
         f'the first line {line}',
-        got or _first_line(source),
+        got or _quoted(source),
         f'write {line} as the first line again',
         (grade_id,),
     )
     return None, problem
 
 
-def _first_line(source: str) -> str:
+def _quoted(source: str) -> str:
     """Quote the first line with something on it, shortened."""
-    for line in source.split('\n'):
-        if line.strip():
-            return repr(line.strip()[:60])
-    return 'an empty cell'
+    line = first_line(source)[0].strip()
+    return repr(line[:60]) if line else 'an empty cell'

@@ -16,7 +16,7 @@ import re
 import stat
 
 from autograder.results import Problem
-from autograder.submission import MAX_BYTES
+from autograder.submission import MAX_BYTES, too_large
 
 MAX_NAME_CHARS = 100
 # nbgrader globs with the id, splits lists of ids at commas and exports it to CSV unquoted.
@@ -31,16 +31,30 @@ class Submission:
 
     :param student: name of the student's folder, the student id of the gradebook
     :param folder: the folder that was looked into
-    :param data: content of the notebook, None if there is none to read
+    :param data: content of a notebook that is in no file
     :param problems: what went wrong while looking
     :param recordable: False if the name cannot be an id in the gradebook
+    :param path: the notebook's file; a class of them is too much to hold at once
     """
 
     student: str
     folder: Path
-    data: bytes | None
+    data: bytes | None = None
     problems: tuple[Problem, ...] = ()
     recordable: bool = True
+    path: Path | None = None
+
+    def read(self, where: str) -> tuple[bytes | None, tuple[Problem, ...]]:
+        """
+        Read the notebook, each time anew: None if there is none to read.
+
+        :param where: how to name the file in messages
+        :returns: the content, and what went wrong while looking and reading
+        """
+        if self.path is None:
+            return self.data, self.problems
+        data, problems = read_file(self.path, where)
+        return data, problems or self.problems
 
 
 def discover(
@@ -100,7 +114,7 @@ def _student(
 
 def open_folder(folder: Path, student: str, notebook: str) -> Submission:
     """
-    Read the notebook in one submission folder.
+    Find the notebook in one submission folder.
 
     A single notebook under another name, as browsers make them ("name (1).ipynb"), counts.
 
@@ -126,8 +140,7 @@ def open_folder(folder: Path, student: str, notebook: str) -> Submission:
         chosen = others[0]
         got = f'{chosen[:60]!r}, which was graded instead'
         notes = (Problem(where, f'the file {notebook}', got, 'keep the file name next time'),)
-    data, problems = read_file(folder / chosen, notebook)
-    return Submission(student, folder, data, problems or notes)
+    return Submission(student, folder, problems=notes, path=folder / chosen)
 
 
 def read_file(path: Path, where: str) -> tuple[bytes | None, tuple[Problem, ...]]:
@@ -145,9 +158,12 @@ def read_file(path: Path, where: str) -> tuple[bytes | None, tuple[Problem, ...]
         # The file may have been exchanged since lstat, so look again at what was opened.
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
         with os.fdopen(descriptor, 'rb') as file:
-            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+            now = os.fstat(descriptor)
+            if not stat.S_ISREG(now.st_mode):
                 return None, (Problem(where, 'a regular file', 'something else', SUBMIT_AGAIN),)
-            return file.read(MAX_BYTES + 1), ()
+            if now.st_size > MAX_BYTES:
+                return None, (too_large(where, now.st_size),)
+            return file.read(now.st_size + 1), ()  # reading makes room for what it asks for
     except OSError as error:
         return None, (_unreadable(where, error),)
 

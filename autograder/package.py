@@ -7,9 +7,12 @@ links are not followed.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from autograder.inbox import read_file
+from autograder.results import ExamResult
 
 MAX_FILES = 200
 KINDS = ('.py', '.msg', '.srv', '.action', '.xml', '.txt', '.cfg', '.toml', '.yaml')
@@ -34,3 +37,32 @@ def read_package(folder: Path) -> dict[str, str]:
         if data is not None and not problems and len(found) < MAX_FILES:
             found.setdefault(inside.as_posix(), data.decode('utf-8', 'replace'))
     return found
+
+
+def what_is_there(files: Mapping[str, str]) -> str:
+    """Name the first files of a package, for a message about one that is not there."""
+    if not files:
+        return 'no file of a package'
+    names = [name if name.isprintable() else repr(name) for name in files]
+    more = f' and {len(names) - 8} more' if len(names) > 8 else ''
+    return f'only {", ".join(names[:8])}{more}'
+
+
+def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
+    """
+    Speak of files where the result of a missing one speaks of a notebook's cells.
+
+    :param result: the exam's result on these files
+    """
+    checks = [
+        replace(
+            check,
+            observed=what_is_there(files),
+            cause='The file was not saved in the folder that is checked.',
+            try_this='Save it there, then check again.',
+        )
+        if check.cause_id == 'missing_file'
+        else check
+        for check in result.checks
+    ]
+    return replace(result, checks=tuple(checks))

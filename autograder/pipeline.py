@@ -9,8 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
+from contextlib import suppress
 from dataclasses import dataclass
+import os
 from pathlib import Path
+import threading
+import time
 from typing import Protocol, TYPE_CHECKING
 
 from autograder.errors import ExamInvalid, GraderError
@@ -127,8 +131,9 @@ def load_lesson(layout: Layout, assignment: str, engine: Engine) -> Lesson:
 
 
 def open_one(submission: Submission, lesson: Lesson) -> Opened:
-    """Read what a student handed in."""
-    return open_submission(submission.data, lesson.release, lesson.notebook, submission.problems)
+    """Read what a student handed in; only the answers are kept."""
+    data, problems = submission.read(lesson.notebook)
+    return open_submission(data, lesson.release, lesson.notebook, problems)
 
 
 def grade_opened(opened: Opened, student: str, lesson: Lesson, engine: Engine) -> SubmissionResult:
@@ -209,6 +214,47 @@ def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> ExamResult | G
             f'{exam.name}: the grader failed with {type(error).__name__}: {error}.',
             'Please report this with the submission.',
         )
+
+
+def end_runs(within_s: float = 5.0) -> bool:
+    """
+    End what the pool's threads still run, so that they clean up and come to their end.
+
+    Dying with the runs is not enough: a sandbox that is just being set up is not yet tied to
+    this process.
+
+    :param within_s: how long to try
+    :returns: whether they came to their end
+    """
+    deadline = time.monotonic() + within_s
+    while threads := [one for one in threading.enumerate() if one.name.startswith(THREADS)]:
+        _end_sandboxes()
+        threads[0].join(0.05)
+        if time.monotonic() > deadline:
+            return False
+    return True
+
+
+def _end_sandboxes() -> None:
+    """
+    End what runs for us, in the order in which it should end.
+
+    Probes come first: none may live to record that a student's program was killed.  The outer
+    process of a sandbox is left out, because it ends with the inner one and would orphan it.
+    """
+    import psutil  # only the course's own Python has it
+
+    probes: list[psutil.Process] = []
+    others: list[psutil.Process] = []
+    for process in reversed(psutil.Process().children(recursive=True)):
+        with suppress(psutil.Error):
+            if process.name() == 'bwrap' and process.ppid() == os.getpid():
+                continue
+            probing = any(word.endswith('/probe.py') for word in process.cmdline())
+            (probes if probing else others).append(process)
+    for process in (*probes, *others):
+        with suppress(psutil.Error):
+            process.kill()
 
 
 def _assemble(

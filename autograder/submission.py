@@ -9,24 +9,25 @@ it.  Nothing here raises on bad input: what is wrong becomes a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 import copy
 from dataclasses import dataclass, replace
 import json
 from pathlib import Path
 from typing import Any
 
-from autograder.cells import CellSyntaxError, parse_cell
+from autograder.cells import CellSyntaxError, first_line, parse_cell
 from autograder.results import Problem
 
 Notebook = dict[str, Any]
 """A notebook in format 4, as JSON types."""
 
 MAX_BYTES = 16 * 1024 * 1024
-MAX_BRACKETS = 500_000
-"""Bound on parts of the JSON text: a small file of ``[],[],...`` fills the memory."""
+MAX_PARTS = 500_000
+"""Bound on lists, objects and strings: a small file of ``[],[],...`` fills the memory."""
 MAX_CELLS = 5_000
-MAX_ANSWER_CHARS = 200_000
+MAX_ANSWER_BYTES = 64 * 1024
+"""Bound on one answer, ten times a long one: it goes to a compiler and a database."""
 
 FRESH_COPY = 'download a fresh copy of the assignment and copy the answers into it'
 
@@ -93,15 +94,14 @@ def read_notebook(
         return None, (Problem(where, expected, got, try_this),)
 
     if len(data) > MAX_BYTES:
-        got = f'{len(data) / 2**20:.0f} MiB'
-        limit = f'a notebook of at most {MAX_BYTES // 2**20} MiB'
-        return refuse(limit, got, 'clear all outputs, save and submit again')
-    if not data.strip():
+        return None, (too_large(where, len(data)),)
+    if not data or data.isspace():
         return refuse('a Jupyter notebook', 'an empty file', 'save the notebook and submit again')
-    if data.count(b'[') + data.count(b'{') > MAX_BRACKETS:
+    if _parts(data) > MAX_PARTS:
         return refuse('a Jupyter notebook', 'far too many parts', FRESH_COPY)
     try:
-        content = json.loads(data.decode('utf-8-sig'))
+        # No number is used, so none is made: int() takes hours for one of a few megabytes.
+        content = json.loads(data.decode('utf-8-sig'), parse_int=bool, parse_float=bool)
     except UnicodeDecodeError as error:
         got = f'bytes that are not UTF-8 (byte {error.start})'
         return refuse('a Jupyter notebook in UTF-8', got, 'save it in JupyterLab and submit again')
@@ -110,6 +110,19 @@ def read_notebook(
     except ValueError as error:
         return refuse('a Jupyter notebook', _broken_json(data, error), _json_advice(data))
     return _read_cells(content, where)
+
+
+def too_large(where: str, size: int) -> Problem:
+    """Say that a file is larger than any notebook we read."""
+    limit = f'a file of at most {MAX_BYTES // 2**20} MiB'
+    got = f'{size / 2**20:.1f} MiB'
+    return Problem(where, limit, got, 'clear all outputs, save and submit again')
+
+
+def _parts(data: bytes) -> int:
+    """Count at least what the parser makes of the text: each string begins with a bare quote."""
+    quotes = data.count(b'"') - data.count(b'\\"')
+    return data.count(b'[') + data.count(b'{') + quotes
 
 
 def _broken_json(data: bytes, error: ValueError) -> str:
@@ -163,7 +176,12 @@ def _read_cell(cell: object) -> StudentCell:
 
 
 def _clean(text: str) -> str:
-    """Return text with Unix line ends and no half surrogate pairs, which no file can hold."""
+    """
+    Return text with Unix line ends and no half surrogate pairs, which no file can hold.
+
+    Of a text that is too long for an answer, only so much is kept that it stays too long.
+    """
+    text = text[: 2 * (MAX_ANSWER_BYTES + 1)]  # two characters of it are one Windows line end
     text = text.replace('\r\n', '\n').replace('\r', '\n')
     return text.encode('utf-8', 'replace').decode('utf-8')
 
@@ -211,6 +229,7 @@ def rebuild(
     """
     notebook = copy.deepcopy(release)
     problems: list[Problem] = []
+    by_file = _by_file(student or ())
     by_id: dict[str, list[StudentCell]] = {}
     for found in student or ():
         by_id.setdefault(found.grade_id, []).append(found)
@@ -219,7 +238,7 @@ def rebuild(
         if student is not None and marks.get('grade_id'):
             copies = by_id.get(marks['grade_id'], [])
             if marks.get('solution'):
-                problems += _fill_in(cell, copies, student, where)
+                problems += _fill_in(cell, copies, by_file, where)
             elif copies and copies[0].source.strip() != cell['source'].strip():
                 problems.append(_changed_check(marks['grade_id'], where))
         if cell['cell_type'] == 'code':
@@ -228,19 +247,18 @@ def rebuild(
 
 
 def _fill_in(
-    cell: Notebook, copies: Sequence[StudentCell], student: Sequence[StudentCell], where: str
+    cell: Notebook, copies: Sequence[StudentCell], by_file: Mapping[str, StudentCell], where: str
 ) -> Iterator[Problem]:
     """Put the first of the student's copies into an answer cell; yield what is wrong."""
     grade_id = marks_of(cell)['grade_id']
     spot = f'{where}, cell {grade_id}'
     if not copies:
-        yield _missing_answer(cell, student, spot)
+        yield _missing_answer(cell, by_file, spot)
         return
     answer = copies[0]
-    if len(answer.source) > MAX_ANSWER_CHARS:
-        limit = f'at most {MAX_ANSWER_CHARS} characters'
-        got = f'{len(answer.source)} characters'
-        yield Problem(spot, limit, got, 'leave out generated data', (grade_id,))
+    if len(answer.source.encode()) > MAX_ANSWER_BYTES:
+        limit = f'an answer of at most {MAX_ANSWER_BYTES // 1024} KiB'
+        yield Problem(spot, limit, 'a longer one', 'leave out generated data', (grade_id,))
         return
     if len(copies) > 1:
         yield Problem(
@@ -259,22 +277,31 @@ def _fill_in(
     cell['source'] = answer.source
 
 
-def _missing_answer(cell: Notebook, student: Sequence[StudentCell], spot: str) -> Problem:
+def _missing_answer(cell: Notebook, by_file: Mapping[str, StudentCell], spot: str) -> Problem:
     """Say that an answer is missing, and where a cell looks like it."""
     grade_id, wanted = marks_of(cell)['grade_id'], _path(cell['source'])
-    alike = [other for other in student if wanted and _path(other.source) == wanted]
-    got, try_this = 'no such cell', FRESH_COPY
-    if alike:
-        name = alike[0].grade_id
+    got = 'no such cell'
+    if wanted in by_file:
+        name = by_file[wanted].grade_id
         title = f'grade id {name[:60]!r}' if name else 'no grade id'
         got = f'no such cell, only a cell for {wanted} with {title}'
-    return Problem(spot, 'the cell with the answer', got, try_this, (grade_id,))
+    return Problem(spot, 'the cell with the answer', got, FRESH_COPY, (grade_id,))
+
+
+def _by_file(cells: Sequence[StudentCell]) -> dict[str, StudentCell]:
+    """Return the first cell for each file that a magic line names."""
+    found: dict[str, StudentCell] = {}
+    for cell in cells:
+        path = _path(cell.source)
+        if path:
+            found.setdefault(path, cell)
+    return found
 
 
 def _path(source: str) -> str:
     """Return which file a cell's magic line names, empty if none."""
     try:
-        found = parse_cell(source)
+        found = parse_cell(first_line(source)[0])
     except CellSyntaxError:
         return ''
     return found.path if found else ''

@@ -1,4 +1,4 @@
-"""For all tests: the hidden inputs are drawn from a fixed secret, so that points are repeatable."""
+"""For all tests: hidden inputs come from a fixed secret, so that points are repeatable."""
 
 from __future__ import annotations
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
-from autograder.cells import CellSyntaxError, parse_cell
+from autograder.cells import CellSyntaxError, first_line, MAGIC_LINE_MAX, parse_cell
 
 
 @pytest.mark.parametrize(
@@ -71,3 +73,65 @@ def test_a_stub_is_recognised():
     """Its text is still there."""
     assert parse_cell('%%rosmsg A\n# YOUR CODE HERE').unsolved
     assert not parse_cell('%%rosmsg A\nint64 a').unsolved
+
+
+@pytest.mark.parametrize('word', ['%%node', '%%rosmsg', '%%rospkg'])
+@pytest.mark.parametrize('rest', [' \t' * 100_000 + '!', ' a' * 100_000, ' ' * 200_000])
+def test_a_very_long_magic_line_is_refused_at_once(word, rest):
+    """Reading it may not stop a class: a matcher that tries every blank takes minutes."""
+    began = time.perf_counter()
+
+    with pytest.raises(CellSyntaxError, match='at most 200 characters, got 2000') as caught:
+        parse_cell(f'{word} a{rest}\nx')
+
+    assert time.perf_counter() - began < 1
+    assert len(str(caught.value)) < 200
+
+
+@pytest.mark.parametrize(
+    'source',
+    [
+        'x' * 200_000,
+        '%%node' + 'x' * 200_000,
+        ' ' * 200_000,
+        ' \n' * 100_000,
+        '#' + ' \t' * 100_000 + '!',
+    ],
+)
+def test_long_cells_without_a_magic_are_left_alone_at_once(source):
+    """Whatever their first line is."""
+    began = time.perf_counter()
+
+    assert parse_cell(source) is None
+    assert time.perf_counter() - began < 1
+
+
+@pytest.mark.parametrize('line', [' \t' * 100_000 + '!', '### END SOLUTION' + ' ' * 200_000 + '!'])
+def test_a_long_line_in_the_file_is_kept_at_once(line):
+    """It is no solution mark."""
+    began = time.perf_counter()
+
+    assert parse_cell(f'%%node a\n{line}').body == f'{line}\n'
+    assert time.perf_counter() - began < 1
+
+
+def test_a_magic_line_of_the_longest_length_is_read():
+    """The bound itself is allowed."""
+    name = 'a' * (MAGIC_LINE_MAX - len('%%node '))
+
+    assert parse_cell(f'%%node {name}\nx').name == name
+
+
+@pytest.mark.parametrize(
+    ('source', 'found'),
+    [
+        ('', ('', 0)),
+        (' \n\t\n', ('', 0)),
+        ('a', ('a', 0)),
+        ('a\nb', ('a', 0)),
+        ('\n  \n  a \nb', ('  a ', 4)),
+    ],
+)
+def test_the_first_line_is_the_first_with_something_on_it(source, found):
+    """As it is written, with its place."""
+    assert first_line(source) == found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 import subprocess
 import sys
 
@@ -52,6 +53,161 @@ def test_a_check_that_cannot_run_says_so_as_data(tmp_path, capsys):
     assert 'nonsense' in answer['error']['got']
 
 
+def one_line(captured):
+    """Return the only line on standard error."""
+    (line,) = captured.err.splitlines()
+    return line
+
+
+@pytest.fixture
+def no_place_to_write(tmp_path, monkeypatch):
+    """Let the secret lie where no folder can be made, whoever runs the tests."""
+    from autograder import inputs
+
+    (tmp_path / 'file').write_text('x')
+    monkeypatch.delenv('COURSE_SECRET', raising=False)
+    monkeypatch.setattr(inputs, 'SECRET_FILE', tmp_path / 'file' / 'course_secret')
+    inputs.course_secret.cache_clear()
+    yield tmp_path / 'file'
+    inputs.course_secret.cache_clear()
+
+
+@pytest.mark.parametrize('how', ['grade', 'check'])
+def test_a_folder_that_cannot_be_written_is_one_line(
+    how, no_place_to_write, tmp_path, capsys, monkeypatch
+):
+    """It names the file, and nobody reads a traceback."""
+    from autograder import exams, inputs, sandbox
+
+    monkeypatch.setattr(sandbox, 'strongest', object)
+    monkeypatch.setattr(exams, 'for_assignment', lambda *_, **__: inputs.course_secret())
+    monkeypatch.setattr(exams, 'load', lambda *_, **__: inputs.course_secret())
+    option = ['grade', '--submitted'] if how == 'grade' else ['check', 'a', '--files']
+
+    assert command.main([*option, str(tmp_path)]) == command.USAGE
+
+    line = one_line(capsys.readouterr())
+    assert line.startswith(f'autograder: {no_place_to_write}')
+    assert 'expected' in line
+    assert 'got: ' in line
+    assert 'Try: ' in line
+
+
+def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys, monkeypatch):
+    """A full disk has no name."""
+    from autograder import exams
+
+    def refuse(*_, **__):
+        raise OSError(28, 'No space left on device')
+
+    monkeypatch.setattr(exams, 'load', refuse)
+
+    assert command.main(['check', 'a', '--files', str(tmp_path)]) == command.USAGE
+    assert 'the system: expected' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('options', [[], ['--visible', '--json']])
+def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, monkeypatch):
+    """The set-up says what is missing and what to type."""
+    from autograder import sandbox
+    from environment.ros import ros_environment
+
+    (tmp_path / 'temp_publisher.py').write_text('x = 1')
+    monkeypatch.setattr(sandbox, 'strongest', lambda: ros_environment(tmp_path))
+    arguments = ['check', 'temperature_publisher', '--files', str(tmp_path), *options]
+
+    assert command.main(arguments) == command.USAGE
+
+    captured = capsys.readouterr()
+    line = one_line(captured)
+    assert f'{tmp_path}/ros_environment.json: expected' in line
+    assert line.endswith('Try: make doctor')
+    if '--json' in options:
+        assert json.loads(captured.out)['error']['try_this'] == 'make doctor'
+
+
+def test_a_python_without_the_packages_is_one_line(tmp_path):
+    """Plain python3 has none of them; -S makes any Python so."""
+    root = Path(command.__file__).parents[1]
+    done = subprocess.run(
+        [sys.executable, '-S', '-E', '-m', 'autograder', 'grade', '--submitted', str(tmp_path)],
+        cwd=root,
+        capture_output=True,
+        text=True,
+    )
+
+    assert done.returncode == command.USAGE
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f'autograder: {sys.executable}: expected a Python that has ')
+    assert 'run it with make grade or .venv/bin/python' in line
+
+
+def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
+    """Another Python would not help."""
+    from autograder import exams
+
+    def refuse(*_, **__):
+        raise ModuleNotFoundError("No module named 'autograder.x'", name='autograder.x')
+
+    monkeypatch.setattr(exams, 'load', refuse)
+
+    with pytest.raises(ModuleNotFoundError):
+        command.main(['check', 'a', '--files', str(tmp_path)])
+
+
+class TestCheckWithoutTheFile:
+    """On a folder, the words are about files: there are no cells."""
+
+    def check(self, folder, *options):
+        """Run the check of the publisher on a folder."""
+        options = ('--visible', *options)
+        return command.main(['check', 'temperature_publisher', '--files', str(folder), *options])
+
+    def test_the_line_names_the_folder_the_file_and_what_is_there(self, tmp_path, capsys):
+        """Often it is the wrong folder."""
+        (tmp_path / 'package.xml').write_text('x')
+        (tmp_path / 'temp_publsher.py').write_text('x')
+
+        assert self.check(tmp_path) == command.USAGE
+
+        captured = capsys.readouterr()
+        there = 'only package.xml, temp_publsher.py'
+        line = f'autograder: {tmp_path}: expected temp_publisher.py, got {there}.'
+        assert one_line(captured) == line
+        assert captured.out == ''
+
+    def test_an_empty_folder_has_nothing(self, tmp_path, capsys):
+        """There is no list to show."""
+        assert self.check(tmp_path) == command.USAGE
+
+        line = one_line(capsys.readouterr())
+        assert line.endswith('expected temp_publisher.py, got no file of a package.')
+
+    def test_of_a_large_folder_only_the_first_files_are_named(self, tmp_path, capsys):
+        """One line stays one line."""
+        for number in range(20):
+            (tmp_path / f'a{number:02}.py').write_text('x')
+
+        self.check(tmp_path)
+
+        assert 'a07.py and 12 more.' in one_line(capsys.readouterr())
+
+    def test_as_data_it_is_a_failed_check_about_a_file(self, tmp_path, capsys, monkeypatch):
+        """The notebook knows it by its name and says which cell to run."""
+        from autograder import sandbox
+
+        monkeypatch.setattr(sandbox, 'strongest', object)
+
+        assert self.check(tmp_path, '--json') == command.OK
+
+        first, *others = json.loads(capsys.readouterr().out)['checks']
+        assert first['cause_id'] == 'missing_file'
+        assert first['expected'] == 'the file temp_publisher.py'
+        assert first['observed'] == 'no file of a package'
+        assert 'cell' not in f'{first["cause"]} {first["try_this"]}'
+        assert {check['verdict'] for check in others} == {'NOT_RUN'}
+
+
 @pytest.mark.parametrize('jobs', ['0', '-1', 'many', '1.5'])
 def test_jobs_are_a_positive_number(jobs, capsys):
     """The message says what was expected."""
@@ -93,7 +249,7 @@ def test_starting_imports_neither_nbgrader_nor_ros():
     """Help and errors come at once."""
     code = (
         'import sys; import autograder.__main__, autograder.pipeline, autograder.inbox; '
-        'print([name for name in ("nbgrader", "nbformat", "rclpy", "rich", "jinja2") '
+        'print([name for name in ("nbgrader", "nbformat", "rclpy", "rich", "jinja2", "psutil") '
         'if name in sys.modules])'
     )
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)

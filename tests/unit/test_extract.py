@@ -88,6 +88,7 @@ def test_a_missing_cell_is_no_file_although_the_stub_is_in_the_notebook():
         ('import rclpy\n', "'import rclpy'"),
         ('', 'an empty cell'),
         ('  \n\n', 'an empty cell'),
+        ('%%node a' + ' \t' * 16_000 + '!', repr('%%node a' + ' \t' * 26)),
     ],
 )
 def test_a_wrong_first_line_is_told_with_the_right_one(source, got):

@@ -44,7 +44,8 @@ def test_a_regular_notebook_is_read(tmp_path, hand_in):
 
     found = look(tmp_path)['ann']
 
-    assert (found.data, found.problems, found.recordable) == (b'\xff', (), True)
+    assert found.read(FILE) == (b'\xff', ())
+    assert found.recordable
 
 
 def test_files_beside_the_student_folders_are_no_students(tmp_path, hand_in):
@@ -69,7 +70,7 @@ def test_an_unknown_assignment_is_a_problem(tmp_path, hand_in):
 
     found = look(tmp_path)['ann']
 
-    assert found.data is None
+    assert found.read(FILE)[0] is None
     assert "only '1_talker'" in found.problems[0].line()
 
 
@@ -80,8 +81,9 @@ def test_a_single_notebook_under_another_name_counts(tmp_path, hand_in, name):
 
     found = look(tmp_path)['ann']
 
-    assert found.data == b'here'
-    assert 'graded instead' in found.problems[0].got
+    data, problems = found.read(FILE)
+    assert data == b'here'
+    assert 'graded instead' in problems[0].got
 
 
 def test_of_several_other_notebooks_none_is_chosen(tmp_path, hand_in):
@@ -91,7 +93,7 @@ def test_of_several_other_notebooks_none_is_chosen(tmp_path, hand_in):
 
     found = look(tmp_path)['ann']
 
-    assert found.data is None
+    assert found.read(FILE)[0] is None
     assert '2 other notebooks' in found.problems[0].got
 
 
@@ -113,12 +115,13 @@ def test_links_are_refused_at_every_level(tmp_path, hand_in):
     (tmp_path / 'lesson_link' / LESSON).symlink_to(folder)
     (tmp_path / 'student_link').symlink_to(tmp_path / 'file_link')
 
-    found = look(tmp_path)
+    found = {student: one.read(FILE) for student, one in look(tmp_path).items()}
 
-    assert [one.data for one in found.values()] == [None, None, None]
-    assert 'symbolic link' in found['file_link'].problems[0].got
-    assert 'a link or a file' in found['lesson_link'].problems[0].got
-    assert 'a link or a file' in found['student_link'].problems[0].got
+    assert [data for data, _ in found.values()] == [None, None, None]
+    got = {student: problems[0].got for student, (_, problems) in found.items()}
+    assert 'symbolic link' in got['file_link']
+    assert 'a link or a file' in got['lesson_link']
+    assert 'a link or a file' in got['student_link']
 
 
 def test_a_pipe_does_not_stop_the_batch(tmp_path, hand_in):
@@ -127,7 +130,9 @@ def test_a_pipe_does_not_stop_the_batch(tmp_path, hand_in):
     (folder / 'x').unlink()
     os.mkfifo(folder / FILE)
 
-    assert 'a regular file' in look(tmp_path)['ann'].problems[0].expected
+    _, problems = look(tmp_path)['ann'].read(FILE)
+
+    assert 'a regular file' in problems[0].expected
 
 
 def test_an_unreadable_folder_is_a_problem_of_one_student(tmp_path, hand_in, monkeypatch):
@@ -145,7 +150,7 @@ def test_an_unreadable_folder_is_a_problem_of_one_student(tmp_path, hand_in, mon
     found = look(tmp_path)
 
     assert 'permission denied' in found['ann'].problems[0].line()
-    assert found['bob'].data == b'{}'
+    assert found['bob'].read(FILE) == (b'{}', ())
 
 
 @pytest.mark.parametrize('name', ['a*', 'a,b', '=1+1', '-rf', 'a\nb', 'x' * 101, ' a', 'a '])
@@ -169,9 +174,34 @@ def test_a_name_that_is_not_utf_8_is_not_recorded(tmp_path):
     found.student.encode('utf-8')
 
 
-def test_a_file_is_read_only_up_to_the_limit(tmp_path, hand_in, monkeypatch):
-    """One byte more shows that it is too long."""
-    monkeypatch.setattr(inbox, 'MAX_BYTES', 4)
-    hand_in('ann', data=b'123456789')
+def test_a_file_above_the_limit_is_not_read(tmp_path, hand_in, monkeypatch):
+    """The line says how large it is."""
+    monkeypatch.setattr(inbox, 'MAX_BYTES', 2**20)
+    hand_in('ann', data=b' ' * (3 * 2**20))
 
-    assert look(tmp_path)['ann'].data == b'12345'
+    data, problems = look(tmp_path)['ann'].read(FILE)
+
+    assert data is None
+    assert problems[0].got == '3.0 MiB'
+    assert problems[0].line().startswith(f'{FILE}: expected a file of at most ')
+
+
+def test_looking_at_a_class_reads_no_notebook(tmp_path, hand_in, monkeypatch):
+    """Their bytes together are more than the grader's memory."""
+    for name in ('ann', 'bob'):
+        hand_in(name)
+    monkeypatch.setattr(inbox, 'read_file', lambda *_: pytest.fail('a notebook was read'))
+
+    assert [one.path.name for one in look(tmp_path).values()] == [FILE, FILE]
+
+
+def test_a_file_that_is_gone_when_it_is_read_is_a_problem_of_one_student(tmp_path, hand_in):
+    """It was there when the folder was looked at."""
+    folder = hand_in('ann')
+    found = look(tmp_path)['ann']
+    (folder / FILE).unlink()
+
+    data, problems = found.read(FILE)
+
+    assert data is None
+    assert 'no such file' in problems[0].line()

@@ -99,6 +99,32 @@ class TestReadNotebook:
         assert cells is None
         assert 'too many' in problems[0].got
 
+    @pytest.mark.parametrize('part', ['"{}",', '"{}":0,', '"{}\\\\",'])
+    def test_many_tiny_strings_are_refused_before_they_fill_the_memory(self, part):
+        """One object with a million names would take two hundred megabytes."""
+        parts = ''.join(part.format(number) for number in range(600_000))
+
+        cells, problems = read_notebook(f'{{"cells": [{parts}'.encode(), 'x')
+
+        assert cells is None
+        assert 'too many' in problems[0].got
+
+    def test_a_long_output_with_many_quotes_is_fine(self):
+        """Quotes inside a text are no parts: HTML tables are full of them."""
+        output = {'output_type': 'display_data', 'data': {'text/html': '<td class="a">' * 300_000}}
+        cells = [{**cell('a', 'x'), 'outputs': [output]}]
+
+        found, problems = read_notebook(json.dumps({'cells': cells}).encode(), 'x')
+
+        assert problems == ()
+        assert found[0].source == 'x'
+
+    def test_a_number_with_a_million_digits_takes_no_time(self):
+        """Making it would; no number of a notebook is used."""
+        data = b'{"nbformat": ' + b'7' * 1_000_000 + b', "cells": []}'
+
+        assert read_notebook(data, 'x') == ((), ())
+
     def test_deep_nesting_is_refused(self):
         """The parser's own limit is no crash of ours."""
         cells, problems = read_notebook(b'{"cells":' + b'[' * 100_000 + b']' * 100_000 + b'}', 'x')
@@ -244,17 +270,47 @@ class TestRebuild:
         assert 'locked' in problems[0].expected
         assert problems[0].cells == ()
 
-    def test_an_answer_of_a_megabyte_is_missing(self, release):
-        """It goes to a compiler and a database."""
-        student = [
-            StudentCell('talker', 'code', 'x' * 1_000_000),
-            StudentCell('why', 'markdown', 'y'),
+    @pytest.mark.parametrize('text', ['x' * 65_537, 'x\r\n' * 40_000, '\u00e9' * 40_000])
+    def test_an_answer_above_64_kib_is_missing(self, release, text):
+        """It goes to a compiler and a database; it is never cut and then graded."""
+        data = json.dumps(student_file(release, talker=text)).encode()
+
+        opened = open_submission(data, release, 'x')
+
+        assert opened.missing == {'talker'}
+        assert 'at most 64 KiB' in opened.problems[0].line()
+        assert source_of(opened.notebook, 'talker') == source_of(release, 'talker')
+
+    @pytest.mark.parametrize('text', ['x' * 65_536, 'x\r\n' * 32_768, '\u00e9' * 32_768])
+    def test_an_answer_of_64_kib_counts_whole(self, release, text):
+        """The bound is on bytes, with Unix line ends."""
+        data = json.dumps(student_file(release, talker=text)).encode()
+
+        opened = open_submission(data, release, 'x')
+
+        assert opened.missing == set()
+        assert source_of(opened.notebook, 'talker') == text.replace('\r\n', '\n')
+
+    def test_cells_are_looked_through_once_however_many_answers_are_missing(
+        self, release, monkeypatch
+    ):
+        """And only at their first lines."""
+        release['cells'] += [
+            cell(f'more_{number}', f'%%node more_{number}\n', solution=True)
+            for number in range(20)
         ]
+        student = [StudentCell(f'c{n}', 'code', f'%%node c{n}\nx\n') for n in range(100)]
+        seen = []
+        parse = submission.parse_cell
+        monkeypatch.setattr(
+            submission, 'parse_cell', lambda source: (seen.append(source), parse(source))[1]
+        )
 
         _, problems = rebuild(release, student)
 
-        assert problems[0].cells == ('talker',)
-        assert len(problems[0].line()) < 300
+        assert len(problems) == 22
+        assert len(seen) == 100 + 22
+        assert not any('\n' in source for source in seen)
 
     def test_an_unreadable_file_misses_every_answer(self, release):
         """The reason is kept with them."""

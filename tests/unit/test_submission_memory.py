@@ -1,0 +1,110 @@
+"""However much a class hands in, the grader holds one notebook at a time and keeps the answers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+import json
+import tracemalloc
+
+from autograder.inbox import discover
+from autograder.pipeline import grade_class, Lesson
+from autograder.results import ExamResult
+from autograder.submission import open_submission
+
+MEGABYTE = 1_000_000
+STUDENTS = 12
+FILE = 'talker.ipynb'
+
+
+def cell(source):
+    """Return the one answer cell of a notebook."""
+    marks = {'grade_id': 'talker', 'solution': True}
+    return {'cell_type': 'code', 'metadata': {'nbgrader': marks}, 'source': source}
+
+
+RELEASE = {'cells': [cell('%%node talker\n# YOUR CODE HERE')], 'metadata': {}}
+
+
+@dataclass(frozen=True)
+class FakeExam:
+    """What the pipeline needs of an exam."""
+
+    name: str = 'talker'
+    cells: tuple[str, ...] = ('talker',)
+
+
+class FakeEngine:
+    """Says that it ran."""
+
+    def run(self, exam, files):
+        """Judge nothing."""
+        return ExamResult(exam.name, ())
+
+
+def large_notebook(picture=MEGABYTE):
+    """Return an answer with a picture below it."""
+    output = {'output_type': 'display_data', 'data': {'image/png': 'A' * picture}}
+    return json.dumps({'cells': [{**cell('%%node talker\npass'), 'outputs': [output]}]}).encode()
+
+
+@dataclass
+class Traced:
+    """Bytes of Python's memory, beyond what there was before."""
+
+    kept: int = 0
+    peak: int = 0
+
+
+@contextmanager
+def traced() -> Iterator[Traced]:
+    """Measure what a block allocates."""
+    found = Traced()
+    tracemalloc.start()
+    try:
+        yield found
+        found.kept, found.peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
+    """Not of all of them: the bytes are read and dropped one after the other."""
+    for number in range(STUDENTS):
+        folder = tmp_path / f's{number:02}' / '01'
+        folder.mkdir(parents=True)
+        (folder / FILE).write_bytes(large_notebook())
+    lesson = Lesson('01', FILE, RELEASE, (FakeExam(),))
+
+    with traced() as memory:
+        class_ = discover(tmp_path, '01', FILE)
+        graded = grade_class(class_, lesson, FakeEngine(), jobs=1)
+
+    assert len(graded) == STUDENTS
+    assert [one.opened.problems for one in graded] == [()] * STUDENTS
+    assert memory.peak < 5 * MEGABYTE
+    assert memory.kept < MEGABYTE
+
+
+def test_of_a_text_that_is_too_long_almost_nothing_is_kept():
+    """A cell of many megabytes is one problem."""
+    data = json.dumps({'cells': [cell('x' * 10 * MEGABYTE)]}).encode()
+
+    with traced() as memory:
+        opened = open_submission(data, RELEASE, 'x')
+
+    assert opened.missing == {'talker'}
+    assert memory.kept < MEGABYTE // 10
+
+
+def test_many_numbers_take_no_more_than_their_text():
+    """Each would be an object of 24 bytes or more."""
+    numbers = b'1.5,' * MEGABYTE
+    data = b'{"cells": [], "x": [' + numbers + b'1]}'
+
+    with traced() as memory:
+        opened = open_submission(data, RELEASE, 'x')
+
+    assert opened.missing == {'talker'}
+    assert memory.peak < 5 * len(numbers)
