@@ -9,7 +9,7 @@ probe is done, a limit is passed or the wall clock says so.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 import json
 import os
 from pathlib import Path
@@ -119,6 +119,7 @@ class _Watched:
         self.limits = limits
         self.isolated = sandbox.isolated
         self.probe = sandbox.start_probe(student, home)
+        self.threads, self.probe_threads = Threads(student.pid), Threads(self.probe.pid)
         self.scenario = scenario
         self.events: list[dict[str, Any]] = []
         self.pending = b''
@@ -139,6 +140,8 @@ class _Watched:
             self._loop()
         finally:
             said = self._end_probe()
+            self.threads.close()
+            self.probe_threads.close()
         self._read_the_rest()
         if not self.events or self.events[-1]['event'] != 'end':
             if not self.killed or not self.ready_s:
@@ -219,7 +222,7 @@ class _Watched:
                 self.student.release()
                 continue
             if event['event'] == 'is_it_quiet':
-                wait_until_quiet(self.student.pid)
+                self.threads.wait_until_quiet()
                 self._tell_probe(QUIET)
                 continue
             self.events.append(event)
@@ -261,8 +264,9 @@ class _Watched:
         self.killed = self.killed or self._over_limit(resident, seconds)
 
     def _somebody_runs(self) -> bool:
-        pids = [self.probe.pid] + ([self.student.pid] if self.exit is None else [])
-        return any(state == 'R' for pid in pids for state in _thread_states(pid))
+        for threads in (self.threads, self.probe_threads):
+            threads.look()
+        return self.threads.run() or self.probe_threads.run()
 
     def _over_limit(self, resident: int, seconds: float) -> str:
         """Return the name of the limit that is passed, or nothing."""
@@ -302,38 +306,71 @@ class _Watched:
         return {'event': 'process', **facts, **ends}
 
 
-def wait_until_quiet(pid: int, patience_s: float = 0.05) -> bool:
+class Threads:
     """
-    Wait until no thread of a program runs or wants to run.
-
-    A thread in a callback runs, or waits for another thread that runs; so when all of them sleep,
-    every callback is over or sleeps too.
+    The threads of a program, seen from outside through open files of /proc.
 
     :param pid: host pid of the first process
-    :param patience_s: wall seconds after which a program that always computes is left alone
-    :returns: whether it was quiet
     """
-    deadline = time.monotonic() + patience_s
-    while True:
-        if 'R' not in _thread_states(pid):
-            return True
-        if time.monotonic() > deadline:
-            return False
-        # There is no event for it; half a millisecond is short beside a round trip.
-        select.select((), (), (), 0.0005)
 
+    def __init__(self, pid: int) -> None:
+        """Look for the threads that there are."""
+        self.pid = pid
+        self.processes: tuple[int, ...] = ()
+        # Opening a file is ten times slower than reading it again.
+        self.files: dict[tuple[int, str], int] = {}
+        self.look()
 
-def _thread_states(pid: int) -> Iterator[str]:
-    pids = [pid]
-    while pids:
-        current = pids.pop()
-        try:
-            for task in os.listdir(f'/proc/{current}/task'):
-                base = f'/proc/{current}/task/{task}'
-                yield Path(f'{base}/stat').read_text('ascii', 'replace').rpartition(')')[2][1]
-                pids += map(int, Path(f'{base}/children').read_text('ascii').split())
-        except (OSError, ValueError):
-            continue  # it ended while we looked
+    def look(self) -> None:
+        """Notice new processes, and their threads."""
+        self.processes = tuple(_family(self.pid))
+        self.look_at_threads()
+
+    def look_at_threads(self) -> None:
+        """Notice new threads of the known processes and forget ended ones."""
+        there = set()
+        for process in self.processes:
+            with suppress(OSError):
+                there |= {(process, task) for task in os.listdir(f'/proc/{process}/task')}
+        for gone in set(self.files) - there:
+            os.close(self.files.pop(gone))
+        for process, task in there - set(self.files):
+            with suppress(OSError):
+                path = f'/proc/{process}/task/{task}/stat'
+                self.files[process, task] = os.open(path, os.O_RDONLY)
+
+    def run(self) -> bool:
+        """Tell whether a thread runs or waits for a processor."""
+        for file in self.files.values():
+            with suppress(OSError):  # it has ended
+                if os.pread(file, 512, 0).rpartition(b')')[2][1:2] == b'R':
+                    return True
+        return False
+
+    def wait_until_quiet(self, patience_s: float = 0.05) -> bool:
+        """
+        Wait until no thread runs.
+
+        A thread in a callback runs, or waits for another thread that runs; so when all of them
+        sleep, every callback is over or sleeps too.
+
+        :param patience_s: wall seconds after which a program that always computes is left alone
+        :returns: whether it was quiet
+        """
+        deadline = time.monotonic() + patience_s
+        while True:
+            self.look_at_threads()
+            if not self.run():
+                return True
+            if time.monotonic() > deadline:
+                return False
+            # There is no event for it; a tenth of a millisecond is short beside a round trip.
+            select.select((), (), (), 0.0001)
+
+    def close(self) -> None:
+        """Close the files."""
+        while self.files:
+            os.close(self.files.popitem()[1])
 
 
 def proportional(pid: int) -> int:

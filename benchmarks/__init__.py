@@ -1,0 +1,1 @@
+"""Measurements of the grader, each runnable by name; see README.md."""

@@ -1,0 +1,237 @@
+"""
+One submission over sixty simulated seconds with all checks, against the floor.
+
+The floor is the least any grader of this kind must do: start the sandbox, the probe and the
+student's node, and wait until the first message is at the probe.  It uses the same sandbox,
+probe and file, with a scenario of a single clock step.  Whole runs and floor runs alternate, so
+that both meet the same load.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+import os
+from pathlib import Path
+import statistics
+import time
+from typing import Any
+
+from autograder import exams
+from autograder import observe as observing
+from autograder.exam import Advance, Exam, Scenario
+from autograder.examine import examine
+from autograder.sandbox import Confined, Limits, Program, Sandbox, strongest
+from benchmarks import report
+from benchmarks.submissions import EXAM, publishers, REFERENCE
+
+FILE = 'temp_publisher.py'
+FULL_RUNS = 15
+Marks = dict[str, float]
+
+STEPS = (
+    # mark at the end of the step, what it is
+    ('sandbox', 'lay out the files, start the sandbox'),
+    ('probe ready', 'start the probe, and Python for the student'),
+    ('@python', "let the student's program go"),
+    ('@imported', "the student's imports"),
+    ('@node', "rclpy.init and the student's node"),
+    ('barrier', 'discovery and the first round trip'),
+    ('first message', 'the clock up to the first message'),
+    ('end', 'the rest of the simulated minute'),
+    ('closed', 'tear-down'),
+    ('judged', 'judging'),
+)
+MARKERS = ('@python', '@imported', '@node')
+
+
+def marked(text: str) -> str:
+    """
+    Return the reference solution with three prints, which tell when it has come how far.
+
+    :raises RuntimeError: if the solution has changed so that they do not fit
+    """
+    lines = text.split('\n')
+    for marker, place in zip(MARKERS, ('import math', 'rclpy.init(', 'rclpy.spin(')):
+        found = [number for number, line in enumerate(lines) if line.strip().startswith(place)]
+        if len(found) != 1:
+            raise RuntimeError(f'{FILE}: expected {place!r} once; adapt this benchmark.')
+        line = lines[found[0]]
+        indent = line[: len(line) - len(line.lstrip())]
+        lines.insert(found[0], f"{indent}print('{marker}', flush=True)")
+    return '\n'.join(lines)
+
+
+class _Clocked(observing._Watched):
+    """The grader's own loop, which also notes when what arrives."""
+
+    marks: Marks = {}  # noqa: RUF012 - one run at a time, so one table is enough
+
+    def _recorded(self, data: bytes) -> None:
+        before = len(self.events)
+        super()._recorded(data)
+        now = time.monotonic()
+        if self.ready_s:
+            self.marks.setdefault('probe ready', self.ready_s)
+        for event in self.events[before:]:
+            kind = 'first message' if event['event'] == 'message' else event['event']
+            self.marks.setdefault(kind, now)
+
+    def _read(self, pipes: Any, key: Any) -> None:
+        super()._read(pipes, key)
+        if key.data == 'stdout':
+            for marker in MARKERS:
+                if f'{marker}\n'.encode() in self.output['stdout']:
+                    self.marks.setdefault(marker, time.monotonic())
+
+
+class _ClockedSandbox(Sandbox):
+    """The sandbox, which also notes when it stood."""
+
+    def start(self, program: Program, limits: Limits, home: Path) -> Confined:
+        """Start a program and note the time."""
+        confined = super().start(program, limits, home)
+        _Clocked.marks['sandbox'] = time.monotonic()
+        return confined
+
+
+def floor_of(scenario: Scenario) -> Scenario:
+    """Return the scenario that ends with the first message: one step, beyond the first second."""
+    return Scenario(
+        file=scenario.file,
+        watch=scenario.watch,
+        steps=(Advance(seconds=0.25, step_s=0.25, phase_s=1.1),),
+    )
+
+
+def whole_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> Marks:
+    """
+    Examine the submission, nothing kept.
+
+    :returns: seconds from the start to each mark
+    :raises RuntimeError: if it does not get full points: then the time means nothing
+    """
+    _Clocked.marks.clear()
+    began = time.monotonic()
+    result = examine(exam, files, sandbox=sandbox)
+    ended = time.monotonic()
+    if result.points != result.max_points:
+        failed = ', '.join(check.check for check in result.failed)
+        raise RuntimeError(f'The reference solution failed in {failed}.')
+    closed = ended - result.timing['judge_s']
+    return _since(began, {**_Clocked.marks, 'closed': closed, 'judged': ended})
+
+
+def floor_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> Marks:
+    """
+    Start the submission and wait for its first message.
+
+    :returns: seconds from the start to each mark
+    :raises RuntimeError: if there was none
+    """
+    _Clocked.marks.clear()
+    began = time.monotonic()
+    observing.observe(exam.name, floor_of(exam.scenario), files, sandbox)
+    ended = time.monotonic()
+    if 'first message' not in _Clocked.marks:
+        raise RuntimeError('No message came in the run that should end with the first one.')
+    return _since(began, {**_Clocked.marks, 'closed': ended})
+
+
+def _since(began: float, marks: Marks) -> Marks:
+    return {mark: at - began for mark, at in marks.items()}
+
+
+def main() -> None:
+    """Measure, print and save."""
+    parser = argparse.ArgumentParser(prog='python -m benchmarks.one_submission')
+    help_text = 'whole runs and floor runs, each (default: %(default)s)'
+    parser.add_argument('--runs', type=int, default=FULL_RUNS, metavar='N', help=help_text)
+    count = parser.parse_args().runs
+    os.environ.setdefault('COURSE_SECRET', 'benchmark')
+    facts = report.machine()
+    exam = exams.load(EXAM)
+    files = {FILE: marked(publishers([REFERENCE])[REFERENCE])}
+    sandbox = _ClockedSandbox(strongest().mode)
+    observing._Watched = _Clocked  # type: ignore[misc]
+    whole_run(exam, files, sandbox)  # to read everything from disk once
+    whole, floor = [], []
+    for _ in range(count):
+        floor.append(floor_run(exam, files, sandbox))
+        whole.append(whole_run(exam, files, sandbox))
+    figures = _figures(exam, whole, floor)
+    _print(facts, figures)
+    figures = {'isolation': sandbox.mode, **figures}
+    report.save('one_submission', facts, figures, full=count >= FULL_RUNS)
+
+
+def _figures(exam: Exam, whole: Sequence[Marks], floor: Sequence[Marks]) -> dict[str, Any]:
+    """Put the figures together, as they are saved."""
+    whole_s = report.spread([marks['judged'] for marks in whole])
+    first_s = report.spread([marks['first message'] for marks in floor])
+    closed_s = report.spread([marks['closed'] for marks in floor])
+    steps = sum(advance.to_json()['steps'] for advance in exam.scenario.steps)
+    stepping_s = statistics.median(marks['end'] - marks['barrier'] for marks in whole)
+    return {
+        'exam': f'{exam.facts["simulated_s"]} simulated seconds, {len(exam.checks)} checks',
+        'whole_s': whole_s,
+        'floor_s': first_s,
+        'floor_with_tear_down_s': closed_s,
+        'ratio': round(whole_s['median'] / first_s['median'], 2),
+        'ratio_with_tear_down': round(whole_s['median'] / closed_s['median'], 2),
+        'clock_steps': steps,
+        'ms_per_clock_step': round(1000 * stepping_s / steps, 2),
+        'whole_steps_s': _medians(whole),
+        'floor_steps_s': _medians(floor),
+    }
+
+
+def _lengths(runs: Sequence[Marks]) -> dict[str, list[float]]:
+    """Return how long each step took in each run; a step ends with its mark."""
+    lengths: dict[str, list[float]] = {}
+    for marks in runs:
+        before = 0.0
+        for mark, _ in STEPS:
+            if mark in marks:
+                lengths.setdefault(mark, []).append(marks[mark] - before)
+                before = marks[mark]
+    return lengths
+
+
+def _medians(runs: Sequence[Marks]) -> dict[str, float]:
+    found = _lengths(runs)
+    return {
+        what: round(statistics.median(found[mark]), 4) for mark, what in STEPS if mark in found
+    }
+
+
+def _print(facts: Mapping[str, Any], figures: Mapping[str, Any]) -> None:
+    print(f'One publisher, {figures["exam"]}\n')
+    report.print_machine(facts)
+    rows: list[list[object]] = []
+    for what, name, ratio in (
+        ('whole: start to verdicts', 'whole_s', None),
+        ('floor: start to first message', 'floor_s', figures['ratio']),
+        ('floor with tear-down', 'floor_with_tear_down_s', figures['ratio_with_tear_down']),
+    ):
+        times = figures[name]
+        share = f'{ratio:.2f} x' if ratio else ''
+        rows.append([what, times['count'], times['median'], times['least'], times['most'], share])
+    headings = ['', 'runs', 'median [s]', 'least [s]', 'most [s]', 'whole / floor']
+    report.print_table(headings, rows)
+    total = figures['whole_s']['median']
+    rows = [
+        [what, seconds, f'{100 * seconds / total:.0f} %', figures['floor_steps_s'].get(what)]
+        for what, seconds in figures['whole_steps_s'].items()
+    ]
+    report.print_table(['where the time goes (medians)', 'whole [s]', '', 'floor [s]'], rows)
+    longest = max(figures['whole_steps_s'], key=lambda what: figures['whole_steps_s'][what])
+    print(f'Most of it: {longest}.')
+    print(
+        f'{figures["clock_steps"]} clock steps, {figures["ms_per_clock_step"]} ms each, '
+        'two round trips to the node in each.\n'
+    )
+
+
+if __name__ == '__main__':
+    main()

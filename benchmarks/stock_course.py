@@ -1,0 +1,209 @@
+"""
+A course as nbgrader's own documentation teaches it, graded by nbgrader alone.
+
+The tests are hidden in the notebook's grade cells and run in the student's kernel, in real time,
+one submission after the other.  Everything happens in a temporary folder.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+import os
+from pathlib import Path
+import re
+import subprocess
+import sys
+import threading
+import time
+
+import nbformat
+from nbformat import NotebookNode
+from nbformat.v4 import new_code_cell, new_notebook
+
+from environment.ros import ros_environment
+
+ASSIGNMENT = 'temperature'
+NOTEBOOK = 'publisher.ipynb'
+ANSWER = 'temperature_publisher'
+CELLS = Path(__file__).with_name('stock_cells.py')
+CELL_LINE = re.compile(r'^# %% (?P<name>\w+)(?: (?P<points>\d+))?\n', re.MULTILINE)
+LAST_BLOCK = re.compile(r"^if __name__ == '__main__':\n(?:[ \t].*\n?|\n)*\Z", re.MULTILINE)
+CONVERTING = re.compile(r'Converting notebook .*/submitted/(?P<student>[^/]+)/')
+CONFIG = """\
+c = get_config()
+c.CourseDirectory.course_id = 'stock'
+c.Execute.timeout = {timeout_s}
+"""
+
+
+@dataclass(frozen=True)
+class StockRun:
+    """
+    One ``nbgrader autograde`` of the class.
+
+    :param wall_s: the whole command [s]
+    :param each_s: from one submission's first line in nbgrader's log to the next one's [s]
+    :param points: by student and check
+    """
+
+    wall_s: float
+    each_s: Mapping[str, float]
+    points: Mapping[str, Mapping[str, float]]
+
+
+def build(root: Path, answers: Mapping[str, str], seconds: int) -> None:
+    """
+    Make the course and hand in the answers.
+
+    :param root: an empty folder
+    :param answers: by student, the text of a node file
+    :param seconds: how long the tests listen
+    """
+    # nbgrader stops a cell after 30 s unless it is told otherwise.
+    config = CONFIG.format(timeout_s=seconds + 60)
+    (root / 'nbgrader_config.py').write_text(config, encoding='utf-8')
+    source = root / 'source' / ASSIGNMENT / NOTEBOOK
+    source.parent.mkdir(parents=True)
+    nbformat.write(_source_notebook(seconds), source)
+    _nbgrader(root, 'generate_assignment', ASSIGNMENT, '--create')
+    release = nbformat.read(root / 'release' / ASSIGNMENT / NOTEBOOK, as_version=4)
+    for student, text in answers.items():
+        path = root / 'submitted' / student / ASSIGNMENT / NOTEBOOK
+        path.parent.mkdir(parents=True)
+        nbformat.write(_answered(release, text), path)
+
+
+def _source_notebook(seconds: int) -> NotebookNode:
+    """Return the instructor's notebook."""
+    text = CELLS.read_text(encoding='utf-8').replace('WINDOW_S = 60', f'WINDOW_S = {seconds}')
+    found = list(CELL_LINE.finditer(text))
+    ends = [match.start() for match in found[1:]] + [len(text)]
+    cells = []
+    for match, end in zip(found, ends):
+        source = text[match.end() : end].strip('\n')
+        points = match['points']
+        if points:
+            source = f'### BEGIN HIDDEN TESTS\n{source}\n### END HIDDEN TESTS'
+        cell = new_code_cell(source)
+        cell.id = match['name'].replace('_', '-')
+        cell.metadata['nbgrader'] = {
+            'schema_version': 3,
+            'grade_id': match['name'],
+            'grade': bool(points),
+            'solution': match['name'] == ANSWER,
+            'locked': match['name'] != ANSWER,
+            'task': False,
+            **({'points': float(points)} if points else {}),
+        }
+        cells.append(cell)
+    # The course's kernel logs to standard output: on stderr, every log line would zero its cell.
+    kernel = {'name': 'ros2_jazzy', 'display_name': 'ROS 2 Jazzy', 'language': 'python'}
+    return new_notebook(cells=cells, metadata={'kernelspec': kernel})
+
+
+def _answered(release: NotebookNode, text: str) -> NotebookNode:
+    """Return the release with an answer in it, without the last block: a kernel is __main__."""
+    notebook = nbformat.from_dict(release)
+    for cell in notebook.cells:
+        if cell.metadata.get('nbgrader', {}).get('grade_id') == ANSWER:
+            cell.source = LAST_BLOCK.sub('', text)
+    return notebook
+
+
+def autograde(root: Path) -> StockRun:
+    """
+    Grade the class with ``nbgrader autograde``.
+
+    :param root: made by :func:`build`
+    """
+    began = time.monotonic()
+    seen = _nbgrader(root, 'autograde', ASSIGNMENT, '--force')
+    ended = time.monotonic()
+    _check_set_up(root, seen)
+    students = sorted(seen, key=lambda student: seen[student])
+    until = [*(seen[student] for student in students[1:]), ended]
+    each = {student: end - seen[student] for student, end in zip(students, until)}
+    return StockRun(ended - began, each, points(root / 'gradebook.db', ASSIGNMENT))
+
+
+def _check_set_up(root: Path, students: Iterable[str]) -> None:
+    """
+    Make sure that the kernels could work at all: otherwise every test would fail, and quickly.
+
+    :raises RuntimeError: if a set-up cell failed, with what it said
+    """
+    for student in students:
+        path = root / 'autograded' / student / ASSIGNMENT / NOTEBOOK
+        for output in nbformat.read(path, as_version=4).cells[0].outputs:
+            if output.output_type == 'error':
+                said = f'{output.ename}: {output.evalue}'
+                raise RuntimeError(f'The set-up cell of {student} failed with {said}')
+
+
+def points(database: Path, assignment: str) -> dict[str, dict[str, float]]:
+    """
+    Return what a gradebook says about the check cells of an assignment.
+
+    :returns: by student and grade id
+    """
+    from nbgrader.api import Gradebook
+
+    found: dict[str, dict[str, float]] = {}
+    with Gradebook(f'sqlite:///{database}') as gradebook:
+        for submission in gradebook.assignment_submissions(assignment):
+            grades = [grade for book in submission.notebooks for grade in book.grades]
+            found[submission.student.id] = {grade.name: float(grade.score) for grade in grades}
+    return found
+
+
+def _nbgrader(root: Path, *arguments: str) -> dict[str, float]:
+    """
+    Run an nbgrader command.
+
+    :returns: when each student was first named in the log, by :func:`time.monotonic`
+    :raises RuntimeError: with nbgrader's last lines, if it fails
+    """
+    process = subprocess.Popen(
+        [sys.executable, '-m', 'nbgrader', *arguments],
+        cwd=root,
+        env=_variables(root),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    lines: list[str] = []
+    seen: dict[str, float] = {}
+
+    def read() -> None:
+        assert process.stdout is not None
+        for line in process.stdout:
+            lines.append(line)
+            match = CONVERTING.search(line)
+            if match:
+                seen.setdefault(match['student'], time.monotonic())
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    try:
+        code = process.wait()
+    except BaseException:
+        process.kill()
+        raise
+    finally:
+        reader.join()
+    if code != 0:
+        raise RuntimeError(f'nbgrader {arguments[0]} failed:\n{"".join(lines[-30:])}')
+    return seen
+
+
+def _variables(root: Path) -> dict[str, str]:
+    """Return nbgrader's environment: nothing of the user's settings, one domain for the class."""
+    variables = {**os.environ, **ros_environment().variables}
+    # Nothing keeps other ROS programs of this machine out of a domain, but few use 215 to 232.
+    variables['ROS_DOMAIN_ID'] = str(215 + os.getpid() % 18)
+    for name in ('HOME', 'JUPYTER_CONFIG_DIR', 'JUPYTER_DATA_DIR', 'IPYTHONDIR', 'ROS_LOG_DIR'):
+        folder = root / 'home' / name.lower()
+        folder.mkdir(parents=True, exist_ok=True)
+        variables[name] = str(folder)
+    return variables
