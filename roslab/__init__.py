@@ -16,7 +16,7 @@ from roslab.interrupts import watch_cells
 from roslab.logtable import record_logs
 from roslab.magics import register
 from roslab.messages import build_messages
-from roslab.output import shell
+from roslab.output import settle, shell
 from roslab.package_files import package
 
 __all__ = [
@@ -46,3 +46,4 @@ if _shell is not None:
     register(_shell)
     watch_cells(_shell)
     record_logs()
+    _shell.events.register('post_run_cell', settle)

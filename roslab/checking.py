@@ -20,6 +20,7 @@ from autograder.cells import UNSOLVED
 from autograder.errors import ExamInvalid
 from autograder.results import ExamResult, Problem
 from roslab import child
+from roslab.output import ElapsedTime
 from roslab.package_files import learner_package, LearnerPackage
 from roslab.report import CheckReport
 
@@ -55,12 +56,16 @@ def _run(exam: str, package: LearnerPackage) -> CheckReport:
         )
     command = [sys.executable, '-m', 'autograder', 'check', exam]
     # In an empty folder: a file of the learner's beside the notebook must not replace a module.
-    with tempfile.TemporaryDirectory(prefix='check-') as empty:
+    with (
+        tempfile.TemporaryDirectory(prefix='check-') as empty,
+        ElapsedTime(f'Checking {exam}') as elapsed,
+    ):
         outcome = child.run(
             [*command, '--files', str(package.folder), '--visible', '--json'],
             cwd=Path(empty),
             env=os.environ,
             deadline_s=_DEADLINE_S,
+            on_tick=elapsed.tick,
         )
     return _read(exam, outcome, tuple(_unfinished(exam, files)))
 

@@ -65,13 +65,18 @@ class Listener:
         :returns: all messages heard so far
         :raises TimeoutError: with what the ROS graph says about the reason
         """
-        if not wait_in(self._session, lambda: len(self._heard) >= count, timeout):
-            raise timeout_error(
-                f'Heard {len(self._heard)} of {count} messages on {self.topic} in {timeout:g} s.',
-                why_silent(self._node, self.topic, self.msg_type, self.qos),
-                self._session.hints() if self._session.nodes() else '',
-            )
-        return self.messages
+        heard = self._heard
+        try:
+            if not wait_in(self._session, lambda: len(heard) >= count, timeout):
+                hints = self._session.hints if self._session.nodes() else self._session.losses
+                raise timeout_error(
+                    f'Heard {len(heard)} of {count} messages on {self.topic} in {timeout:g} s.',
+                    why_silent(self._node, self.topic, self.msg_type, self.qos),
+                    hints(),
+                )
+            return list(heard)
+        finally:
+            del self  # a kernel keeps the last traceback, which must not keep the subscription
 
     def clear(self) -> None:
         """Forget what was heard, to wait for new messages."""

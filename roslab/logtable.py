@@ -89,7 +89,8 @@ class LogTable:
             for line in self.lines
         )
         head = ''.join(
-            f'<th scope="col">{name}</th>' for name in ('time', 'level', 'logger', 'message')
+            f'<th scope="col" style="text-align: left">{name}</th>'
+            for name in ('time', 'level', 'logger', 'message')
         )
         return f'<table><caption>{len(self)} log lines</caption><tr>{head}</tr>{rows}</table>'
 

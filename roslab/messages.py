@@ -18,13 +18,12 @@ import os
 from pathlib import Path
 import shutil
 import sys
-from typing import Any
 
 from autograder.cells import UNSOLVED
 from roslab import child
 from roslab.build_advice import diagnose, Diagnosis, MISSING_AMENT_PACKAGE, NO_MESSAGES
 from roslab.errors import NotHereError
-from roslab.output import has_frontend, say, show
+from roslab.output import ElapsedTime, show
 from roslab.package_files import learner_package, LearnerPackage
 from roslab.ros_variables import build_variables
 
@@ -185,43 +184,18 @@ def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> 
         *('--event-handlers', 'console_direct+'),
         *('--cmake-args', '-DBUILD_TESTING=OFF'),
     ]
-    progress = _Progress(package.name)
+    text = f'Building {package.name} with colcon (about 10 s the first time)'
     try:
-        return child.run(
-            command, cwd=workspace, env=variables, deadline_s=_DEADLINE_S, on_tick=progress.tick
-        )
+        with ElapsedTime(text, always=True) as elapsed:
+            return child.run(
+                command,
+                cwd=workspace,
+                env=variables,
+                deadline_s=_DEADLINE_S,
+                on_tick=elapsed.tick,
+            )
     except OSError as error:
         raise NotHereError(f'colcon could not be started: {error}. Try: make doctor') from None
-    finally:
-        progress.end()
-
-
-class _Progress:
-    """One line that counts the seconds where a frontend shows it, and stands still elsewhere."""
-
-    def __init__(self, package: str) -> None:
-        self._text = f'Building {package} with colcon (about 10 s the first time)'
-        self._handle: Any = None
-        if has_frontend():
-            from IPython.display import display
-
-            self._handle = display(self._line(f'{self._text} ...'), raw=True, display_id=True)
-        else:
-            say(f'{self._text} ...')
-
-    def tick(self, seconds: float) -> None:
-        """Show how long it has taken so far [s]."""
-        if self._handle is not None:
-            self._handle.update(self._line(f'{self._text} ... {seconds:.0f} s'), raw=True)
-
-    def end(self) -> None:
-        """Take the line away."""
-        if self._handle is not None:
-            self._handle.update(self._line(''), raw=True)
-
-    @staticmethod
-    def _line(text: str) -> dict[str, str]:
-        return {'text/plain': text}
 
 
 def _lacking(package: LearnerPackage) -> Diagnosis | None:

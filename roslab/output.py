@@ -11,8 +11,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+import fcntl
+import os
+import stat
 import sys
+import termios
+import time
 from typing import Any
+
+_SETTLE_S = 0.2
+_LOOK_S = 0.002
 
 
 def shell() -> Any | None:
@@ -81,6 +89,43 @@ def show(text: str, html: str) -> None:
     display({'text/plain': text, 'text/html': html}, raw=True)
 
 
+class ElapsedTime:
+    """
+    One line that counts the seconds where a frontend shows it, and stands still elsewhere.
+
+    :param text: what is going on
+    :param always: say it also where nobody is looking
+    """
+
+    def __init__(self, text: str, always: bool = False) -> None:
+        self._text = text
+        self._always = always
+        self._handle: Any = None
+
+    def __enter__(self) -> ElapsedTime:
+        if has_frontend():
+            from IPython.display import display
+
+            self._handle = display(self._line(f'{self._text} ...'), raw=True, display_id=True)
+        elif self._always:
+            say(f'{self._text} ...')
+        return self
+
+    def tick(self, seconds: float) -> None:
+        """Show how long it has taken so far [s]."""
+        if self._handle is not None:
+            self._handle.update(self._line(f'{self._text} ... {seconds:.0f} s'), raw=True)
+
+    def __exit__(self, *_: object) -> None:
+        """Take the line away."""
+        if self._handle is not None:
+            self._handle.update(self._line(''), raw=True)
+
+    @staticmethod
+    def _line(text: str) -> dict[str, str]:
+        return {'text/plain': text}
+
+
 @contextmanager
 def beside(cell: Cell | None) -> Iterator[None]:
     """
@@ -101,3 +146,26 @@ def beside(cell: Cell | None) -> Iterator[None]:
     finally:
         stdout.flush()
         stdout.reset_thread_parent(token)
+
+
+def settle(_: Any = None) -> None:
+    """
+    Wait a moment until what C code has printed belongs to the running cell.
+
+    ROS writes log lines into a pipe, and the kernel gives what it reads there to the cell that is
+    running then: the next one, if this one was quick.
+    """
+    sink: Any = sys.stdout
+    if getattr(sink, 'watch_fd_thread', None) is None or not stat.S_ISFIFO(os.fstat(1).st_mode):
+        return
+    deadline = time.monotonic() + _SETTLE_S
+    while _unread(1) and time.monotonic() < deadline:
+        time.sleep(_LOOK_S)
+    time.sleep(_LOOK_S)  # from the pipe into the stream
+    sink.flush()
+
+
+def _unread(pipe: int) -> int:
+    """Return how many bytes nobody has read yet."""
+    answer = fcntl.ioctl(pipe, termios.FIONREAD, bytes(4))
+    return int.from_bytes(answer, sys.byteorder)

@@ -10,7 +10,7 @@ from autograder.results import CheckResult, ExamResult, Problem, Verdict
 from roslab.output import current_cell, show
 
 _MARKS = {Verdict.PASSED: '\N{CHECK MARK}', Verdict.FAILED: '\N{BALLOT X}', Verdict.NOT_RUN: '-'}
-_COLOURS = {Verdict.PASSED: '#2e7d32', Verdict.FAILED: '#c0392b', Verdict.NOT_RUN: '#777777'}
+_COLOURS = {Verdict.PASSED: '#388e3c', Verdict.FAILED: '#c0392b', Verdict.NOT_RUN: '#777777'}
 _WORDS = {Verdict.PASSED: 'passed', Verdict.FAILED: 'failed', Verdict.NOT_RUN: 'not run'}
 _MISSING_FILE = 'missing_file'
 _RUN_FIRST = 'A cell is saved when it runs: run the cell of the exercise before its check.'
@@ -105,7 +105,10 @@ class CheckReport:
         checks = self.result.checks if self.result else ()
         remarks = ''.join(f'<p>{html.escape(remark)}</p>' for remark in self._remarks)
         rows = ''.join(_row(check, facts(check, self._titles)) for check in checks)
-        head = ''.join(f'<th scope="col">{name}</th>' for name in ('', 'check', 'points'))
+        head = ''.join(
+            f'<th scope="col" style="text-align: left">{name}</th>'
+            for name in ('', 'check', 'points')
+        )
         table = f'<table><tr>{head}</tr>{rows}</table>' if rows else ''
         return f'<div><strong>{html.escape(self._headline)}</strong>{remarks}{table}</div>'
 

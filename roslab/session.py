@@ -26,7 +26,7 @@ from rclpy.subscription import Subscription
 from rclpy.utilities import get_default_context
 
 from roslab.construction import constructing, Construction, key_of
-from roslab.errors import NotHereError, RoslabError
+from roslab.errors import NotHereError, RoslabError, shown_as
 from roslab.executor import BackgroundExecutor, CallbackStopped, Progress
 from roslab.interrupts import HeldInterrupts
 from roslab.logtable import record_logs
@@ -181,9 +181,15 @@ class Session:
         if self._private is None and not rclpy.ok():
             rclpy.try_shutdown()  # makes room for a new default context
 
+    def losses(self) -> str:
+        """Return which nodes were stopped by an exception, as sentences."""
+        return ' '.join(
+            f'Node {key} {why}.' for key, why in self._lost.items() if why != 'was stopped'
+        )
+
     def hints(self) -> str:
         """Return what may explain that something awaited does not happen, as sentences."""
-        said = [f'Node {key} {why}.' for key, why in self._lost.items() if why != 'was stopped']
+        said = [losses] if (losses := self.losses()) else []
         running = self._background.running if self._background else None
         if running is not None and time.monotonic() - running[1] > _SLOW_CALLBACK_S:
             owner = running[0].get_name() if running[0] is not None else 'a node'
@@ -228,9 +234,12 @@ class Session:
                     f'start({called}) expected a class or function that makes a Node, got '
                     f'{type(node).__name__}. A class must inherit from Node, a function return it.'
                 )
-        except BaseException:
+        except BaseException as error:
             for half_made in making.made:  # or it would stay in the graph without a name
                 _destroy_quietly(half_made)
+            if isinstance(error, Exception) and not isinstance(error, RoslabError):
+                said = f'start({called}) made no node, it raised an exception:'
+                shown_as(error, f'{said}\n{short_traceback(error)}{_what_to_do(error)}')
             raise
         return node
 
@@ -267,6 +276,13 @@ class Session:
                 '  The other nodes go on. Correct the cell, run it, and start the node again.',
                 flush=True,
             )
+
+
+def _what_to_do(error: Exception) -> str:
+    """Return what to do about an exercise that still has its stub."""
+    if isinstance(error, NotImplementedError):
+        return '\n  Replace that line with your own code, run its cell, then run this one again.'
+    return ''
 
 
 def _is_alive(node: Node) -> bool:

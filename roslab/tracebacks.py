@@ -11,6 +11,7 @@ import traceback
 from roslab.output import shell
 
 _MOST_FRAMES = 4
+_INSTALLED = ('site-packages', 'dist-packages')
 _LIBRARIES = tuple(
     os.path.join(path, '')
     for path in {
@@ -45,6 +46,8 @@ def is_library(filename: str) -> bool:
     # A sourced installation has rclpy outside this interpreter's own folders.
     ros = getattr(sys.modules.get('rclpy'), '__file__', None)
     known = (*_LIBRARIES, os.path.join(str(Path(ros).parent), '')) if ros else _LIBRARIES
+    if any(part in _INSTALLED for part in Path(filename).parts):  # messages that colcon built
+        return True
     return os.path.realpath(filename).startswith(known) or filename.startswith(known)
 
 

@@ -340,6 +340,20 @@ while True:
     assert after.text + after.streams['stderr'] == ''
 
 
+def test_stub_in_a_constructor_is_shown_without_frames_of_roslab(kernel):
+    """The first thing a learner sees goes wrong: their own line, and what to do about it."""
+    kernel.run('from roslab import *; from rclpy.node import Node')
+    stub = 'class Mine(Node):\n    def __init__(self):\n        raise NotImplementedError()\n'
+    outputs = kernel.run(f'{stub}start(Mine)')
+    shown = '\n'.join(outputs.error['traceback'])
+
+    assert outputs.error['ename'] == 'NotImplementedError'
+    assert 'start(Mine) made no node' in shown
+    assert re.search(r'Cell In\[\d+\], line 3, in __init__', shown)
+    assert 'Replace that line' in shown
+    assert 'session.py' not in shown
+
+
 def test_callback_exception_is_printed_with_the_cell_line(kernel):
     """The learner sees the node, the cell and the line; other nodes go on."""
     kernel.run(TALKER)

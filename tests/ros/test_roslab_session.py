@@ -320,6 +320,25 @@ def test_another_type_on_the_topic_is_named(session, capfd):
     assert capfd.readouterr().err == ''
 
 
+def test_listener_of_a_failed_wait_goes_although_its_traceback_stays(session):
+    """A kernel keeps the last traceback; the subscription must not stay with it."""
+    listener = Listener(session, 'chatter', String, RELIABLE)
+    with pytest.raises(TimeoutError) as kept:
+        listener.wait(1, timeout=0.05)
+    del listener
+
+    assert kept.tb is not None
+    assert wait_until_in(session, lambda: not list(session.helper.subscriptions), 5, 'its end')
+
+
+def test_failed_wait_names_the_exception_that_stopped_the_publisher(session):
+    """Nobody publishes any more, and the reason is known."""
+    session.start(Failing)
+    wait_until_in(session, lambda: not session.nodes(), 5, 'the failure')
+    with pytest.raises(TimeoutError, match='Node failing stopped: ZeroDivisionError: third'):
+        Listener(session, 'failures', String, RELIABLE).wait(1, timeout=0.05)
+
+
 def test_listener_without_a_name_hears_no_more(session):
     """Running a cell again must not leave the older subscription behind."""
     session.start(Talker)

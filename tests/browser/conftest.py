@@ -1,0 +1,183 @@
+"""
+A course in a temporary folder, a JupyterLab server that serves it, and a headless Chromium.
+
+Playwright is imported by the fixtures only: the other tests are collected without it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+import json
+import os
+from pathlib import Path
+import secrets
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from typing import Any
+from urllib.request import urlopen
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+ASSIGNMENT = '07_temperature_monitor'
+BROWSERS = ('chromium', 'chromium-browser', 'google-chrome')
+# Without the network options Chromium looks up hosts of its maker at every start.
+ARGUMENTS = (
+    *('--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run'),
+    *('--disable-background-networking', '--disable-component-update', '--disable-sync'),
+)
+UNDER_TEST = 'PYTEST_CURRENT_TEST'
+START_S = 60.0
+POLL_S = 0.1
+
+
+@dataclass(frozen=True)
+class Lab:
+    """
+    A running JupyterLab.
+
+    :param address: of the server, with a slash at its end
+    :param token: to be given once, a cookie does the rest
+    :param course: the folder that it serves
+    """
+
+    address: str
+    token: str
+    course: Path
+
+    def url(self, path: str = '') -> str:
+        """Return the address at which JupyterLab opens a file of the course."""
+        return f'{self.address}lab/{f"tree/{path}" if path else ""}?token={self.token}'
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo) -> Iterator[None]:
+    """Add a last picture to those of a failed test, and say where they are."""
+    report = yield
+    used: dict[str, Any] = getattr(item, 'funcargs', {})
+    if call.when == 'call' and report.failed and 'page' in used:
+        used['page'].screenshot(path=used['shots'] / 'failed.png')
+        report.sections.append(('Screenshots', str(used['shots'])))
+    return report
+
+
+@pytest.fixture
+def shots(tmp_path: Path) -> Path:
+    """Return the folder for screenshots; pytest keeps those of the last three runs."""
+    folder = tmp_path / 'shots'
+    folder.mkdir()
+    return folder
+
+
+@pytest.fixture(scope='session')
+def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a course without submissions, as an instructor has it, and the solved lesson."""
+    root = tmp_path_factory.mktemp('lab') / 'course'
+    for folder in ('solutions', 'notebooks'):
+        shutil.copytree(
+            ROOT / folder,
+            root / folder,
+            ignore=shutil.ignore_patterns('ros_ws', '.ipynb_checkpoints'),
+        )
+    shutil.copy(ROOT / 'nbgrader_config.py', root)
+    shutil.copytree(root / 'solutions' / ASSIGNMENT, root / 'lesson')
+    from autograder.layout import Layout
+    from autograder.record import enter_assignment
+
+    (root / 'autograder' / '_work').mkdir(parents=True)
+    enter_assignment(Layout(root), ASSIGNMENT)  # what a release does, in half the time
+    return root
+
+
+@pytest.fixture(scope='session')
+def lab(course: Path) -> Iterator[Lab]:
+    """Return a JupyterLab that knows nothing of the user's own settings and open files."""
+    home = course.parent
+    settings = home / 'settings' / '@jupyterlab' / 'notebook-extension'
+    settings.mkdir(parents=True)
+    # All cells are in the page, not only those in sight.
+    (settings / 'tracker.jupyterlab-settings').write_text('{"windowingMode": "none"}')
+    # In a test, ipykernel leaves alone what C code prints, such as the lines of ROS loggers.
+    inherited = {name: text for name, text in os.environ.items() if name != UNDER_TEST}
+    token = secrets.token_hex(8)
+    log = home / 'jupyterlab.log'
+    with log.open('w') as file:
+        server = subprocess.Popen(
+            [
+                *(sys.executable, '-m', 'jupyterlab', '--no-browser', '--allow-root'),
+                *(f'--ServerApp.root_dir={course}', '--ServerApp.ip=127.0.0.1'),
+                *(f'--ServerApp.port={_free_port()}', f'--IdentityProvider.token={token}'),
+                '--MultiKernelManager.default_kernel_name=ros2_jazzy',
+            ],
+            cwd=course,
+            env={
+                **inherited,
+                'HOME': str(home),
+                'JUPYTER_RUNTIME_DIR': str(home / 'runtime'),
+                'JUPYTERLAB_SETTINGS_DIR': str(home / 'settings'),
+                # Another kernel on this machine must not be heard.
+                'ROS_DOMAIN_ID': str(1 + os.getpid() % 100),
+            },
+            stdin=subprocess.DEVNULL,
+            stdout=file,
+            stderr=subprocess.STDOUT,
+        )
+    try:
+        yield Lab(_address(server, home / 'runtime', log), token, course)
+    finally:
+        server.terminate()  # ends its kernels too
+        try:
+            server.wait(20)
+        except subprocess.TimeoutExpired:
+            server.kill()
+            server.wait()
+
+
+def _free_port() -> int:
+    """Return a port that is free now; if it is taken meanwhile, Jupyter tries others."""
+    with socket.socket() as probe:
+        probe.bind(('127.0.0.1', 0))
+        return probe.getsockname()[1]
+
+
+def _address(server: subprocess.Popen, runtime: Path, log: Path) -> str:
+    """Wait until the server answers, and return the address that it has chosen."""
+    deadline = time.monotonic() + START_S
+    while time.monotonic() < deadline and server.poll() is None:
+        for described in runtime.glob('jpserver-*.json'):
+            try:
+                address = json.loads(described.read_text())['url']
+                with urlopen(f'{address}api'):
+                    return address
+            except (OSError, ValueError):
+                pass  # half written, or not listening yet
+        time.sleep(POLL_S)
+    raise AssertionError(f'JupyterLab did not start:\n{log.read_text()[-3000:]}')
+
+
+@pytest.fixture(scope='session')
+def browser() -> Iterator[Any]:
+    """Return a headless Chromium of the system."""
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    assert found, f'No browser ({", ".join(BROWSERS)}). Try: sudo apt-get install -y chromium'
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=found, args=list(ARGUMENTS))
+        yield running
+        running.close()
+
+
+@pytest.fixture
+def page(browser: Any, shots: Path) -> Iterator[Any]:
+    """Return an empty page; what its scripts raise is in ``page.errors``."""
+    context = browser.new_context(viewport={'width': 1360, 'height': 900})
+    opened = context.new_page()
+    opened.errors = []
+    opened.on('pageerror', lambda error: opened.errors.append(str(error)))
+    yield opened
+    context.close()

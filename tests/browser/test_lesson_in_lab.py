@@ -1,0 +1,135 @@
+"""
+The lesson and the grader as people meet them: JupyterLab in a headless Chromium.
+
+    make test-browser                        # installs Playwright, looks for a Chromium
+    make test-browser ARGS='-k formgrader'
+
+Screenshots are kept in pytest's temporary folder; a failed test says where.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import re
+from typing import Any
+
+from conftest import ASSIGNMENT, Lab
+import pytest
+
+pytestmark = [pytest.mark.browser, pytest.mark.ros, pytest.mark.slow]
+
+NOTEBOOK = 'temperature_monitor.ipynb'
+OPEN_MS = 60_000
+CELL_MS = 120_000
+"""The longest wait for one thing to happen: the first build on a busy machine."""
+
+CHECKS = (
+    ('temperature_message', 10),
+    ('temperature_publisher', 15),
+    ('temperature_subscriber', 15),
+)
+TROUBLE = '[data-mime-type$="jupyter.error"], [data-mime-type$="jupyter.stderr"]'
+"""Pink boxes."""
+RUNS_AND_SHOWS = """
+([cell, words, trouble]) => document.querySelector(trouble) !== null
+    || cell.querySelector('.jp-InputPrompt').textContent.includes('*')
+    && cell.querySelector('.jp-Cell-outputArea').textContent.includes(words)
+"""
+
+
+def choose(page: Any, *labels: str) -> None:
+    """Choose an entry of the menu bar."""
+    page.locator(f'.lm-MenuBar-itemLabel:text-is("{labels[0]}")').click()
+    for label in labels[1:]:
+        page.locator(f'.lm-Menu-itemLabel:text-is("{label}")').click()
+
+
+def cell_with(page: Any, *words: str) -> Any:
+    """Return the code cell whose source has these words."""
+    found = page.locator('.jp-CodeCell')
+    for word in words:
+        found = found.filter(has=page.locator('.jp-InputArea', has_text=word))
+    assert found.count() == 1, words
+    return found
+
+
+def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shots: Path) -> None:
+    """Every cell runs, readings appear while their cell is busy, and the tables are green."""
+    from playwright.sync_api import expect
+
+    page.goto(lab.url(f'lesson/{NOTEBOOK}'))
+    expect(page.locator('.jp-CodeCell')).to_have_count(29, timeout=OPEN_MS)
+    # Without a kernel, Run All Cells does nothing and says nothing.
+    ready = page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle')
+    expect(ready).to_be_visible(timeout=OPEN_MS)
+    choose(page, 'Run', 'Run All Cells')
+    live = cell_with(page, 'start(TemperaturePublisher)', 'readings.wait')
+    live.scroll_into_view_if_needed()
+    page.wait_for_function(
+        RUNS_AND_SHOWS,
+        arg=[live.element_handle(), '[INFO] [temperature_publisher]: ', TROUBLE],
+        timeout=CELL_MS,
+    )
+    assert page.locator(TROUBLE).all_inner_texts() == []
+    live.screenshot(path=shots / 'live.png')
+    finished = re.compile(r'^\[\d+\]:$')
+    last = page.locator('.jp-CodeCell').last
+    expect(last.locator('.jp-InputPrompt')).to_have_text(finished, timeout=CELL_MS)
+
+    # Each line is with the cell that caused it, also when cells follow one another at once.
+    for fed, warnings in (('feed([(29.9', 2), ('feed([(300.0', 1)):
+        output = cell_with(page, fed).locator('.jp-Cell-outputArea')
+        assert output.inner_text().count('[WARN] [temperature_subscriber]') == warnings
+    for exam, points in CHECKS:
+        shown = cell_with(page, f"check('{exam}')").locator('.jp-Cell-outputArea')
+        shown.scroll_into_view_if_needed()
+        page.screenshot(path=shots / f'{exam}.png')
+
+        expect(shown).to_contain_text(f'{exam}: {points} of {points} points')
+        expect(shown).not_to_contain_text('[INFO]')
+        marks = shown.locator('tr td:first-child').all_inner_texts()
+        assert len(marks) > 3
+        assert set(marks) == {'✓'}
+    assert page.locator(TROUBLE).all_inner_texts() == []
+    assert page.errors == []
+
+
+def hand_in(lab: Lab, student: str, **changes: str) -> None:
+    """Hand in the solution with some words replaced and the written question unanswered."""
+    notebook = json.loads((lab.course / 'lesson' / NOTEBOOK).read_text(encoding='utf-8'))
+    for cell in notebook['cells']:
+        source = ''.join(cell['source'])
+        for old, new in changes.items():
+            source = source.replace(old, new)
+        if cell['metadata'].get('nbgrader', {}).get('grade_id') == 'explain_threshold':
+            source = 'YOUR ANSWER HERE'
+        cell['source'] = source
+    folder = lab.course / 'autograder' / '_work' / 'submitted' / student / ASSIGNMENT
+    folder.mkdir(parents=True)
+    (folder / NOTEBOOK).write_text(json.dumps(notebook), encoding='utf-8')
+
+
+def test_autograde_button_of_formgrader_gives_the_score(lab: Lab, page: Any, shots: Path) -> None:
+    """A publisher of two readings a second loses the three points for its rate, and no more."""
+    from playwright.sync_api import expect
+
+    hand_in(lab, 'two_hertz', **{'PERIOD_S = 1.0': 'PERIOD_S = 0.5'})
+    page.goto(lab.url())
+    choose(page, 'Nbgrader', 'Formgrader')
+    formgrader = page.frame_locator('iframe[src*="formgrader"]')
+    assignment = formgrader.locator('tr', has_text=ASSIGNMENT)
+    assignment.locator('.num-submissions a').click(timeout=OPEN_MS)
+    row = formgrader.locator('tr', has_text='two_hertz')
+    expect(row.locator('.status')).to_have_text('needs autograding', timeout=OPEN_MS)
+
+    row.locator('.autograde a').click()
+    answer = formgrader.locator('.modal:visible')
+    expect(answer).to_contain_text('Successfully autograded', timeout=CELL_MS)
+    page.screenshot(path=shots / 'autograded.png')
+    answer.get_by_role('button', name='OK').click()
+    expect(answer).to_be_hidden()
+    expect(row.locator('.status')).to_have_text('graded', timeout=OPEN_MS)
+    expect(row.locator('.score')).to_have_text('37 / 45')
+    page.screenshot(path=shots / 'scores.png')
+    assert page.errors == []
