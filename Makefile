@@ -45,6 +45,7 @@ prepare:
 lab: prepare
 	@exec $(WITH_ROS) jupyter lab $(AS_ROOT) --ServerApp.root_dir='$(CURDIR)' \
 	  --FileContentsManager.preferred_dir='$(CURDIR)/notebooks' \
+	  --LabApp.workspaces_dir='$(abspath $(VENV))/ros2_course/workspaces' \
 	  --MultiKernelManager.default_kernel_name=ros2_jazzy $(ARGS)
 
 grade: prepare

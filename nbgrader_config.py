@@ -63,4 +63,7 @@ warnings.filterwarnings('ignore', message='Object of type .* not in session')
 
 # Students' Markdown is shown to instructors by feedback and formgrader.
 c.HTMLExporter.sanitize_html = True
-c.HTMLExporter.filters = {'markdown2html': 'autograder.nbgrader_plugin.safe_markdown'}
+c.HTMLExporter.filters = {
+    'markdown2html': 'autograder.nbgrader_plugin.safe_markdown',
+    'clean_html': 'autograder.nbgrader_plugin.safe_html',
+}

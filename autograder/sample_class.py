@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 import json
 from pathlib import Path
+import tempfile
 from typing import Any
 
 from autograder.cells import body_of, CellFile
@@ -114,7 +115,7 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
     release = read_release(layout.release(assignment))
     damage = str(expected_of(sample).get('notebook', ''))
     if damage == UNTOUCHED:
-        return _bytes(release)
+        return _untouched(layout, assignment)
     if damage not in DAMAGES:
         raise GraderError(
             f'{sample.name}/expected.json: notebook is {damage!r}.',
@@ -139,6 +140,19 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
     ]
     notebook, _ = rebuild(release, cells)
     return DAMAGES[damage](notebook)
+
+
+def _untouched(layout: Layout, assignment: str) -> bytes:
+    """
+    Return the student version as it is generated.
+
+    Not the one in the release folder: somebody may have solved the lesson there.
+    """
+    from autograder import converters
+
+    with tempfile.TemporaryDirectory(prefix='release-') as folder:
+        converters.generate(layout, assignment, Path(folder), database=False)
+        return (Path(folder) / assignment / layout.release(assignment).name).read_bytes()
 
 
 def _magic_line(file: CellFile) -> str:

@@ -192,6 +192,7 @@ class TestCommands:
         assert 'href="javascript:alert' not in pages['mal']
         assert '<img src=x' not in pages['mal']
         assert '<b>something</b>' not in pages['mal']
+        assert not [student for student, page in pages.items() if '&lt;p&gt;' in page]
 
     def test_hidden_inputs_are_in_no_file_that_leaves_the_grader(self, graded_by_command):
         """Release, autograded notebook, feedback, gradebook."""

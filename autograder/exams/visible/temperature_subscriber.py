@@ -184,7 +184,7 @@ def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Ca
             "The lines come from a logger that is not the node's own; they reach no /rosout.",
             'Use self.get_logger(), not rclpy.logging.get_logger(...).',
         )
-    if not run.recording.logs() and any(
+    if not run.recording.logs(level=INFO) and any(
         _shown(one, [{'level': 0, 'text': printed}], None)
         for one in (*run.facts['singles'], *run.facts['burst'])
         if not one.odd
@@ -301,7 +301,7 @@ def stays_quiet_otherwise(run: Run) -> None:
             expected='INFO lines for cool readings and no warning',
             observed=f'{len(handled)} of {len(groups)} cool readings were handled: silence alone '
             'proves nothing',
-            why=why_silent(run),
+            why=_why_not_logged(run, None, None),
             share=share_of(run, len(handled), len(groups)),
         )
     _can_warn(run)
