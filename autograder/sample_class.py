@@ -21,7 +21,7 @@ from pathlib import Path
 import tempfile
 from typing import Any
 
-from autograder.cells import body_of, CellFile
+from autograder.cells import body_of, CellFile, UNSOLVED
 from autograder.errors import GraderError
 from autograder.extract import answer_files
 from autograder.layout import Layout
@@ -146,8 +146,12 @@ def _untouched(layout: Layout, assignment: str) -> bytes:
     """
     Return the student version as it is generated.
 
-    Not the one in the release folder: somebody may have solved the lesson there.
+    Not the one in the release folder if somebody has solved the lesson there.
     """
+    release = read_release(layout.release(assignment))
+    answers = [cell['source'] for cell in release['cells'] if marks_of(cell).get('solution')]
+    if all(UNSOLVED in answer or 'YOUR ANSWER HERE' in answer for answer in answers):
+        return _bytes(release)
     from autograder import converters
 
     with tempfile.TemporaryDirectory(prefix='release-') as folder:
