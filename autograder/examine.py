@@ -90,7 +90,8 @@ def _run(
     try:
         return observe(exam.name, exam.scenario, files, sandbox)
     except ProbeFailed:
-        return observe(exam.name, exam.scenario, files, sandbox)
+        recording, timing = observe(exam.name, exam.scenario, files, sandbox)
+        return recording, {**timing, 'repeated': 1.0}
 
 
 def _one_at_a_time(key: str) -> threading.Lock:

@@ -145,7 +145,8 @@ class _Watched:
         self._read_the_rest()
         if not self.events or self.events[-1]['event'] != 'end':
             if not self.killed or not self.ready_s:
-                raise ProbeFailed(f'The probe broke off: {said or "it said nothing"}.')
+                code = self.probe.returncode
+                raise ProbeFailed(f'The probe broke off with code {code}: {said or "no word"}.')
             self.events.append({'event': 'end', 'clock_ns': None, 'reason': self.killed})
         self.events.append(self._process_event())
         return self.events

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 import select
@@ -12,8 +11,9 @@ import sys
 
 import pytest
 
-from autograder.exam import Scenario
-from autograder.observe import INSIDE, laid_out, observe, usage
+from autograder import exams
+from autograder.examine import examine
+from autograder.observe import INSIDE, laid_out, usage
 from autograder.sandbox import Limits, plain, Program, strongest
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros]
@@ -93,9 +93,9 @@ def test_usage_counts_the_memory_of_children():
 
 def test_visible_checks_run_without_a_sandbox_and_say_so():
     """On a laptop without bubblewrap a plain child process does it."""
-    code = "import rclpy\nrclpy.init()\nrclpy.spin(rclpy.create_node('alone'))\n"
-    recording, _ = observe('x', Scenario(file='n.py'), {'n.py': code}, plain())
+    code = "import rclpy\nrclpy.init()\nrclpy.spin(rclpy.create_node('temperature_publisher'))\n"
+    exam = exams.load('temperature_publisher', hidden=False)
+    result = examine(exam, {'temp_publisher.py': code}, sandbox=plain())
 
-    assert recording.header['mode'] == 'plain'
-    assert '/alone' in recording.nodes
-    assert json.loads(next(recording.lines()))['mode'] == 'plain'
+    assert result.mode == 'plain'
+    assert [check.check for check in result.checks if check.points] == ['starts_its_node']
