@@ -162,18 +162,6 @@ class SubmissionResult:
         """Return what an instructor should look at, in words, without repeats."""
         return tuple(dict.fromkeys(flag for exam in self.exams for flag in exam.flags))
 
-    @property
-    def first_cause(self) -> str:
-        """Return the most useful single line: our fault, a problem, or the first failure."""
-        if self.fault:
-            return self.fault
-        if self.problems:
-            return self.problems[0].line()
-        for exam in self.exams:
-            for check in exam.failed:
-                return check.cause or check.observed
-        return ''
-
     def to_json(self) -> dict[str, Any]:
         """Return JSON types only."""
         return asdict(self)

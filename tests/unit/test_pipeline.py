@@ -9,6 +9,7 @@ import threading
 import pytest
 
 from autograder.errors import ProbeFailed
+from autograder.feedback import headline
 from autograder.inbox import Submission
 from autograder.pipeline import grade_class, grade_notebook, Lesson
 from autograder.results import CheckResult, ExamResult, Verdict
@@ -100,7 +101,7 @@ def test_a_broken_file_is_zero_with_the_reason():
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
 
     assert points(graded) == {'ann': 0.0, 'bob': 2.0}
-    assert 'not JSON' in graded[0].result.first_cause
+    assert 'not JSON' in headline(graded[0].result)
 
 
 def test_progress_is_told_once_a_run():
