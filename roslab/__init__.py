@@ -1,23 +1,46 @@
 """
 What the course's notebooks import.
 
-``import roslab`` in a notebook makes the cell magics ``%%node``, ``%%rosmsg`` and ``%%rospkg``
-known.  ROS 2 itself is started by the first call that needs it.
+``import roslab`` in a notebook makes the cell magics ``%%node``, ``%%rosmsg``, ``%%rospkg`` and
+``%%answer`` known.  ROS 2 itself is started by the first call that needs it.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from roslab.api import listen, logs, nodes, start, stop, stop_all, wait_until
+from roslab import guide
+from roslab.api import (
+    echo,
+    graph,
+    hz,
+    info,
+    listen,
+    logs,
+    nodes,
+    plot,
+    start,
+    stop,
+    stop_all,
+    timeline,
+    topics,
+    wait_until,
+)
 from roslab.checking import check
 from roslab.errors import NameRefusedError, NotHereError, RoslabError
+from roslab.gallery import explain
 from roslab.interrupts import watch_cells
+from roslab.lifecycle_picture import lifecycle
+from roslab.live_plot import paint_all
 from roslab.logtable import record_logs
 from roslab.magics import register
 from roslab.messages import build_messages
-from roslab.output import settle, shell
+from roslab.output import shell
 from roslab.package_files import package
+from roslab.pages import lay_out
+from roslab.qos_table import qos_table
+from roslab.quiz import quiz
+from roslab.spinning import make_spinning_interruptible, refuse_to_spin_twice
 
 __all__ = [
     'NameRefusedError',
@@ -25,13 +48,24 @@ __all__ = [
     'RoslabError',
     'build_messages',
     'check',
+    'echo',
+    'explain',
+    'graph',
+    'hz',
+    'info',
+    'lifecycle',
     'listen',
     'logs',
     'nodes',
     'package',
+    'plot',
+    'qos_table',
+    'quiz',
     'start',
     'stop',
     'stop_all',
+    'timeline',
+    'topics',
     'wait_until',
 ]
 
@@ -46,4 +80,8 @@ if _shell is not None:
     register(_shell)
     watch_cells(_shell)
     record_logs()
-    _shell.events.register('post_run_cell', settle)
+    _shell.events.register('post_run_cell', paint_all)
+    lay_out(_shell)
+    make_spinning_interruptible()
+    refuse_to_spin_twice()
+    guide.load_ipython_extension(_shell)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from roslab.graph_picture import Graph, graph_now
+from roslab.introspection import print_info, print_messages, print_rate, print_topics
 from roslab.listening import Listener
+from roslab.live_plot import Plot
 from roslab.logtable import log_table, LogTable
 from roslab.session import session
+from roslab.timeline_picture import make_timeline, Timeline
 from roslab.waiting import wait_until_in
 
 T = TypeVar('T')
@@ -42,7 +46,7 @@ def stop(node: Node | str) -> None:
 
 
 def stop_all() -> None:
-    """Stop and destroy all nodes that were started here."""
+    """Stop and destroy all nodes that were started here, and end what ``listen`` subscribed to."""
     session().stop_all()
 
 
@@ -88,3 +92,87 @@ def logs(node: Node | str | None = None) -> LogTable:
         return log_table()
     name = node if isinstance(node, str) else node.get_fully_qualified_name()
     return log_table(name.strip('/').replace('/', '.'))
+
+
+def graph(topic: str | None = None, *, all: bool = False) -> Graph:
+    """
+    Return the nodes and topics that are seen now: a picture, or lines of text with ``str()``.
+
+    Nodes of this notebook are seen at once, those of other programs when they are discovered.
+
+    :param topic: only this topic and its nodes
+    :param all: also hidden nodes, ``/rosout`` and ``/parameter_events``
+    """
+    return graph_now(session(), topic, all)
+
+
+def timeline(
+    *sources: Listener | Plot,
+    marks: Mapping[str, Iterable[float]] | None = None,
+    seconds: float | None = None,
+) -> Timeline:
+    """
+    Return messages against time: a picture, or a table of text with ``str()``.
+
+    :param sources: listeners; the axis begins when the first of them began to listen
+    :param marks: what else happened and when, as the first listener's ``now`` told it [s]
+    :param seconds: only so many seconds before the newest event [s]
+    """
+    return make_timeline(sources, marks, seconds)
+
+
+def plot(topic: str, field: str, *, seconds: float = 20.0, threshold: float | None = None) -> Plot:
+    """
+    Show a number of a topic against time, in this cell, while later cells run.
+
+    :param topic: its name; the type is found in the graph
+    :param field: such as ``temperature``, ``header.stamp.sec`` or ``data[0]``
+    :param seconds: length of the time axis [s]
+    :param threshold: a level to compare the values with
+    """
+    made = Plot(session(), topic, field, seconds, threshold)
+    made.begin()
+    return made
+
+
+def echo(
+    topic: str, count: int = 1, timeout: float = 5.0, *, qos: QoSProfile | None = None
+) -> None:
+    """
+    Print messages as they arrive, as ``ros2 topic echo`` does.
+
+    :param topic: its name; the type is found in the graph
+    :param count: how many messages
+    :param timeout: how long to wait for all of them [s]
+    :param qos: profile of the subscription, instead of one that fits all publishers
+    """
+    print_messages(session(), topic, count, timeout, qos)
+
+
+def hz(topic: str, count: int = 5, timeout: float = 10.0) -> None:
+    """
+    Print how often messages arrive, as ``ros2 topic hz`` does.
+
+    :param topic: its name; the type is found in the graph
+    :param count: how many messages to measure
+    :param timeout: how long to wait for them [s]
+    """
+    print_rate(session(), topic, count, timeout)
+
+
+def info(name: str) -> None:
+    """
+    Print what ``ros2 topic info -v`` says of a topic, or ``ros2 node info`` of a node.
+
+    :param name: of a topic or a node
+    """
+    print_info(session(), name)
+
+
+def topics(types: bool = True) -> None:
+    """
+    Print all topics, as ``ros2 topic list -t`` does.
+
+    :param types: also the type of each
+    """
+    print_topics(session(), types)

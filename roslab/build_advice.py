@@ -230,7 +230,7 @@ MISTAKES = (
     ),
     Mistake(
         'missing_dependencies',
-        r"KeyError: '(?P<dependency>\w+)' (?=.*type_description)",
+        r"^(?=.*type_description).*?KeyError: '(?P<dependency>\w+)'",
         "A message uses a type of '{dependency}', and CMake was not told.",
         'Add DEPENDENCIES {dependency} inside rosidl_generate_interfaces(), and '
         'find_package({dependency} REQUIRED) above it.',
@@ -270,7 +270,7 @@ MISSING_AMENT_PACKAGE = Diagnosis(
 NO_MESSAGES = Diagnosis(
     'no_messages',
     'It was built, but no message was made.',
-    'Call rosidl_generate_interfaces(${PROJECT_NAME} "msg/Temperature.msg" ...) there.',
+    'Call rosidl_generate_interfaces(${PROJECT_NAME} "msg/Name.msg" ...) there.',
     'CMakeLists.txt',
 )
 

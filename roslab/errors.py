@@ -21,6 +21,10 @@ class NameRefusedError(RoslabError):
     """A magic line names no file that may be written."""
 
 
+class AnswerRefusedError(RoslabError):
+    """An ``%%answer`` cell holds none of the letters."""
+
+
 class NodeSyntaxError(RoslabError):
     """A ``%%node`` cell is not valid Python; IPython would add its own frames to a SyntaxError."""
 

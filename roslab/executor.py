@@ -10,7 +10,7 @@ done between two callbacks, so that entities are added and destroyed while no wa
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 import ctypes
 from queue import Empty, SimpleQueue
 import threading
@@ -29,8 +29,21 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 OnFailure = Callable[[Node | None, BaseException], None]
+Around = Callable[[Node | None], AbstractContextManager[None]]
 
 _MOST_FAILURES_IN_A_ROW = 100
+
+
+def destroy_wholly(node: Node) -> None:
+    """
+    Destroy a node at once, whoever still refers to it.
+
+    rclpy leaves the state machine of a lifecycle node to the garbage collector, and with it the
+    node's name, topics and services in the graph.
+    """
+    node.destroy_node()
+    if hasattr(node, '_state_machine'):
+        node._state_machine = None
 
 
 class CallbackStopped(BaseException):
@@ -82,14 +95,21 @@ class GuardedExecutor(Executor):
     :param context: the context of all its nodes
     :param on_failure: called in the spinning thread with the node and what its callback raised
     :param on_progress: called in the spinning thread after each callback and request
+    :param around: returns what is entered for each callback of a node
     """
 
     def __init__(
-        self, *, context: Context, on_failure: OnFailure, on_progress: Callable[[], None]
+        self,
+        *,
+        context: Context,
+        on_failure: OnFailure,
+        on_progress: Callable[[], None],
+        around: Around = lambda _: nullcontext(),
     ) -> None:
         super().__init__(context=context)
         self._on_failure = on_failure
         self._on_progress = on_progress
+        self._around = around
         self._asked: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self.running: tuple[Node | None, float] | None = None
         """The node whose callback runs now and since when (``time.monotonic``), or None."""
@@ -132,7 +152,8 @@ class GuardedExecutor(Executor):
     def _run(self, task: Any, node: Node | None) -> None:
         self.running = (node, time.monotonic())
         try:
-            task()
+            with self._around(node):
+                task()
             failure = task.exception()
         except BaseException as stop:  # a task keeps an Exception, SystemExit comes through
             task.cancel()
@@ -151,13 +172,20 @@ class BackgroundExecutor:
     :param context: an initialised context
     :param on_failure: see :class:`GuardedExecutor`
     :param progress: notified after each callback
+    :param around: see :class:`GuardedExecutor`
     """
 
-    def __init__(self, context: Context, on_failure: OnFailure, progress: Progress) -> None:
+    def __init__(
+        self,
+        context: Context,
+        on_failure: OnFailure,
+        progress: Progress,
+        around: Around = lambda _: nullcontext(),
+    ) -> None:
         self.context = context
         self._stopping = False
         self._executor = GuardedExecutor(
-            context=context, on_failure=on_failure, on_progress=progress.notify
+            context=context, on_failure=on_failure, on_progress=progress.notify, around=around
         )
         self._thread = threading.Thread(target=self._spin, name='roslab executor', daemon=True)
         self._thread.start()
@@ -190,7 +218,7 @@ class BackgroundExecutor:
 
         def go() -> None:
             self._executor.remove_node(node)
-            node.destroy_node()
+            destroy_wholly(node)
 
         if self.is_this_thread or self._do(go, patience_s):
             return

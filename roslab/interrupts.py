@@ -1,22 +1,37 @@
 """
 Interrupt, at any moment and without harm.
 
-The kernel's Interrupt raises KeyboardInterrupt between any two instructions of a cell.  Two
+The kernel's Interrupt raises KeyboardInterrupt between any two instructions of a cell.  Three
 moments are bad: between making a node and writing down that it exists, where it would leave a node
-nobody knows of, and inside a finalizer, where Python drops the exception and the cell runs on.
+nobody knows of; inside a finalizer, where Python drops the exception and the cell runs on; and
+in the kernel's own code before and after a cell, where it would lose a message, or have IPython
+give up showing errors as :mod:`roslab.guide` does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import atexit
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 import signal
 import threading
 from types import FrameType, TracebackType
 from typing import Any
 import weakref
 
+from IPython.core import interactiveshell
+
 _RETRY_S = 0.01
+_SHOWING_ERRORS = frozenset(
+    {'wrapped', 'showtraceback', 'showsyntaxerror', '_format_exception_for_storage'}
+)
+"""Functions of IPython that show the error of a cell; ``wrapped`` calls a custom handler."""
+_RUNNING = frozenset(
+    {'run_code', 'user_expressions', 'comm_open', 'comm_msg', 'do_complete', 'do_inspect'}
+)
+"""Functions of IPython and its kernel that run code of learners; an interrupt elsewhere in the
+kernel would lose the message that asks for a cell, which would then never come to its end."""
 
 
 class HeldInterrupts:
@@ -65,35 +80,125 @@ class HeldInterrupts:
         self._held = True
 
 
+@contextmanager
+def no_interrupts() -> Iterator[None]:
+    """Ignore interrupts for a moment in which nothing of a learner's is running."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    previous = signal.signal(signal.SIGINT, lambda *_: None)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, previous)
+
+
 def watch_cells(shell: Any) -> None:
     """
-    Deliver the interrupts of this kernel's cells outside of finalizers.
+    Deliver the interrupts of this kernel's cells where they do no harm.
 
     :param shell: what ``get_ipython()`` returns
     """
-    # ipykernel puts its own handler in place for each cell, and the older one back after it.
+    # ipykernel puts its own handler in place for each message, and the older one back after it.
     shell.events.register('pre_run_cell', _watch_cell)
+    kernel = getattr(shell, 'kernel', None)
+    if kernel is None:
+        return
+    from ipykernel import zmqshell  # not there outside of a kernel
+
+    put_in_place = kernel.pre_handler_hook
+
+    def before_a_message() -> None:
+        put_in_place()
+        _watched.message += 1
+        _watch_cell()
+
+    kernel.pre_handler_hook = before_a_message
+    # Interrupted commands end, and IPython goes on with the cell; their names in its modules.
+    for module, name in ((zmqshell, 'system'), (interactiveshell, 'getoutput')):
+        setattr(module, name, _ending_the_cell(getattr(module, name)))
+    # An interrupt that comes while the kernel ends would break off what others still have to do.
+    # Registered late, this runs before them.
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
 
-def _watch_cell(_: Any) -> None:
+def interrupted() -> bool:
+    """Tell whether an interrupt was delivered to the running cell."""
+    return _watched.interrupted
+
+
+@dataclass
+class _Watched:
+    """
+    What is known of the message that the kernel handles.
+
+    :param message: its number
+    :param interrupted: whether an interrupt was delivered since the cell began
+    """
+
+    message: int = 0
+    interrupted: bool = False
+
+
+_watched = _Watched()
+
+
+def _watch_cell(_: Any = None) -> None:
+    _watched.interrupted = False
     main = threading.current_thread() is threading.main_thread()
     if main and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _deliver)
 
 
+def _ending_the_cell(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that runs a command, and whose cell ends if the command is interrupted."""
+
+    def run(*arguments: Any) -> Any:
+        _watched.interrupted = False
+        try:
+            result = command(*arguments)
+        except UnboundLocalError:
+            # IPython's answer to an interrupt that comes before its child was started.
+            if not interrupted():
+                raise
+            raise KeyboardInterrupt from None
+        if interrupted():
+            raise KeyboardInterrupt
+        return result
+
+    return run
+
+
 def _deliver(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt, a little later if it would be lost here."""
-    if not _in_finalizer(frame):
+    """Raise KeyboardInterrupt, a little later if it would be lost here, never in an ended cell."""
+    moment = _moment(frame)
+    if moment == 'now':
+        _watched.interrupted = True
         signal.default_int_handler(number, frame)
-    main = threading.main_thread().ident or 0
-    retry = threading.Timer(_RETRY_S, signal.pthread_kill, (main, signal.SIGINT))
-    retry.daemon = True
-    retry.start()
+    elif moment == 'later':
+        retry = threading.Timer(_RETRY_S, _send_again, (_watched.message,))
+        retry.daemon = True
+        retry.start()
 
 
-def _in_finalizer(frame: FrameType | None) -> bool:
+def _send_again(message: int) -> None:
+    if message == _watched.message:  # or it would hit the next cell
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+
+
+def _moment(frame: FrameType | None) -> str:
+    """
+    Return when an interrupt is to be delivered: ``now``, ``later`` or ``never``.
+
+    :param frame: where the main thread is
+    """
+    running = False
     while frame is not None:
-        if frame.f_code.co_name == '__del__' or frame.f_code.co_filename == weakref.__file__:
-            return True
+        name, file = frame.f_code.co_name, frame.f_code.co_filename
+        if name == '__del__' or file == weakref.__file__:
+            return 'later'
+        if name in _SHOWING_ERRORS and file == interactiveshell.__file__:
+            return 'never'
+        running = running or name in _RUNNING
         frame = frame.f_back
-    return False
+    return 'now' if running else 'later'

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+import time
 from typing import Any
 import weakref
 
@@ -25,6 +26,8 @@ class Listener:
     Keeps what arrives on a topic.
 
     It hears as long as a name refers to it, so a cell that is run again replaces its listener.
+    ``stop_all()`` ends its subscription, too, and keeps what was heard; ``wait`` and ``clear``
+    begin to listen again.
 
     :param session: whose hidden node subscribes
     :param topic: name of the topic
@@ -37,24 +40,51 @@ class Listener:
         self.msg_type = msg_type
         self.qos = qos
         self._session = session
-        self._heard: deque[Any] = deque(maxlen=_MOST_MESSAGES)
-        self._node = session.helper
-        with HeldInterrupts():
-            # The callback holds the deque, not the listener, which has to be free to go.
-            subscription = _subscribe(self._node, topic, msg_type, qos, self._heard)
-            self._end = weakref.finalize(self, _unsubscribe, session, self._node, subscription)
-            # At exit the session destroys its nodes as a whole.
-            self._end.atexit = False
+        self._heard: deque[tuple[float, Any]] = deque(maxlen=_MOST_MESSAGES)
+        self.began = time.monotonic()
+        self._begin()
 
     @property
     def messages(self) -> list[Any]:
         """All messages heard so far, oldest first."""
-        return list(self._heard)
+        return [message for _, message in tuple(self._heard)]
+
+    @property
+    def times(self) -> list[float]:
+        """When each of the messages was heard, in seconds since listening began."""
+        return [heard - self.began for heard, _ in tuple(self._heard)]
+
+    @property
+    def now(self) -> float:
+        """The time on the same scale as ``times``, to mark what else happens [s]."""
+        return time.monotonic() - self.began
 
     @property
     def last(self) -> Any | None:
         """The newest message, or None before the first."""
-        return self._heard[-1] if self._heard else None
+        return self._heard[-1][1] if self._heard else None
+
+    @property
+    def alive(self) -> bool:
+        """Tell whether messages can still arrive."""
+        return self._end.alive and self._session.owns(self._node)
+
+    def _begin(self) -> None:
+        self._node = self._session.helper
+        with HeldInterrupts():
+            # The callback holds the deque, not the listener, which has to be free to go.
+            subscription = _subscribe(self._node, self.topic, self.msg_type, self.qos, self._heard)
+            self._end = weakref.finalize(
+                self, _unsubscribe, self._session, self._node, subscription
+            )
+            # At exit the session destroys its nodes as a whole.
+            self._end.atexit = False
+
+    def _begin_again(self) -> None:
+        """Subscribe anew after stop_all() or a shutdown of ROS, not after ``stop``."""
+        if self._end.alive and not self._session.owns(self._node):
+            self._end.detach()
+            self._begin()
 
     def wait(self, count: int = 1, timeout: float = 10.0) -> list[Any]:
         """
@@ -67,19 +97,30 @@ class Listener:
         """
         heard = self._heard
         try:
+            self._begin_again()
             if not wait_in(self._session, lambda: len(heard) >= count, timeout):
-                hints = self._session.hints if self._session.nodes() else self._session.losses
-                raise timeout_error(
-                    f'Heard {len(heard)} of {count} messages on {self.topic} in {timeout:g} s.',
-                    why_silent(self._node, self.topic, self.msg_type, self.qos),
-                    hints(),
-                )
-            return list(heard)
+                raise self.too_little(count, timeout)
+            return self.messages
         finally:
             del self  # a kernel keeps the last traceback, which must not keep the subscription
 
+    def too_little(self, count: int, timeout: float) -> TimeoutError:
+        """
+        Return the error of a wait in vain, with what may explain it.
+
+        :param count: how many messages were expected
+        :param timeout: how long was waited for them [s]
+        """
+        hints = self._session.hints if self._session.nodes() else self._session.losses
+        return timeout_error(
+            f'Heard {len(self)} of {count} messages on {self.topic} in {timeout:g} s.',
+            why_silent(self._node, self.topic, self.msg_type, self.qos),
+            hints(),
+        )
+
     def clear(self) -> None:
         """Forget what was heard, to wait for new messages."""
+        self._begin_again()
         self._heard.clear()
 
     def stop(self) -> None:
@@ -96,12 +137,12 @@ class Listener:
         return self.messages[index]
 
     def __repr__(self) -> str:
-        state = 'listening' if self._end.alive else 'stopped'
+        state = 'listening' if self.alive else 'stopped'
         return f'<{self.topic} [{type_name(self.msg_type)}]: {len(self)} heard, {state}>'
 
 
 def _subscribe(
-    node: Node, topic: str, msg_type: type, qos: QoSProfile, heard: deque[Any]
+    node: Node, topic: str, msg_type: type, qos: QoSProfile, heard: deque[tuple[float, Any]]
 ) -> Subscription:
     if not (isinstance(msg_type, type) and hasattr(msg_type, 'get_fields_and_field_types')):
         raise RoslabError(
@@ -115,7 +156,9 @@ def _subscribe(
             f'{topic} carries {" and ".join(known)}, so it cannot be heard as '
             f'{type_name(msg_type)}. Listen with the type that the publisher uses.'
         )
-    return node.create_subscription(msg_type, topic, lambda message: heard.append(message), qos)
+    return node.create_subscription(
+        msg_type, topic, lambda message: heard.append((time.monotonic(), message)), qos
+    )
 
 
 def _unsubscribe(session: Session, node: Node, subscription: Subscription) -> None:

@@ -9,7 +9,7 @@ and a line is in the table when the call that logged it returns.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 import html
 import time
@@ -100,12 +100,18 @@ class _Recorder:
 
     def __init__(self) -> None:
         self.lines: deque[LogLine] = deque(maxlen=_MOST_LINES)
+        self.on_line: Callable[[LogLine], object] = lambda line: None
         self._write = getattr(rclpy_implementation, _HOOK)
         setattr(rclpy_implementation, _HOOK, self)
 
     def __call__(self, severity: Any, name: str, message: str, *place: Any) -> None:
+        if not isinstance(message, str):
+            self._write(severity, name, message, *place)  # raises, so there is no line to keep
+            return
         level = _LEVELS.get(int(severity), str(severity))
-        self.lines.append(LogLine(time.time(), level, str(name), str(message)))
+        line = LogLine(time.time(), level, str(name), message)
+        self.lines.append(line)
+        self.on_line(line)
         self._write(severity, name, message, *place)
 
 
@@ -117,6 +123,17 @@ def record_logs() -> None:
     global _recorder
     if _recorder is None:
         _recorder = _Recorder()
+
+
+def show_logs(on_line: Callable[[LogLine], object]) -> None:
+    """
+    Have each line shown in the thread that logs it, when it logs it.
+
+    :param on_line: called with the line
+    """
+    record_logs()
+    if _recorder is not None:
+        _recorder.on_line = on_line
 
 
 def log_table(logger: str | None = None) -> LogTable:

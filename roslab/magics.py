@@ -1,8 +1,9 @@
 """
-The cell magics ``%%node``, ``%%rosmsg`` and ``%%rospkg``: a cell that is a file.
+The cell magics ``%%node``, ``%%rosmsg``, ``%%rospkg`` and ``%%answer``: a cell that is a file.
 
 Each saves its cell in the learner's package, so that what runs in the notebook, what colcon builds
-and what is graded are the same text.  ``%%node`` also runs it, as a module of that name.
+and what is graded are the same text.  ``%%node`` also runs it, as a module of that name;
+``%%answer`` says which letter it read.
 """
 
 from __future__ import annotations
@@ -17,12 +18,24 @@ from typing import Any
 
 from IPython.core.magic import no_var_expand
 
-from autograder.cells import CellFile, CellSyntaxError, parse_cell
-from roslab.errors import NameRefusedError, NodeSyntaxError, not_written_yet
+from autograder.cells import (
+    CellFile,
+    CellSyntaxError,
+    chosen_letter,
+    NotALetterError,
+    parse_cell,
+)
+from roslab.errors import (
+    AnswerRefusedError,
+    NameRefusedError,
+    NodeSyntaxError,
+    not_written_yet,
+)
 from roslab.output import say
 from roslab.package_files import learner_package, LearnerPackage
+from roslab.tracebacks import code_name, where
 
-KINDS = ('node', 'rosmsg', 'rospkg')
+KINDS = ('node', 'rosmsg', 'rospkg', 'answer')
 
 
 def register(shell: Any) -> None:
@@ -69,6 +82,9 @@ def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None
         _refuse_known_module(file, package)
     path = package.save(file)
     shown = package.shown(path)
+    if kind == 'answer':
+        _say_letter(file)
+        return
     if kind != 'node':
         if file.unsolved or not file.body.strip():
             where = 'in place of YOUR CODE HERE' if file.unsolved else 'below the first line'
@@ -84,6 +100,22 @@ def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None
     say(f'Saved {shown} ({_lines(file)}){f"; defined {defined}" if defined else ""}.')
     for name in skipped:
         say(f'Your name {name!r} was kept out of the notebook: it would hide roslab.{name}.')
+
+
+def _say_letter(file: CellFile) -> None:
+    """Say how an answer will be read; the file is saved whatever it is, as the cell is kept."""
+    __tracebackhide__ = True
+    try:
+        letter = chosen_letter(file.body)
+    except NotALetterError as error:
+        hint = 'Put the letter in quotes.' if error.reason == 'no_quotes' else 'Write one letter.'
+        raise AnswerRefusedError(f'%%answer {file.name}: {error}. {hint}') from None
+    if letter is None:
+        raise not_written_yet(
+            f"%%answer {file.name} is not written yet: write 'a', 'b', 'c' or 'd' in place of "
+            'None, then run the cell again.'
+        )
+    say(f'Saved your answer to {file.name}: {letter}')
 
 
 def _read(kind: str, line: str, cell: str) -> CellFile:
@@ -117,14 +149,16 @@ def _refuse_known_module(file: CellFile, package: LearnerPackage) -> None:
 
 
 def _run_node(file: CellFile, path: Path) -> ModuleType:
-    """Run the saved text as a module; its tracebacks show the lines of the saved file."""
+    """Run the saved text as a module; its tracebacks show the lines of the cell."""
     __tracebackhide__ = True
-    tree = _without_main_call(_parse(file, path))
+    # Compiled as the cell that it is: every message names the cell and counts its lines.
+    name = code_name(f'%%node {file.name}\n{file.body}', str(path))
+    tree = _without_main_call(_parse(file, name))
     module = ModuleType(file.name)
     module.__file__ = str(path)
     sys.modules[file.name] = module
     try:
-        exec(compile(tree, str(path), 'exec', dont_inherit=True), module.__dict__)
+        exec(compile(tree, name, 'exec', dont_inherit=True), module.__dict__)
     except NotImplementedError as error:
         sys.modules.pop(file.name, None)
         reason = str(error) or 'write it in place of the stub, then run the cell again.'
@@ -135,16 +169,18 @@ def _run_node(file: CellFile, path: Path) -> ModuleType:
     return module
 
 
-def _parse(file: CellFile, path: Path) -> ast.Module:
+def _parse(file: CellFile, name: str) -> ast.Module:
     __tracebackhide__ = True
     try:
-        return ast.parse(file.body, str(path))
+        tree = ast.parse(file.body, name)
     except SyntaxError as error:
-        place = f'{path.name}, line {error.lineno} (the first line is the one below %%node)'
+        line = (error.lineno or 1) + file.first_line
         text = (error.text or '').rstrip('\n')
         caret = ' ' * max(0, (error.offset or 1) - 1) + '^'
-        said = f'{error.msg}\n  {place}\n    {text}\n    {caret}'
+        said = f'{error.msg}\n  {where(name, line)}\n    {text}\n    {caret}'
         raise NodeSyntaxError(said) from None
+    ast.increment_lineno(tree, file.first_line)
+    return tree
 
 
 def _without_main_call(tree: ast.Module) -> ast.Module:
@@ -158,8 +194,9 @@ def _without_main_call(tree: ast.Module) -> ast.Module:
             and call.func.id == 'main'
         ):
             say(
-                f'Line {statement.lineno} calls main() whenever the file is read; it was left out '
-                "here, or this cell would not end. Write it below: if __name__ == '__main__':"
+                f'Line {statement.lineno} of the cell calls main() whenever the file is read; it '
+                'was left out here, or this cell would not end. Write it below: '
+                "if __name__ == '__main__':"
             )
         else:
             kept.append(statement)

@@ -39,6 +39,10 @@ _PRELOADED = (
 """Message libraries in the order in which they need one another."""
 
 
+_PARALLEL = f'-j{(os.cpu_count() or 1) + 1}'
+"""Instead of colcon's own ``-jN -lN``: with -l, a busy machine builds one file at a time."""
+
+
 @dataclass(frozen=True)
 class BuildReport:
     """
@@ -87,7 +91,8 @@ class BuildReport:
     def _repr_html_(self) -> str:
         colour = '#2e7d32' if self.ok else '#c0392b'
         return (
-            f'<pre style="border-left: 3px solid {colour}; padding-left: .6em">'
+            f'<pre style="border-left: 3px solid {colour}; padding-left: .6em; margin: .5em 0; '
+            'white-space: pre-wrap; word-break: normal; overflow-wrap: anywhere">'
             f'{html.escape(str(self))}</pre>'
         )
 
@@ -182,7 +187,7 @@ def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> 
         shutil.which('colcon', path=variables.get('PATH')) or 'colcon',
         *('--log-base', 'log', 'build', '--base-paths', str(package.folder)),
         *('--event-handlers', 'console_direct+'),
-        *('--cmake-args', '-DBUILD_TESTING=OFF'),
+        *('--cmake-args', '-DBUILD_TESTING=OFF', *_generator(variables)),
     ]
     text = f'Building {package.name} with colcon (about 10 s the first time)'
     try:
@@ -190,12 +195,17 @@ def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> 
             return child.run(
                 command,
                 cwd=workspace,
-                env=variables,
+                env={**variables, 'MAKEFLAGS': _PARALLEL},
                 deadline_s=_DEADLINE_S,
                 on_tick=elapsed.tick,
             )
     except OSError as error:
         raise NotHereError(f'colcon could not be started: {error}. Try: make doctor') from None
+
+
+def _generator(variables: dict[str, str]) -> tuple[str, ...]:
+    """Return the option for Ninja where it is: it runs more steps of a message build at a time."""
+    return ('-GNinja',) if shutil.which('ninja', path=variables.get('PATH')) else ()
 
 
 def _lacking(package: LearnerPackage) -> Diagnosis | None:
@@ -236,6 +246,9 @@ def _make_importable(package: LearnerPackage, interfaces: str) -> bool:
         ctypes.CDLL(str(library), ctypes.RTLD_GLOBAL)
     sys.path.insert(0, str(_site_packages(package).parent))
     _put_first('AMENT_PREFIX_PATH', str(_prefix(package)))
+    # For what cells start, such as `!ros2 interface show`; this process has its own by now.
+    _put_first('PYTHONPATH', str(_site_packages(package).parent))
+    _put_first('LD_LIBRARY_PATH', str(_prefix(package) / 'lib'))
     importlib.invalidate_caches()
     _loaded[name] = interfaces
     return True
@@ -260,7 +273,8 @@ def _site_packages(package: LearnerPackage) -> Path:
 
 def _digest(package: LearnerPackage, variables: dict[str, str]) -> dict[str, str]:
     """Return digests of all that the build reads, and of the part that messages depend on."""
-    base = f'{sys.version} {variables.get("AMENT_PREFIX_PATH", "")}'
+    # The generator too: CMake refuses to go on with a folder that another one has made.
+    base = f'{sys.version} {variables.get("AMENT_PREFIX_PATH", "")} {_generator(variables)}'
     texts = package.files()
     interfaces = {name: text for name, text in texts.items() if not name.endswith('.py')}
     return {'digest': _hash(base, texts), 'interfaces': _hash(base, interfaces)}

@@ -8,8 +8,7 @@ takes a single line there for a failed cell.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 import fcntl
 import os
@@ -124,28 +123,6 @@ class ElapsedTime:
     @staticmethod
     def _line(text: str) -> dict[str, str]:
         return {'text/plain': text}
-
-
-@contextmanager
-def beside(cell: Cell | None) -> Iterator[None]:
-    """
-    Send what this thread prints to the output of an earlier cell.
-
-    Without a frontend nobody collects output for a cell that is over, so there it stays with the
-    cell that is running.
-
-    :param cell: the cell that started the work, or None to leave things as they are
-    """
-    stdout: Any = sys.stdout
-    if cell is None or not cell.has_frontend or not hasattr(stdout, 'set_thread_parent'):
-        yield
-        return
-    token = stdout.set_thread_parent(cell.request)
-    try:
-        yield
-    finally:
-        stdout.flush()
-        stdout.reset_thread_parent(token)
 
 
 def settle(_: Any = None) -> None:

@@ -85,7 +85,7 @@ class CheckReport:
             remarks.extend(text for text in (self.result.note,) if text)
             if any(check.cause_id == _MISSING_FILE for check in self.result.checks):
                 remarks.append(_RUN_FIRST)
-            if self.result.mode == 'plain':
+            if self.result.mode == 'none':
                 remarks.append(_NO_SANDBOX)
         return remarks
 
@@ -107,7 +107,7 @@ class CheckReport:
         rows = ''.join(_row(check, facts(check, self._titles)) for check in checks)
         head = ''.join(
             f'<th scope="col" style="text-align: left">{name}</th>'
-            for name in ('', 'check', 'points')
+            for name in ('result', 'check', 'points')
         )
         table = f'<table><tr>{head}</tr>{rows}</table>' if rows else ''
         return f'<div><strong>{html.escape(self._headline)}</strong>{remarks}{table}</div>'
@@ -137,7 +137,7 @@ def facts(check: CheckResult, titles: Mapping[str, str]) -> list[tuple[str, str]
 def _row(check: CheckResult, facts: Sequence[tuple[str, str]]) -> str:
     told = ''.join(f'<br><em>{name}:</em> {html.escape(text)}' for name, text in facts)
     return (
-        f'<tr><td style="color: {_COLOURS[check.verdict]}; font-size: 120%" '
+        f'<tr><td style="color: {_COLOURS[check.verdict]}; font-size: 120%; text-align: left" '
         f'aria-label="{_WORDS[check.verdict]}" title="{_WORDS[check.verdict]}">'
         f'{_MARKS[check.verdict]}</td>'
         f'<td style="text-align: left">{html.escape(check.title)}{told}</td>'

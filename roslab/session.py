@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import atexit
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
 import time
 from typing import Any
@@ -27,10 +27,10 @@ from rclpy.utilities import get_default_context
 
 from roslab.construction import constructing, Construction, key_of
 from roslab.errors import NotHereError, RoslabError, shown_as
-from roslab.executor import BackgroundExecutor, CallbackStopped, Progress
+from roslab.executor import BackgroundExecutor, CallbackStopped, destroy_wholly, Progress
 from roslab.interrupts import HeldInterrupts
 from roslab.logtable import record_logs
-from roslab.output import beside, Cell, current_cell
+from roslab.pages import beside, Page, page_here
 from roslab.tracebacks import last_line, short_traceback
 
 HELPER_NAME = '_roslab'
@@ -41,10 +41,10 @@ _SLOW_CALLBACK_S = 1.0
 
 @dataclass(frozen=True)
 class Started:
-    """A node and the cell that started it."""
+    """A node and the page of the cell that started it."""
 
     node: Node
-    cell: Cell | None
+    page: Page | None
 
 
 class Session:
@@ -73,7 +73,9 @@ class Session:
             background = self._background
             if background is None or not background.alive:
                 self.close()
-                background = BackgroundExecutor(self._context(), self._on_failure, self.progress)
+                background = BackgroundExecutor(
+                    self._context(), self._on_failure, self.progress, self._beside_its_cell
+                )
                 self._background = background
             return background
 
@@ -92,6 +94,15 @@ class Session:
                 executor.add(self._helper)
             return self._helper
 
+    def owns(self, node: Node) -> bool:
+        """
+        Tell whether a node is the hidden node that is served now.
+
+        :param node: what :attr:`helper` returned before
+        """
+        background = self._background
+        return node is self._helper and background is not None and background.alive
+
     def forget(self, node: Node, subscription: Subscription) -> None:
         """
         Destroy a subscription between two callbacks, soon; safe in finalizers.
@@ -99,7 +110,7 @@ class Session:
         :param node: the node that owns it, which may be gone already
         """
         background, destroy = self._background, node.destroy_subscription
-        if background is not None and background.alive and node is self._helper:
+        if background is not None and self.owns(node):
             background.ask(lambda: destroy(subscription))
 
     def nodes(self) -> dict[str, Node]:
@@ -134,7 +145,7 @@ class Session:
             if key in self._started and self._started[key].node is not node:
                 self.stop(key)
             executor.add(node)
-            self._started[key] = Started(node, current_cell())
+            self._started[key] = Started(node, page_here())
             self._lost.pop(key, None)
         return node
 
@@ -156,9 +167,13 @@ class Session:
             raise NotHereError(f'No node {key!r} was started. Running nodes: {running}.')
 
     def stop_all(self) -> None:
-        """Stop and destroy every node that was started."""
+        """Stop and destroy every node that was started, and end all listening."""
         for key in tuple(self._started):
             self.stop(key)
+        with HeldInterrupts():
+            helper, self._helper = self._helper, None
+            if helper is not None:
+                self._destroy(helper)
 
     def close(self) -> None:
         """Stop everything and shut the context down; a later call starts anew."""
@@ -261,6 +276,12 @@ class Session:
                 return key
         return repr(which)
 
+    def _beside_its_cell(self, node: Node | None) -> AbstractContextManager[None]:
+        for started in tuple(self._started.values()):
+            if started.node is node:
+                return beside(started.page)
+        return nullcontext()
+
     def _on_failure(self, node: Node | None, error: BaseException) -> None:
         """Say what a callback raised and stop its node; runs in the executor's thread."""
         key = self._key(node) if node is not None else 'a callback'
@@ -270,7 +291,7 @@ class Session:
         if isinstance(error, CallbackStopped):
             return
         self._lost[key] = f'stopped: {last_line(error)}'
-        with beside(started.cell if started else None):
+        with beside(started.page if started else None):
             print(
                 f'{key} stopped, a callback raised an exception:\n{short_traceback(error)}\n'
                 '  The other nodes go on. Correct the cell, run it, and start the node again.',
@@ -296,7 +317,7 @@ def _is_alive(node: Node) -> bool:
 def _destroy_quietly(node: Node) -> None:
     """Destroy a node that may be half made, already destroyed or without a context."""
     with suppress(Exception):
-        node.destroy_node()
+        destroy_wholly(node)
 
 
 _session: Session | None = None

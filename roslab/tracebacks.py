@@ -51,6 +51,23 @@ def is_library(filename: str) -> bool:
     return os.path.realpath(filename).startswith(known) or filename.startswith(known)
 
 
+def code_name(source: str, otherwise: str) -> str:
+    """
+    Return the file name under which to compile code that belongs to the running cell.
+
+    :param source: the whole text of the cell
+    :param otherwise: the name outside of IPython
+    """
+    running = shell()
+    cache = getattr(getattr(running, 'compile', None), 'cache', None)
+    if running is None or cache is None:
+        return otherwise
+    # The shell counts on before it runs a cell; its history ends with the running one.
+    number = len(getattr(running.history_manager, 'input_hist_raw', ())) - 1
+    name: str = cache(source, max(0, number), raw_code=source)
+    return name
+
+
 def where(filename: str, line: int | None) -> str:
     """Return a place in words: a cell by its number, a file by its name."""
     running = shell()

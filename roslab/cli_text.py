@@ -1,0 +1,231 @@
+"""
+What ROS 2's command line tools print, made from plain facts.
+
+These functions know no node, no session and no terminal: the notebook functions ``echo``, ``hz``,
+``info`` and ``topics`` print them, and so do the commands of the same names.
+"""
+
+from __future__ import annotations
+
+import array
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
+import math
+from typing import Any
+
+import yaml
+
+NamesAndTypes = Iterable[tuple[str, Sequence[str]]]
+
+TRUNCATE_AT = 128
+"""Longer texts and arrays are cut by ``ros2 topic echo``, unless it is asked for all."""
+
+_WIDEST = 2**31 - 1
+_SECTIONS = (
+    'Subscribers',
+    'Publishers',
+    'Service Servers',
+    'Service Clients',
+    'Action Servers',
+    'Action Clients',
+)
+
+
+def message_yaml(
+    message: Any,
+    *,
+    truncate: int | None = TRUNCATE_AT,
+    no_arr: bool = False,
+    no_str: bool = False,
+    flow: bool = False,
+) -> str:
+    """
+    Return a message as YAML, with a line break at the end.
+
+    :param message: of any generated class
+    :param truncate: longest text and array that is written in full, None for no limit
+    :param no_arr: write only type and length of arrays
+    :param no_str: write only the length of texts
+    :param flow: all on one line
+    """
+    options = _Options(truncate, no_arr, no_str)
+    return _dump(message_dict(message, options), flow)
+
+
+def field_text(
+    value: Any,
+    field_type: str = '',
+    *,
+    truncate: int | None = TRUNCATE_AT,
+    no_arr: bool = False,
+    no_str: bool = False,
+    flow: bool = False,
+) -> str:
+    """
+    Return the value of one field as ``ros2 topic echo --field`` writes it, with a line break.
+
+    :param value: of a field, which may be a message
+    :param field_type: as in ``get_fields_and_field_types``, for ``no_arr``
+    """
+    plain = _plain(value, field_type, _Options(truncate, no_arr, no_str))
+    return _dump(plain, flow) if isinstance(plain, dict) else f'{plain}\n'
+
+
+def echo_text(message: Any, **options: Any) -> str:
+    """
+    Return what ``ros2 topic echo`` prints for one message.
+
+    :param options: see :func:`message_yaml`
+    """
+    return f'{message_yaml(message, **options)}---'
+
+
+class _Options:
+    """How values are shortened."""
+
+    def __init__(
+        self, truncate: int | None = None, no_arr: bool = False, no_str: bool = False
+    ) -> None:
+        self.truncate = truncate
+        self.no_arr = no_arr
+        self.no_str = no_str
+
+
+def message_dict(message: Any, options: _Options | None = None) -> dict[str, Any]:
+    """
+    Return a message as a dictionary of plain values, in the order of its definition.
+
+    :param options: how values are shortened, by default not at all
+    """
+    shorten = options or _Options()
+    return {
+        name: _plain(getattr(message, name), kind, shorten)
+        for name, kind in message.get_fields_and_field_types().items()
+    }
+
+
+def _plain(value: Any, field_type: str, options: _Options) -> Any:
+    """Return a field's value as something that YAML knows."""
+    if isinstance(value, bytes):
+        value = value.decode('latin-1')
+    if isinstance(value, str):
+        return _text(value, options)
+    if isinstance(value, (bool, int, float)):
+        return value
+    if hasattr(value, 'get_fields_and_field_types'):
+        return message_dict(value, options)
+    if isinstance(value, (list, tuple, array.array)) or hasattr(value, 'tolist'):
+        if not hasattr(value, '__len__'):
+            return value.item()  # one number of numpy
+        return _sequence(value, field_type, options)
+    return value
+
+
+def _text(value: str, options: _Options) -> str:
+    if options.no_str:
+        return f'<string length: <{len(value)}>>'
+    if options.truncate is not None and len(value) > options.truncate:
+        return f'{value[: options.truncate]}...'
+    return value
+
+
+def _sequence(value: Any, field_type: str, options: _Options) -> Any:
+    if options.no_arr:
+        kind = field_type.split('[')[0].removeprefix('sequence<').split(',')[0].rstrip('>')
+        form = 'sequence' if field_type.startswith('sequence<') else 'array'
+        return f'<{form} type: {kind}, length: {len(value)}>'
+    cut = options.truncate is not None and len(value) > options.truncate
+    kept = value[: options.truncate] if cut else value
+    items = [_plain(item, '', options) for item in kept]
+    return items + ['...'] if cut else items
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes repeated objects in full instead of naming the first."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """Tell PyYAML to write no anchors."""
+        return True
+
+
+def _dump(data: Any, flow: bool) -> str:
+    text: str = yaml.dump(
+        data,
+        Dumper=_Dumper,
+        allow_unicode=True,
+        width=_WIDEST,
+        default_flow_style=flow,
+        sort_keys=False,
+    )
+    return text
+
+
+def topic_list_text(topics: NamesAndTypes, types: bool = False) -> str:
+    """
+    Return what ``ros2 topic list`` prints.
+
+    :param topics: names with their types, in any order
+    :param types: also the types, as ``-t`` asks for
+    """
+    return '\n'.join(
+        f'{name} [{", ".join(kinds)}]' if types else name for name, kinds in sorted(topics)
+    )
+
+
+def topic_info_text(
+    types: Sequence[str],
+    publishers: Sequence[Any],
+    subscriptions: Sequence[Any],
+    verbose: bool = True,
+) -> str:
+    """
+    Return what ``ros2 topic info`` prints.
+
+    :param types: of the topic; more than one is a mistake of somebody's, and is shown as a list
+    :param publishers: rclpy's ``TopicEndpointInfo``, which know how to write themselves
+    :param subscriptions: in the same form
+    :param verbose: also each endpoint, as ``-v`` asks for
+    """
+    blocks = [
+        f'Type: {types[0] if len(types) == 1 else list(types)}',
+        f'Publisher count: {len(publishers)}',
+        *(str(info) for info in publishers if verbose),
+        f'Subscription count: {len(subscriptions)}',
+        *(str(info) for info in subscriptions if verbose),
+    ]
+    return ('\n\n' if verbose else '\n').join(blocks)
+
+
+def node_info_text(name: str, entities: Mapping[str, NamesAndTypes]) -> str:
+    """
+    Return what ``ros2 node info`` prints.
+
+    :param name: full name of the node
+    :param entities: names and types by section: 'Subscribers', 'Publishers', 'Service Servers',
+        'Service Clients', 'Action Servers', 'Action Clients'; what is missing is empty
+    """
+    lines = [name]
+    for section in _SECTIONS:
+        lines.append(f'  {section}:')
+        found = sorted(entities.get(section, ()))
+        lines.extend(f'    {entity}: {", ".join(types)}' for entity, types in found)
+        if not found:
+            lines.append('')
+    return '\n'.join(lines)
+
+
+def hz_text(times: Sequence[float]) -> str:
+    """
+    Return what ``ros2 topic hz`` prints.
+
+    :param times: when messages were received, at least two [s]
+    """
+    gaps = [later - earlier for earlier, later in pairwise(times)]
+    mean = sum(gaps) / len(gaps)
+    deviation = math.sqrt(sum((gap - mean) ** 2 for gap in gaps) / len(gaps))
+    rate = 1.0 / mean if mean > 0 else 0.0
+    return (
+        f'average rate: {rate:.3f}\n'
+        f'\tmin: {min(gaps):.3f}s max: {max(gaps):.3f}s '
+        f'std dev: {deviation:.5f}s window: {len(gaps)}'
+    )

@@ -1,0 +1,125 @@
+"""
+Lines that C code of ROS writes to the console.
+
+``rclpy`` hands each line to C code, which writes it to stdout of the process, publishes it on
+``/rosout`` and appends it to a file.  In a notebook the first of these comes too late: it reaches
+the kernel through a pipe, when nobody knows any more which node it came from.  So the console is
+told to put marks around each line (its format is an environment variable that ROS reads once).
+Lines that came from Python are dropped where the kernel reads them, because they were printed
+when they were logged; lines that C code wrote by itself, without their marks, go to the running
+cell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+import io
+import os
+from typing import Any
+
+import rclpy.context
+import rclpy.logging
+
+_BEGIN, _NEXT, _END = '\x1e', '\x1f', '\x1d\n'  # separators of ASCII that no text contains
+_VARIABLES = {
+    'RCUTILS_LOGGING_USE_STDOUT': '1',
+    'RCUTILS_COLORIZED_OUTPUT': '0',
+    'RCUTILS_CONSOLE_OUTPUT_FORMAT': f'{_BEGIN}{{file_name}}{_NEXT}{{severity}}{_NEXT}{{name}}'
+    f'{_NEXT}{{message}}{_END[0]}',
+}
+_C_FILES = ('.c', '.cc', '.cpp', '.cxx', '.h', '.hpp')
+# Letters and background of the word for the level.  ROS gives the colour to the whole line, but no
+# shade of yellow is readable on a white page and on a black one.
+_COLOURS = {
+    'DEBUG': '38;5;231;48;5;240',
+    'WARN': '38;5;16;48;5;220',
+    'ERROR': '38;5;231;48;5;160',
+    'FATAL': '38;5;231;48;5;160',
+}
+
+
+def log_text(level: str, logger: str, message: str) -> str:
+    """
+    Return a log line as it is shown: the word for its level, on the level's colour.
+
+    :param level: such as 'WARN'
+    :param logger: name of the logger
+    """
+    word, rest = f'[{level}]', f' [{logger}]: {message}'
+    colour = _COLOURS.get(level)
+    if colour is None or os.environ.get('RCUTILS_COLORIZED_OUTPUT') == '0':
+        return word + rest
+    return f'\x1b[{colour}m{word}\x1b[0m{rest}'
+
+
+def mark_console() -> bool:
+    """
+    Have the console put its marks around each line.
+
+    :returns: whether it does; not if ROS was started before, for its outputs are set up then
+    """
+    if rclpy.context.g_logging_ref_count:
+        return False
+    with _variables(_VARIABLES):
+        rclpy.logging.shutdown()
+        rclpy.logging.initialize()
+    return True
+
+
+def spare_the_terminal(stream: Any) -> None:
+    """
+    Have the kernel no longer copy what C code prints to the terminal of the Jupyter server.
+
+    :param stream: the kernel's stdout, whose file number is the terminal, not the notebook
+    """
+    with suppress(io.UnsupportedOperation):
+        terminal = stream.fileno()
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, terminal)
+        os.close(nowhere)
+
+
+class ConsoleLines:
+    """Takes marked lines out of a text that comes in pieces."""
+
+    def __init__(self) -> None:
+        self._rest = ''
+
+    def feed(self, text: str) -> str:
+        """
+        Return what is to be shown of a piece.
+
+        :param text: the next piece
+        """
+        shown, self._rest = [], self._rest + text
+        while self._rest:
+            plain, begin, framed = self._rest.partition(_BEGIN)
+            shown.append(plain)
+            line, end, after = framed.partition(_END)
+            if not end:
+                self._rest = begin + framed
+                break
+            shown.append(_shown(line))
+            self._rest = after
+        return ''.join(shown)
+
+
+def _shown(line: str) -> str:
+    place, level, logger, message = (line.split(_NEXT, 3) + [''] * 4)[:4]
+    return f'{log_text(level, logger, message)}\n' if place.endswith(_C_FILES) else ''
+
+
+@contextmanager
+def _variables(changed: Mapping[str, str]) -> Iterator[None]:
+    """Set environment variables for a moment; child processes must not inherit the marks."""
+    before = {name: os.environ.get(name) for name in changed}
+    os.environ.update(changed)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value

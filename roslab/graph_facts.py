@@ -1,0 +1,273 @@
+"""
+Who publishes and who subscribes what, now, as plain data read from the live ROS graph.
+
+An endpoint is *matched* if one on the other side has the same type and a QoS that fits.  The graph
+knows of endpoints that will never be matched too, so both are told apart here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
+
+from roslab.lookup import is_hidden, nodes_now
+from roslab.session import HELPER_NAME
+
+QUIET_TOPICS = ('/parameter_events', '/rosout')
+"""Every node has these; they would cover everything else in a picture."""
+
+NOBODY_SUBSCRIBES = 'nobody subscribes'
+NOBODY_PUBLISHES = 'nobody publishes'
+NOTEBOOK_LISTENS = 'this notebook listens'
+HIDDEN_LISTENS = 'only a hidden node listens'
+HIDDEN_PUBLISHES = 'only a hidden node publishes'
+
+_UNKNOWN = '_NODE_NAME_UNKNOWN_'
+_POLICIES = ('reliability', 'durability', 'deadline', 'liveliness', 'liveliness_lease_duration')
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """
+    A publisher or a subscription.
+
+    :param node: full name of the node that has it
+    :param type: such as ``std_msgs/msg/String``
+    """
+
+    node: str
+    type: str
+    qos: QoSProfile
+
+    @property
+    def hidden(self) -> bool:
+        """Tell whether its node is hidden, as the one of the notebook's listeners is."""
+        return is_hidden(self.node)
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic with all its endpoints, those of hidden nodes too."""
+
+    name: str
+    publishers: tuple[Endpoint, ...] = ()
+    subscriptions: tuple[Endpoint, ...] = ()
+
+    @property
+    def types(self) -> list[str]:
+        """All types of its endpoints; more than one is somebody's mistake."""
+        return sorted({end.type for end in (*self.publishers, *self.subscriptions)})
+
+
+@dataclass(frozen=True)
+class Edge:
+    """
+    An arrow between a node and a topic.
+
+    :param outward: from the node to the topic: the node publishes
+    :param matched: whether an endpoint on the other side fits
+    :param remark: why not, or who listens unseen
+    """
+
+    node: str
+    topic: str
+    outward: bool
+    matched: bool
+    remark: str = ''
+
+
+@dataclass(frozen=True)
+class Pair:
+    """
+    A publisher and a subscription of a topic.
+
+    :param reason: why they do not connect, empty if they do
+    """
+
+    publisher: str
+    topic: str
+    subscription: str
+    reason: str = ''
+
+
+@dataclass(frozen=True)
+class Facts:
+    """
+    The graph at one moment.
+
+    :param nodes: full names; one that several nodes have is there several times
+    :param everything: hidden nodes are part of the picture
+    """
+
+    nodes: tuple[str, ...]
+    topics: tuple[Topic, ...]
+    everything: bool = False
+
+    @cached_property
+    def pairs(self) -> list[Pair]:
+        """All pairs of visible endpoints, in order."""
+        found = {
+            Pair(out.node, topic.name, into.node, mismatch(out, into))
+            for topic in self.topics
+            for out in self._shown(topic.publishers)
+            for into in self._shown(topic.subscriptions)
+        }
+        connected = {(p.publisher, p.topic, p.subscription) for p in found if not p.reason}
+        # Of several endpoints of the same two nodes, one connection is enough.
+        kept = (
+            pair
+            for pair in found
+            if not pair.reason or (pair.publisher, pair.topic, pair.subscription) not in connected
+        )
+        return sorted(kept, key=lambda pair: (pair.topic, pair.publisher, pair.subscription))
+
+    @cached_property
+    def edges(self) -> list[Edge]:
+        """All arrows, by topic, publishers first."""
+        found = []
+        for topic in self.topics:
+            for ends, others, outward in (
+                (topic.publishers, topic.subscriptions, True),
+                (topic.subscriptions, topic.publishers, False),
+            ):
+                for name in sorted({end.node for end in self._shown(ends)}):
+                    own = [end for end in ends if end.node == name]
+                    matched, remark = self._verdict(own, others, outward)
+                    found.append(Edge(name, topic.name, outward, matched, remark))
+        return found
+
+    def label(self, node: str) -> str:
+        """
+        Return how a node is called in text and picture.
+
+        :param node: its full name
+        """
+        if node.endswith(_UNKNOWN):
+            return '(a node not yet known)'
+        same = self.nodes.count(node)
+        return f'{node} ({same} nodes)' if same > 1 else node
+
+    def _shown(self, ends: Iterable[Endpoint]) -> list[Endpoint]:
+        return [end for end in ends if self.everything or not end.hidden]
+
+    def _verdict(
+        self, own: Sequence[Endpoint], others: Sequence[Endpoint], outward: bool
+    ) -> tuple[bool, str]:
+        """Return whether a node's endpoints are matched, and what there is to say."""
+        fitting = [other for other in others if any(not _between(e, other, outward) for e in own)]
+        if self._shown(fitting):
+            return True, ''
+        if fitting:
+            return True, _unseen(fitting, outward)
+        visible = self._shown(others)
+        reasons = sorted({_between(e, other, outward) for e in own for other in visible or others})
+        if not reasons:
+            return False, NOBODY_SUBSCRIBES if outward else NOBODY_PUBLISHES
+        return False, '; '.join(reasons) + ('' if visible else f' ({_unseen(others, outward)})')
+
+
+def _between(end: Endpoint, other: Endpoint, outward: bool) -> str:
+    """Return why an endpoint does not connect to one of the other side."""
+    return mismatch(end, other) if outward else mismatch(other, end)
+
+
+def _unseen(ends: Iterable[Endpoint], outward: bool) -> str:
+    """Return who is on the other side, of which the picture shows nothing."""
+    if not outward:
+        return HIDDEN_PUBLISHES
+    helper = any(end.node.endswith(f'/{HELPER_NAME}') for end in ends)
+    return NOTEBOOK_LISTENS if helper else HIDDEN_LISTENS
+
+
+def mismatch(publisher: Endpoint, subscription: Endpoint) -> str:
+    """
+    Return why two endpoints of a topic do not connect, or an empty text.
+
+    :param publisher: which offers
+    :param subscription: which wants
+    """
+    if publisher.type != subscription.type:
+        return f'type differs: {publisher.type} | {subscription.type}'
+    offers, wants = publisher.qos, subscription.qos
+    compatibility, said = qos_check_compatible(offers, wants)
+    if compatibility != QoSCompatibility.ERROR:
+        return ''
+    found = [
+        f'{policy.replace("_", " ")}: offers {_policy(offers, policy)}, '
+        f'wants {_policy(wants, policy)}'
+        for policy in _POLICIES
+        if qos_check_compatible(offers, _wanting(offers, wants, policy))[0]
+        == QoSCompatibility.ERROR
+    ]
+    return '; '.join(found) or said.removeprefix('ERROR: ').strip().rstrip(';')
+
+
+def _wanting(offers: QoSProfile, wants: QoSProfile, policy: str) -> QoSProfile:
+    """Return a profile that equals the offered one in all but one policy."""
+    values = {name: getattr(offers, name) for name in _POLICIES}
+    values[policy] = getattr(wants, policy)
+    return QoSProfile(depth=1, **values)
+
+
+def _policy(qos: QoSProfile, policy: str) -> str:
+    value = getattr(qos, policy)
+    if isinstance(value, Duration):
+        seconds = value.nanoseconds / 1e9
+        return 'none' if not 0 < seconds < 1e9 else f'{seconds:g} s'
+    return str(value.name)
+
+
+def read_graph(node: Node, everything: bool = False) -> Facts:
+    """
+    Return the graph as a node sees it at this moment.
+
+    :param node: any node; what it sees is what its process has discovered
+    :param everything: also hidden nodes and topics, ``/rosout`` and ``/parameter_events``
+    """
+    topics = []
+    for name, _ in sorted(node.get_topic_names_and_types()):
+        if not everything and (name in QUIET_TOPICS or is_hidden(name)):
+            continue
+        topic = Topic(
+            name,
+            _endpoints(node.get_publishers_info_by_topic(name)),
+            _endpoints(node.get_subscriptions_info_by_topic(name)),
+        )
+        ends = (*topic.publishers, *topic.subscriptions)
+        if everything or any(not end.hidden for end in ends):
+            topics.append(topic)
+    names = nodes_now(node, hidden=everything)
+    missing = {end.node for topic in topics for end in (*topic.publishers, *topic.subscriptions)}
+    known = [*names, *(missing - set(names))]
+    return Facts(
+        tuple(sorted(name for name in known if everything or not is_hidden(name))),
+        tuple(topics),
+        everything,
+    )
+
+
+def only_topic(facts: Facts, topic: str) -> Facts:
+    """
+    Return the part of a graph that has to do with one topic.
+
+    :param topic: its full name
+    """
+    topics = tuple(found for found in facts.topics if found.name == topic)
+    ends = {end.node for found in topics for end in (*found.publishers, *found.subscriptions)}
+    return Facts(tuple(n for n in facts.nodes if n in ends), topics, facts.everything)
+
+
+def _endpoints(infos: Iterable[Any]) -> tuple[Endpoint, ...]:
+    found = []
+    for info in infos:
+        name = info.node_name
+        # Discovery may know an endpoint a moment before it knows the endpoint's node.
+        full = f'/?{name}' if name == _UNKNOWN else f'{info.node_namespace.rstrip("/")}/{name}'
+        found.append(Endpoint(full, info.topic_type, info.qos_profile))
+    return tuple(sorted(found, key=lambda end: (end.node, end.type)))

@@ -1,0 +1,253 @@
+"""The ROS graph of one moment as a picture and as lines of text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+import textwrap
+
+from roslab import svg
+from roslab.graph_facts import Edge, Facts, only_topic, QUIET_TOPICS, read_graph, Topic
+from roslab.graph_layout import arrange, Arrow, Layout, Spot
+from roslab.lookup import DISCOVERY_S, not_here, resolved, topics_now
+from roslab.session import Session
+from roslab.waiting import wait_in
+
+_MARGIN = 10.0
+_NODE_HEIGHT = 34.0
+_TOPIC_HEIGHT = 42.0
+_LINE = 15.0
+_REMARK_WIDTH = 34
+_ARROW = 7.0
+_MOST_PORTS = 3
+
+
+class Graph:
+    """
+    The nodes and topics of one moment: a picture in a notebook, lines of text elsewhere.
+
+    :param facts: what was seen
+    """
+
+    def __init__(self, facts: Facts) -> None:
+        self.facts = facts
+
+    @property
+    def nodes(self) -> list[str]:
+        """Full names of the nodes."""
+        return list(self.facts.nodes)
+
+    @property
+    def topics(self) -> list[str]:
+        """Full names of the topics."""
+        return [topic.name for topic in self.facts.topics]
+
+    def __str__(self) -> str:
+        return graph_text(self.facts)
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        return graph_html(self.facts)
+
+
+def graph_now(session: Session, topic: str | None = None, everything: bool = False) -> Graph:
+    """
+    Return the graph as this kernel sees it now.
+
+    :param topic: only this topic and its nodes
+    :param everything: also what is hidden
+    :raises NotHereError: if nobody has the topic
+    """
+    node = session.helper
+    if topic is None:
+        return Graph(read_graph(node, everything))
+    name = resolved(node, topic)
+    if not wait_in(session, lambda: name in topics_now(node), DISCOVERY_S):
+        raise not_here('topic', name, topics_now(node))
+    facts = read_graph(node, everything=everything or name in QUIET_TOPICS)
+    return Graph(only_topic(facts, name))
+
+
+def graph_text(facts: Facts) -> str:
+    """Return one line per connection, and one for each endpoint that has none."""
+    lines = []
+    for topic in facts.topics:
+        lines += _topic_lines(facts, topic)
+    busy = {edge.node for edge in facts.edges}
+    lines += [facts.label(node) for node in dict.fromkeys(facts.nodes) if node not in busy]
+    return '\n'.join([*lines, _summary(facts)])
+
+
+def _topic_lines(facts: Facts, topic: Topic) -> list[str]:
+    middle = f'{topic.name} [{" | ".join(topic.types)}]'
+    pairs = [pair for pair in facts.pairs if pair.topic == topic.name]
+    lines = []
+    for pair in pairs:
+        arrow, reason = ('- ->', f'   {pair.reason}') if pair.reason else ('-->', '')
+        names = facts.label(pair.publisher), facts.label(pair.subscription)
+        lines.append(f'{names[0]} {arrow} {middle} {arrow} {names[1]}{reason}')
+    if pairs:
+        return lines
+    for edge in facts.edges:
+        if edge.topic == topic.name:
+            arrow = '-->' if edge.matched else '- ->'
+            ends = [facts.label(edge.node), middle]
+            whole = f' {arrow} '.join(ends if edge.outward else ends[::-1])
+            lines.append(f'{whole}   {edge.remark}')
+    return lines or [f'{middle}   no endpoints that are shown']
+
+
+def _summary(facts: Facts) -> str:
+    nodes, topics = len(facts.nodes), len(facts.topics)
+    if not nodes and not topics:
+        return 'No nodes are seen now.'
+    return (
+        f'Seen now: {nodes} node{"s" * (nodes != 1)}, {topics} topic{"s" * (topics != 1)}'
+        f'{"" if facts.everything else " (without /rosout and /parameter_events)"}.'
+    )
+
+
+def graph_html(facts: Facts) -> str:
+    """Return the graph as a picture."""
+    nodes = list(dict.fromkeys(facts.nodes))
+    keys = {('node', name): f'n{name}' for name in nodes}
+    keys |= {('topic', topic.name): f't{topic.name}' for topic in facts.topics}
+    remarks = {topic.name: _remarks(facts, topic) for topic in facts.topics}
+    arrows: dict[Arrow, Edge] = {}
+    for edge in facts.edges:
+        ends = keys['node', edge.node], keys['topic', edge.topic]
+        arrows[ends if edge.outward else ends[::-1]] = edge
+    ports = _ports(list(arrows))
+    sizes = {}
+    for name in nodes:
+        width = svg.text_width(facts.label(name), 13) + 24
+        sizes[keys['node', name]] = max(80.0, width), _height(_NODE_HEIGHT, ports, f'n{name}')
+    for topic in facts.topics:
+        sizes[keys['topic', topic.name]] = _topic_size(topic, remarks[topic.name], ports)
+    layout = arrange(sizes, list(arrows), frozenset(f't{topic.name}' for topic in facts.topics))
+    parts = [_edge(layout.routes[arrow], edge) for arrow, edge in arrows.items()]
+    for name in nodes:
+        parts.append(_node(layout.spots[f'n{name}'], facts.label(name)))
+    for topic in facts.topics:
+        parts.append(_topic(layout.spots[f't{topic.name}'], topic, remarks[topic.name]))
+    return _whole(facts, layout, parts, remarks)
+
+
+def _whole(
+    facts: Facts, layout: Layout, parts: list[str], remarks: Mapping[str, Sequence[str]]
+) -> str:
+    legend = 'rounded: node \u00b7 square: topic \u00b7 dashed with a cross: not connected'
+    width = max(layout.width, svg.text_width(legend, 11), svg.text_width(_summary(facts), 11))
+    # Above a box with remarks there is room that nothing is drawn in.
+    room = {f't{name}': _LINE * len(found) for name, found in remarks.items()}
+    tops = (s.y - s.height / 2 + room.get(s.key, 0.0) for s in layout.spots.values())
+    top = min(tops, default=0.0)
+    height = layout.height - top + 3 * _LINE
+    low = layout.height + 2 * _LINE
+    moved = f'<g transform="translate({_MARGIN:g} {_MARGIN - top:g})">{"".join(parts)}'
+    notes = [
+        svg.text(0, low - 4, legend, size=11, faint=True) if facts.nodes else '',
+        svg.text(0, low + 11, _summary(facts), size=11, faint=True),
+        '</g>',
+    ]
+    return svg.picture(
+        width + 2 * _MARGIN,
+        height + 2 * _MARGIN,
+        'ROS graph',
+        '. '.join(graph_text(facts).splitlines()),
+        [moved, *notes],
+    )
+
+
+def _remarks(facts: Facts, topic: Topic) -> list[str]:
+    """Return why endpoints of a topic do not connect, in lines for the picture."""
+    edges = [edge for edge in facts.edges if edge.topic == topic.name]
+    lonely = not all(edge.matched for edge in edges)
+    pairs = [pair for pair in facts.pairs if pair.topic == topic.name and pair.reason]
+    found: list[str] = []
+    for pair in pairs:
+        if len(edges) > 2 or not lonely:
+            found.append(f'{facts.label(pair.publisher)} - -> {facts.label(pair.subscription)}:')
+        found.append(pair.reason)
+    lone = [edge for edge in edges if edge.remark and not pairs]
+    if len({edge.remark for edge in lone}) == 1:  # said once, it is true of all
+        found.append(lone[0].remark)
+    else:
+        found += [f'{facts.label(edge.node)}: {edge.remark}' for edge in lone]
+    return [
+        line
+        for remark in found
+        for line in textwrap.wrap(remark, _REMARK_WIDTH, break_on_hyphens=False)
+    ]
+
+
+def _ports(arrows: Sequence[Arrow]) -> dict[str, int]:
+    """Return for each box how many lines end on it."""
+    found: dict[str, int] = {}
+    for arrow in arrows:
+        for key in arrow:
+            found[key] = found.get(key, 0) + 1
+    return found
+
+
+def _height(least: float, ports: dict[str, int], key: str) -> float:
+    """Return the height of a box: more lines need more room."""
+    return least + 6.0 * max(0, ports.get(key, 0) - _MOST_PORTS)
+
+
+def _topic_size(topic: Topic, remarks: list[str], ports: dict[str, int]) -> tuple[float, float]:
+    lines = [topic.name, *topic.types]
+    widths = [svg.text_width(topic.name, 13), *(svg.text_width(kind, 11) for kind in topic.types)]
+    widths += [svg.text_width(remark, 11) - 10 for remark in remarks]
+    height = _TOPIC_HEIGHT + _LINE * (len(lines) - 2) if len(lines) > 1 else _NODE_HEIGHT
+    height = _height(height, ports, f't{topic.name}')
+    # The remarks stand below the box; as much room above keeps its lines in the middle.
+    return max(100.0, max(widths) + 20), height + 2 * _LINE * len(remarks)
+
+
+def _node(spot: Spot, label: str) -> str:
+    top = spot.y - spot.height / 2
+    return svg.box(
+        spot.x, top, spot.width, spot.height, colour=svg.BLUE, rounded=spot.height / 2
+    ) + svg.text(spot.x + spot.width / 2, spot.y + 4.5, label, anchor='middle', size=13)
+
+
+def _topic(spot: Spot, topic: Topic, remarks: list[str]) -> str:
+    height = spot.height - 2 * _LINE * len(remarks)
+    middle = spot.x + spot.width / 2
+    parts = [svg.box(spot.x, spot.y - height / 2, spot.width, height, colour=svg.ORANGE)]
+    y = spot.y - _LINE * len(topic.types) / 2 + 4.5
+    parts.append(svg.text(middle, y, topic.name, anchor='middle', size=13, bold=True))
+    for kind in topic.types:
+        y += _LINE
+        parts.append(svg.text(middle, y, kind, anchor='middle', size=11, faint=True))
+    y = spot.y + height / 2 + 1
+    for remark in remarks:
+        y += _LINE
+        parts.append(svg.text(middle, y, remark, anchor='middle', size=11, italic=True))
+    return ''.join(parts)
+
+
+def _edge(points: list[tuple[float, float]], edge: Edge) -> str:
+    """Return a line that leaves and enters its boxes level, with a head and perhaps a cross."""
+    path = f'M{points[0][0]:.1f} {points[0][1]:.1f}'
+    for (x1, y1), (x2, y2) in pairwise(points):
+        half = (x2 - x1) / 2
+        path += f'C{x1 + half:.1f} {y1:.1f} {x2 - half:.1f} {y2:.1f} {x2:.1f} {y2:.1f}'
+    colour = 'currentColor' if edge.matched else svg.RED
+    dashes = '' if edge.matched else ' stroke-dasharray="6 4"'
+    x, y = points[-1]
+    back = -_ARROW if points[-2][0] < x else _ARROW
+    head = f'M{x:.1f} {y:.1f}l{back:.1f} -4.5v9z'
+    parts = [
+        f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="1.5"{dashes}/>',
+        f'<path d="{head}" fill="{colour}"/>',
+    ]
+    if not edge.matched:
+        (x1, y1), (x2, y2) = points[0], points[1]
+        parts.append(svg.shape('cross', (x1 + x2) / 2, (y1 + y2) / 2, 4.5, colour))
+    word = 'publishes' if edge.outward else 'subscribes'
+    told = f'{edge.node} {word} {edge.topic}'
+    return f'<g><title>{svg.escape(told)}</title>{"".join(parts)}</g>'

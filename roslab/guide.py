@@ -1,0 +1,297 @@
+"""
+What to do next, in place of a traceback.
+
+An IPython extension that the course's kernel loads.  Some errors say less about the code than
+about the order in which cells were run, or about the notebook itself; each of these is shown as
+one sentence.  The exception stays what it is, so code that catches it sees no difference, and
+every other error is shown as always.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+import json
+import os
+from pathlib import Path
+import re
+import textwrap
+import traceback
+from typing import Any
+
+from IPython.core.inputtransformer2 import TransformerManager
+
+from autograder.cells import CellSyntaxError, parse_cell
+from roslab.errors import RoslabError
+from roslab.interrupts import interrupted
+from roslab.output import current_cell
+from roslab.tracebacks import is_library, where
+
+_SHOWN = 44
+"""Characters of a cell's first line that are enough to find it."""
+_INIT_TWICE = 'Context.init() must only be called once'
+_ORDER = (
+    'This cell uses what cells above it do, and not all of those were run to their end, in order. '
+    'Run first: all of them, by the menu Run, Run All Above Selected Cell.'
+)
+
+_SENTENCES = (RoslabError, NotImplementedError, TimeoutError)
+"""Errors of the course that say already what to do."""
+
+_failed: set[int] = set()
+"""Numbers of the executions that did not come to their end."""
+
+
+@dataclass(frozen=True)
+class NotebookCell:
+    """
+    A code cell of the notebook.
+
+    :param identifier: its id in the file
+    :param heading: of the section that it is in
+    :param names: what it defines
+    :param module: the module that a ``%%node`` cell creates
+    """
+
+    identifier: str
+    heading: str
+    source: str
+    names: frozenset[str]
+    module: str | None
+
+    @property
+    def place(self) -> str:
+        """Return where to find it, in words."""
+        first = next((line.strip() for line in self.source.splitlines() if line.strip()), '')
+        shown = textwrap.shorten(first, _SHOWN, placeholder=' ...')
+        section = f'in "{self.heading}", ' if self.heading else ''
+        return f'{section}the cell that begins with: {shown}'
+
+
+def load_ipython_extension(shell: Any) -> None:
+    """
+    Show sentences instead of tracebacks where a sentence helps more.
+
+    :param shell: what ``get_ipython()`` returns
+    """
+    if _show not in getattr(shell, '_course_guides', ()):
+        shell._course_guides = (_show,)
+        shell.set_custom_exc((Exception, KeyboardInterrupt), _show)
+
+
+def advice(error: BaseException, shell: Any) -> str | None:
+    """
+    Return what to show instead of the traceback of an error.
+
+    :param error: any error that a cell has raised
+    :returns: None for an error that is best shown as it is
+    """
+    at_once = isinstance(error, KeyboardInterrupt) or isinstance(
+        error.__context__, KeyboardInterrupt
+    )
+    if at_once or (interrupted() and not _raised_by_learner(error)):
+        return _interrupted(error)
+    if type(error).__name__ == 'InvalidHandle':
+        return (
+            'InvalidHandle: this node, or what belongs to it, was stopped or replaced meanwhile. '
+            'Run first: the cell that starts it.'
+        )
+    if type(error) is RuntimeError and str(error) == _INIT_TWICE:
+        return (
+            'RuntimeError: rclpy.init() was called, but ROS 2 runs in this notebook already. '
+            'Leave it out, and do not call main() here: start(...) runs a node in the background.'
+        )
+    if type(error) not in (NameError, ModuleNotFoundError) or not _raised_by_learner(error):
+        return None
+    missing: str | None = getattr(error, 'name', None)
+    if not missing:
+        return None
+    found = _first_cell_with(missing, isinstance(error, ModuleNotFoundError), shell)
+    if found is None:
+        return None
+    kind = 'module ' if isinstance(error, ModuleNotFoundError) else ''
+    return f'{type(error).__name__}: {kind}{missing} is not there yet. Run first: {found.place}'
+
+
+def notebook_path() -> Path | None:
+    """Return the file of this notebook, if it can be told."""
+    named = os.environ.get('JPY_SESSION_NAME', '')  # set by Jupyter servers
+    if named.endswith('.ipynb') and Path(named).is_file():
+        return Path(named)
+    here = sorted(Path.cwd().glob('*.ipynb'))
+    return here[0] if len(here) == 1 else None
+
+
+def read_cells(path: Path) -> list[NotebookCell]:
+    """
+    Return the code cells of a notebook.
+
+    :param path: the file; one that cannot be read has no cells
+    """
+    try:
+        cells = json.loads(path.read_text(encoding='utf-8'))['cells']
+        return list(_code_cells(cells))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return []
+
+
+def defined_names(source: str) -> frozenset[str]:
+    """
+    Return what a cell defines in the notebook: assigned, imported, or made by a loop.
+
+    :param source: text of a cell, magics and shell commands included
+    """
+    first, _, below = source.partition('\n')
+    captured = re.match(r'%%capture\s+([A-Za-z_]\w*)', first)
+    try:
+        plain = TransformerManager().transform_cell(below if first.startswith('%%') else source)
+        names = set(_bound(ast.parse(plain).body))
+    except (SyntaxError, ValueError, RecursionError):
+        names = set()
+    return frozenset(names | ({captured[1]} if captured else set()))
+
+
+def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: Any = None) -> None:
+    said = None
+    own_words = getattr(error, '_render_traceback_', None)
+    # Whatever goes wrong here, the learner's own error is what matters.
+    with suppress(Exception):
+        if own_words is None or not isinstance(error, _SENTENCES):
+            said = advice(error, shell)
+            alone = said is not None and own_words is None
+            said = said or _out_of_order(shell)
+        _failed.add(len(_history(shell)) - 1)
+    if said is None:
+        shell.showtraceback((kind, error, trace), tb_offset=tb_offset, running_compiled_code=True)
+        return
+    lines: list[str] = []
+    if own_words is not None:
+        lines = own_words()
+    elif not alone:
+        lines = shell.InteractiveTB.structured_traceback(kind, error, trace, tb_offset=tb_offset)
+    shell._showtraceback(kind, error, [*lines, said])
+
+
+def _history(shell: Any) -> Sequence[str]:
+    return getattr(shell.history_manager, 'input_hist_raw', None) or ('',)
+
+
+def _out_of_order(shell: Any) -> str | None:
+    """Return a hint if the cells above the running one were not run in their order."""
+    path = notebook_path()
+    cells = read_cells(path) if path is not None else []
+    here = _running_index(cells, shell)
+    if not here:
+        return None
+    index = {cell.source.strip(): number for number, cell in enumerate(cells)}
+    ran: list[int] = []
+    for number, source in enumerate(_history(shell)[:-1]):
+        at = index.get(source.strip())
+        if at is not None and at != here and number not in _failed:
+            ran = [*(other for other in ran if other != at), at]
+    above = [number for number, cell in enumerate(cells[:here]) if cell.source.strip()]
+    return None if ran[-len(above) :] == above else _ORDER
+
+
+def _interrupted(error: BaseException) -> str:
+    own = [frame for frame in _frames(error) if not is_library(frame.filename)]
+    place = f' in {where(own[-1].filename, own[-1].lineno)}' if own else ''
+    return (
+        f'KeyboardInterrupt: the cell was interrupted{place}. ROS 2 and the nodes that start(...) '
+        'runs go on.'
+    )
+
+
+def _raised_by_learner(error: BaseException) -> bool:
+    frames = [f for f in _frames(error) if not f.filename.startswith('<frozen importlib')]
+    own = bool(frames) and not is_library(frames[-1].filename)
+    return own or (bool(frames) and frames[-1].filename == '<string>')  # exec in a cell
+
+
+def _frames(error: BaseException) -> Sequence[traceback.FrameSummary]:
+    return traceback.extract_tb(error.__traceback__)
+
+
+def _first_cell_with(name: str, as_module: bool, shell: Any) -> NotebookCell | None:
+    """Return the cell that defines a name: the nearest above the running one, or below it."""
+    path = notebook_path()
+    cells = read_cells(path) if path is not None else []
+    here = _running_index(cells, shell)
+    found = [
+        index
+        for index, cell in enumerate(cells)
+        if index != here and (cell.module == name if as_module else name in cell.names)
+    ]
+    above = [index for index in found if here is None or index < here]
+    chosen = above[-1:] if here is not None and above else found[:1]
+    return cells[chosen[0]] if chosen else None
+
+
+def _running_index(cells: Sequence[NotebookCell], shell: Any) -> int | None:
+    running = current_cell()
+    identifier = running.request.get('metadata', {}).get('cellId') if running else None
+    source = _history(shell)[-1].strip()
+    for index, cell in enumerate(cells):
+        if cell.identifier == identifier or (source and cell.source.strip() == source):
+            return index
+    return None
+
+
+def _code_cells(cells: Sequence[dict[str, Any]]) -> Iterator[NotebookCell]:
+    heading = ''
+    for cell in cells:
+        source = cell['source'] if isinstance(cell['source'], str) else ''.join(cell['source'])
+        if cell['cell_type'] == 'markdown':
+            titles = re.findall(r'(?m)^#{1,6}\s+(.+?)\s*$', source)
+            heading = titles[-1] if titles else heading
+        elif cell['cell_type'] == 'code':
+            names, module = _contents(source)
+            yield NotebookCell(cell.get('id', ''), heading, source, names, module)
+
+
+def _contents(source: str) -> tuple[frozenset[str], str | None]:
+    try:
+        file = parse_cell(source)
+    except CellSyntaxError:
+        return frozenset(), None
+    if file is None:
+        return defined_names(source), None
+    if file.kind != 'node':
+        return frozenset(), None
+    public = {name for name in defined_names(file.body) if not name.startswith('_')}
+    return frozenset(public), file.name
+
+
+def _bound(statements: Sequence[ast.stmt]) -> Iterator[str]:
+    """Yield the names that statements bind, not those inside functions and classes."""
+    for statement in statements:
+        if isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            yield statement.name
+            continue
+        for node in _outside_of_scopes(statement):
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                yield node.id
+            elif isinstance(node, (ast.Import, ast.ImportFrom)):
+                yield from (name for alias in node.names for name in _imported(node, alias))
+            elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+                yield node.name
+
+
+def _imported(node: ast.Import | ast.ImportFrom, alias: ast.alias) -> Sequence[str]:
+    if alias.name == '*':
+        import roslab
+
+        return roslab.__all__ if getattr(node, 'module', '') == 'roslab' else ()
+    return (alias.asname or alias.name.split('.')[0],)
+
+
+def _outside_of_scopes(node: ast.AST) -> Iterator[ast.AST]:
+    yield node
+    if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)):
+        return
+    if isinstance(node, (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)):
+        return
+    for child in ast.iter_child_nodes(node):
+        yield from _outside_of_scopes(child)

@@ -1,0 +1,204 @@
+"""
+A number of a topic against time, drawn anew in its own cell while other cells run.
+
+A thread of its own draws, at most five times a second and only if there is something new.  It ends
+with its listener, with the session, or when another cell plots the same field.
+"""
+
+from __future__ import annotations
+
+import atexit
+from contextlib import suppress
+import math
+import threading
+from typing import Any
+
+from roslab.errors import RoslabError
+from roslab.fields import number_getter
+from roslab.interrupts import HeldInterrupts
+from roslab.introspection import listen_as_found
+from roslab.listening import Listener
+from roslab.output import current_cell, has_frontend, shell
+from roslab.plot_picture import Curve, curve_html, curve_text
+from roslab.session import Session
+
+_PERIOD_S = 0.2
+_STOPPING_S = 1.0
+
+_plots: dict[tuple[str, str], Plot] = {}
+
+
+class Plot:
+    """
+    A picture that follows a topic.
+
+    :param session: whose hidden node listens
+    :param topic: with or without the leading slash; its type is found in the graph
+    :param field: path of a numeric field, such as ``header.stamp.sec`` or ``data[0]``
+    :param seconds: length of the time axis [s]
+    :param threshold: a level to compare the values with
+    :raises NotHereError: if nobody has the topic
+    :raises RoslabError: if there is no such field, or it is no number
+    """
+
+    def __init__(
+        self, session: Session, topic: str, field: str, seconds: float, threshold: float | None
+    ) -> None:
+        _require_numbers(seconds, threshold)
+        self.field = field
+        self.seconds = seconds
+        self.threshold = threshold
+        self._handle: Any = None
+        self._painting = threading.Lock()
+        self._painted: tuple[int, float] | None = None
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+        self.listener: Listener = listen_as_found(session, topic)
+        try:
+            self._number = number_getter(self.listener.msg_type, field)
+        except RoslabError:
+            self.listener.stop()
+            raise
+        cell = current_cell()
+        self._shown_in = cell.number if cell else None
+
+    @property
+    def topic(self) -> str:
+        """Full name of the topic."""
+        return self.listener.topic
+
+    @property
+    def values(self) -> list[float]:
+        """All values of the field so far, oldest first."""
+        found = (self._number(message) for message in self.listener.messages)
+        return [value for value in found if value is not None]
+
+    def wait(self, count: int = 1, timeout: float = 10.0) -> list[float]:
+        """
+        Wait until that many messages have been heard and the picture shows them.
+
+        :param count: how many messages since the plot was begun
+        :param timeout: how long to wait [s]
+        :returns: all values so far
+        :raises TimeoutError: with what may explain it
+        """
+        try:
+            self.listener.wait(count, timeout)
+        finally:
+            self._keep_up()
+            self.paint()
+        return self.values
+
+    def stop(self) -> None:
+        """Stop listening and drawing; the picture stays as it is."""
+        with HeldInterrupts():
+            self._ended.set()
+            self.listener.stop()
+            if self._thread is not None and self._thread is not threading.current_thread():
+                self._thread.join(_STOPPING_S)
+            if _plots.get(self._key) is self:
+                del _plots[self._key]
+            self.paint()
+
+    def begin(self) -> None:
+        """Show the picture in the running cell and keep it up to date."""
+        with HeldInterrupts():
+            older = _plots.pop(self._key, None)
+            if older is not None:
+                older.stop()
+            _plots[self._key] = self
+            if shell() is None:
+                return
+            from IPython.display import display
+
+            self._handle = display(self._bundle(), raw=True, display_id=True)
+        self._keep_up()
+
+    def _keep_up(self) -> None:
+        """Have the picture follow, also again after stop_all() had ended the listening."""
+        with HeldInterrupts():
+            if self._handle is None or self._ended.is_set():
+                return
+            _plots.setdefault(self._key, self)
+            running = self._thread is not None and self._thread.is_alive()
+            if has_frontend() and not running:
+                # Where nobody looks, wait() and the end of each cell paint often enough.
+                self._thread = threading.Thread(
+                    target=self._follow, name='roslab plot', daemon=True
+                )
+                self._thread.start()
+
+    def paint(self) -> None:
+        """Draw anew, if there is something new; never raises."""
+        with HeldInterrupts(), self._painting:
+            newest = self._newest()
+            if self._handle is None or newest == self._painted:
+                return
+            self._painted = newest
+            with suppress(Exception):  # a closed connection ends no cell and no thread
+                self._handle.update(self._bundle(), raw=True)
+
+    @property
+    def _key(self) -> tuple[str, str]:
+        return self.topic, self.field
+
+    def _newest(self) -> tuple[int, float]:
+        times = self.listener.times
+        return len(times), times[-1] if times else -1.0
+
+    def _follow(self) -> None:
+        while not self._ended.wait(_PERIOD_S) and self.listener.alive:
+            self.paint()
+
+    def _curve(self) -> Curve:
+        times, messages = self.listener.times, self.listener.messages
+        begin = (times[-1] if times else 0.0) - self.seconds
+        recent = [(time, self._number(m)) for time, m in zip(times, messages) if time >= begin]
+        return Curve(
+            f'{self.topic} {self.field}',
+            tuple((time, value) for time, value in recent if value is not None),
+            self.seconds,
+            self.threshold,
+        )
+
+    def _bundle(self) -> dict[str, str]:
+        curve = self._curve()
+        return {'text/plain': curve_text(curve), 'text/html': curve_html(curve)}
+
+    def __str__(self) -> str:
+        return curve_text(self._curve())
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _ipython_display_(self) -> None:
+        """Show a copy as the value of a later cell; its own cell has the picture that moves."""
+        cell = current_cell()
+        if cell is None or cell.number != self._shown_in:
+            from IPython.display import display
+
+            display(self._bundle(), raw=True)
+
+
+def paint_all(_: Any = None) -> None:
+    """Bring the pictures up to date at the end of a cell, and forget those that have ended."""
+    for key, plot in tuple(_plots.items()):
+        plot.paint()
+        if not plot.listener.alive:
+            _plots.pop(key, None)
+
+
+def _stop_all() -> None:
+    """End the threads before the interpreter is torn down under them."""
+    for plot in tuple(_plots.values()):
+        plot.stop()
+
+
+atexit.register(_stop_all)
+
+
+def _require_numbers(seconds: float, threshold: float | None) -> None:
+    if not isinstance(seconds, (int, float)) or not math.isfinite(seconds) or seconds <= 0:
+        raise RoslabError(f'seconds: expected a length of time, as in 20.0, got {seconds!r}.')
+    if threshold is not None and not isinstance(threshold, (int, float)):
+        raise RoslabError(f'threshold: expected a number, as in 30.0, got {threshold!r}.')

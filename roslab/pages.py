@@ -1,0 +1,228 @@
+"""
+What a node says appears with the cell that started it.
+
+The kernel gives every line to the cell that is running.  A node that one cell started would talk
+below whatever is run next.  So each cell that starts a node has a :class:`Page`, and what the
+callbacks of its nodes print or log goes there: into the cell's own output while the cell runs, and
+after that into one block below it, which is updated in place and shows the newest lines only.
+
+An executed notebook keeps that block too.  ``nbclient`` takes nothing for a cell that is over
+except new contents for a display it already knows, so there the block is made, still empty, at the
+end of the cell, and filled at the end of later ones.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+import sys
+import threading
+from typing import Any
+import uuid
+
+from roslab.console import ConsoleLines, log_text, mark_console, spare_the_terminal
+from roslab.interrupts import no_interrupts
+from roslab.logtable import LogLine, show_logs
+from roslab.output import Cell, current_cell, settle
+
+MOST_IN_CELL = 50
+"""Lines of its nodes that a running cell shows before the rest goes into the block."""
+MOST_IN_BLOCK = 12
+_UPDATE_S = 0.25
+
+
+class Page:
+    """
+    The lines of the nodes that one cell has started.
+
+    Written by the executor's thread alone; every other thread only reads.
+
+    :param cell: the cell
+    """
+
+    def __init__(self, cell: Cell) -> None:
+        self.cell = cell
+        self.display_id = uuid.uuid4().hex
+        self.in_cell = 0
+        self.in_block = 0
+        self.changed = False
+        self.displayed = False
+        self._tail: deque[str] = deque(maxlen=MOST_IN_BLOCK)
+        self._unfinished = ''
+
+    def keep(self, text: str) -> None:
+        """Add a text to the block."""
+        *lines, self._unfinished = (self._unfinished + text).split('\n')
+        self._tail.extend(lines)
+        self.in_block += len(lines)
+
+    def text(self) -> str:
+        """Return what the block shows."""
+        tail = self._tail.copy()
+        left_out = self.in_block - len(tail)
+        head = [f'... {left_out} more, see logs()'] if left_out > 0 else []
+        last = [self._unfinished] if self._unfinished else []
+        return '\n'.join([*head, *tail, *last])
+
+
+class Pages:
+    """
+    Sends what threads print to the right cell.
+
+    :param stream: the kernel's stdout
+    :param console: takes the lines of C code out of what the kernel reads from its own stdout
+    """
+
+    def __init__(self, stream: Any, console: ConsoleLines) -> None:
+        self._stream = stream
+        self._plain: Callable[[str], int | None] = stream.write
+        self._console = console
+        self._watcher = getattr(stream, 'watch_fd_thread', None)
+        self._here = threading.local()
+        running = current_cell()
+        self._running = running if running and running.request else None
+        self._of_running: Page | None = None
+        self._changed: dict[str, Page] = {}
+        stream.write = self.write
+
+    def page(self) -> Page | None:
+        """Return the page of the running cell, for a node that it starts."""
+        cell = self._running
+        if cell is None:
+            return None
+        if self._of_running is None:
+            self._of_running = Page(cell)
+        return self._of_running
+
+    @contextmanager
+    def beside(self, page: Page | None) -> Iterator[None]:
+        """
+        Let this thread write on a page.
+
+        :param page: None to leave things as they are
+        """
+        if page is None:
+            yield
+            return
+        outer = getattr(self._here, 'page', None)
+        token = self._stream.set_thread_parent(page.cell.request)
+        self._here.page = page
+        try:
+            yield
+        finally:
+            self._here.page = outer
+            self._stream.reset_thread_parent(token)
+
+    def write(self, text: str) -> int | None:
+        """Do what ``write`` of the kernel's stdout does, for the right cell."""
+        if threading.current_thread() is self._watcher:
+            text = self._console.feed(text)
+            return self._plain(text) if text else 0
+        page: Page | None = getattr(self._here, 'page', None)
+        if page is None or not isinstance(text, str):
+            return self._plain(text)
+        if page.cell is self._running and page.in_cell < MOST_IN_CELL and not page.in_block:
+            page.in_cell += text.count('\n')
+            return self._plain(text)
+        page.keep(text)
+        self._note(page)
+        return len(text)
+
+    def write_log(self, line: LogLine) -> None:
+        """Show a log line in the cell that this thread works for."""
+        self.write(f'{log_text(line.level, line.logger, line.message)}\n')
+
+    def begin_cell(self, _: Any = None) -> None:
+        """Note which cell is running."""
+        self._running, self._of_running = current_cell(), None
+
+    def end_cell(self, _: Any = None) -> None:
+        """Bring everything to its place before the kernel says that the cell is over."""
+        with no_interrupts():
+            settle()
+            over, page = self._running, self._of_running
+            self._running, self._of_running = None, None
+            if page is not None and not page.cell.has_frontend and not page.displayed:
+                self._send(page, 'display_data', page.cell)
+            for changed in tuple(self._changed.values()):
+                self._update(changed, over)
+
+    def _note(self, page: Page) -> None:
+        """Have a page shown soon; where nobody is looking, at the end of the running cell."""
+        if page.changed:
+            return
+        page.changed = True
+        self._changed[page.display_id] = page
+        if page.cell.has_frontend:
+            thread = self._stream.pub_thread
+            thread.schedule(
+                lambda: thread.io_loop.call_later(_UPDATE_S, self._update, page, page.cell)
+            )
+
+    def _update(self, page: Page, parent: Cell | None) -> None:
+        if parent is None or not page.changed:
+            return
+        page.changed = False  # first, so that a line that comes now is shown by another update
+        self._changed.pop(page.display_id, None)
+        if page.cell.has_frontend:
+            parent = page.cell
+        self._send(page, 'update_display_data' if page.displayed else 'display_data', parent)
+
+    def _send(self, page: Page, kind: str, parent: Cell) -> None:
+        page.displayed = True
+        session = self._stream.session
+        content = {
+            'data': {'text/plain': page.text()},
+            'metadata': {},
+            'transient': {'display_id': page.display_id},
+        }
+        message = session.msg(kind, content, parent=dict(parent.request))
+        session.send(self._stream.pub_thread, message, ident=b'display_data')
+
+
+_pages: Pages | None = None
+
+
+def lay_out(shell: Any) -> None:
+    """
+    Begin to give lines to the cells that they belong to.
+
+    :param shell: what ``get_ipython()`` returns
+    """
+    global _pages
+    stream: Any = sys.stdout
+    can = ('set_thread_parent', 'pub_thread')
+    if _pages is not None or not all(hasattr(stream, name) for name in can):
+        return
+    _pages = Pages(stream, ConsoleLines())
+    spare_the_terminal(stream)
+    # A kernel that does not read its own stdout shows no line of C code, so none comes twice.
+    if getattr(stream, 'watch_fd_thread', None) is None or mark_console():
+        show_logs(_pages.write_log)
+    shell.events.register('pre_run_cell', _pages.begin_cell)
+    shell.events.register('post_run_cell', _pages.end_cell)
+
+
+def pages() -> Pages | None:
+    """Return the pages of this kernel, or None outside a notebook."""
+    return _pages
+
+
+def page_here() -> Page | None:
+    """Return the page of the running cell, for a node that it starts."""
+    return _pages.page() if _pages is not None else None
+
+
+@contextmanager
+def beside(page: Page | None) -> Iterator[None]:
+    """
+    Send what this thread prints and logs to a page.
+
+    :param page: None to leave things as they are
+    """
+    if _pages is None:
+        yield
+        return
+    with _pages.beside(page):
+        yield

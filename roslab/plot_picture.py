@@ -1,0 +1,181 @@
+"""A number against time as a picture and in words; knows nothing of ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+
+from roslab import svg
+
+_WIDTH = 720.0
+_HEIGHT = 250.0
+_LEFT = 62.0
+_RIGHT = 16.0
+_TOP = 30.0
+_BOTTOM = 40.0
+_MOST_POINTS = 600
+_MOST_DOTS = 80
+_MOST_LISTED = 10
+
+Point = tuple[float, float]
+"""Time [s] and value."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """
+    What there is to draw.
+
+    :param name: topic and field
+    :param points: in the order of their times; a value that is not finite is a gap
+    :param seconds: length of the axis [s]
+    :param threshold: a level to compare with
+    """
+
+    name: str
+    points: tuple[Point, ...]
+    seconds: float
+    threshold: float | None = None
+
+    @property
+    def finite(self) -> list[Point]:
+        """The points that can be drawn."""
+        return [point for point in self.points if math.isfinite(point[1])]
+
+    @property
+    def above(self) -> int:
+        """How many values are above the threshold."""
+        level = self.threshold
+        return 0 if level is None else sum(value > level for _, value in self.finite)
+
+
+def curve_words(curve: Curve) -> str:
+    """Return what can be seen in the picture, in one sentence."""
+    points = curve.finite
+    if not points:
+        return f'{curve.name}: waiting for messages.'
+    values = [value for _, value in points]
+    span = points[-1][0] - points[0][0]
+    words = (
+        f'{curve.name}: {len(points)} value{"s" * (len(points) != 1)} in {span:.1f} s, '
+        f'from {min(values):g} to {max(values):g}, last {values[-1]:g}'
+    )
+    if len(points) < len(curve.points):
+        words += f'; {len(curve.points) - len(points)} not finite'
+    if curve.threshold is not None:
+        words += f'; {curve.above} above the threshold {curve.threshold:g}'
+    return f'{words}.'
+
+
+def curve_text(curve: Curve) -> str:
+    """Return the plot for those who see no pictures: the sentence and the newest values."""
+    newest = curve.points[-_MOST_LISTED:]
+    lines = [curve_words(curve)]
+    for time, value in newest:
+        over = curve.threshold is not None and value > curve.threshold
+        lines.append(f'  {time:8.2f} s  {value:g}{"  above" if over else ""}')
+    return '\n'.join(lines)
+
+
+def curve_html(curve: Curve) -> str:
+    """Return the plot as a picture."""
+    points = _thinned(curve.points)
+    low, high = _range(curve)
+    end = max(points[-1][0] if points else 0.0, curve.seconds)
+    begin = end - curve.seconds
+
+    def x_of(time: float) -> float:
+        return _LEFT + (time - begin) / curve.seconds * (_WIDTH - _LEFT - _RIGHT)
+
+    def y_of(value: float) -> float:
+        return _HEIGHT - _BOTTOM - (value - low) / (high - low) * (_HEIGHT - _TOP - _BOTTOM)
+
+    parts = _axes(curve, begin, end, low, high)
+    for tick in svg.ticks(begin, end):
+        parts.append(_x_tick(x_of(tick), tick))
+    for tick in svg.ticks(low, high, 5):
+        parts.append(_y_tick(y_of(tick), tick))
+    if curve.threshold is not None:
+        parts += _threshold(y_of(curve.threshold), curve.threshold)
+    parts += _drawn([(x_of(time), y_of(value), value) for time, value in points], curve.threshold)
+    if not points:
+        middle = (_LEFT + _WIDTH - _RIGHT) / 2
+        parts.append(svg.text(middle, _TOP + 18, 'waiting for messages', anchor='middle'))
+    return svg.picture(_WIDTH, _HEIGHT, f'Plot of {curve.name}', curve_words(curve), parts)
+
+
+def _range(curve: Curve) -> tuple[float, float]:
+    values = [value for _, value in curve.finite]
+    if curve.threshold is not None:
+        values.append(curve.threshold)
+    low, high = min(values, default=0.0), max(values, default=1.0)
+    room = (high - low) * 0.12 or max(abs(high) * 0.1, 1.0)
+    return low - room, high + room
+
+
+def _thinned(points: Sequence[Point]) -> list[Point]:
+    """Return fewer points, with the lowest and the highest of each stretch."""
+    if len(points) <= _MOST_POINTS:
+        return list(points)
+    size = math.ceil(len(points) / (_MOST_POINTS / 2))
+    kept: list[Point] = []
+    for start in range(0, len(points), size):
+        stretch = points[start : start + size]
+        kept += sorted({min(stretch, key=lambda p: p[1]), max(stretch, key=lambda p: p[1])})
+    return kept
+
+
+def _axes(curve: Curve, begin: float, end: float, low: float, high: float) -> list[str]:
+    bottom = _HEIGHT - _BOTTOM
+    return [
+        svg.text(_LEFT, 18, curve.name, bold=True, size=13),
+        svg.text(_WIDTH - _RIGHT, _HEIGHT - 6, 'seconds', anchor='end', size=11, faint=True),
+        svg.line(_LEFT, bottom, _WIDTH - _RIGHT, bottom),
+        svg.line(_LEFT, _TOP, _LEFT, bottom),
+    ]
+
+
+def _x_tick(x: float, tick: float) -> str:
+    bottom = _HEIGHT - _BOTTOM
+    return svg.line(x, bottom, x, bottom + 4) + svg.text(
+        x, bottom + 17, f'{tick:g}', anchor='middle', size=11
+    )
+
+
+def _y_tick(y: float, tick: float) -> str:
+    return svg.line(_LEFT, y, _WIDTH - _RIGHT, y, faint=True) + svg.text(
+        _LEFT - 6, y + 4, f'{tick:g}', anchor='end', size=11
+    )
+
+
+def _threshold(y: float, level: float) -> list[str]:
+    """Return the line; its name is in the title row, where no curve comes in its way."""
+    right = _WIDTH - _RIGHT
+    return [
+        svg.line(_LEFT, y, right, y, colour=svg.RED, width=1.5, dashed=True),
+        svg.text(right, 18, f'dashed: threshold {level:g}', anchor='end', size=11),
+    ]
+
+
+def _drawn(points: list[tuple[float, float, float]], threshold: float | None) -> list[str]:
+    """Return the line, interrupted where a value is not finite, and its points."""
+    parts = []
+    stretch: list[str] = []
+    for x, y, value in [*points, (0.0, 0.0, math.nan)]:
+        if math.isfinite(value):
+            stretch.append(f'{x:.1f},{y:.1f}')
+        elif stretch:
+            parts.append(
+                f'<polyline points="{" ".join(stretch)}" fill="none" stroke="{svg.BLUE}" '
+                'stroke-width="2" stroke-linejoin="round"/>'
+            )
+            stretch = []
+    few = sum(math.isfinite(value) for _, _, value in points) <= _MOST_DOTS
+    for x, y, value in points:
+        if math.isfinite(value):
+            if threshold is not None and value > threshold:
+                parts.append(svg.shape('triangle', x, y, 5, svg.RED))
+            elif few:
+                parts.append(svg.shape('circle', x, y, 2.5, svg.BLUE))
+    return parts

@@ -1,0 +1,374 @@
+"""
+Which offers satisfy which requests, found out with real publishers and subscriptions.
+
+``qos_table('reliability')`` makes one pair for each combination, each on a topic of its own, and
+waits until *every* pair has said what became of it: matched, or refused with the event that names
+the policy.  No silence is waited for.  Beside what happened stands what ``qos_check_compatible``
+predicts and what the documented rule says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from html import escape
+from itertools import count, product
+import os
+import time
+from typing import Any
+
+from rclpy.context import Context
+from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    qos_check_compatible,
+    qos_policy_name_from_kind,
+    QoSProfile,
+    ReliabilityPolicy,
+)
+from std_msgs.msg import Empty
+
+from roslab.errors import RoslabError
+from roslab.interrupts import HeldInterrupts
+
+_PATIENCE_S = 10.0
+"""A bound for a machine in trouble; a table usually takes a fifth of a second [s]."""
+_tables = count(1)
+
+Choice = Mapping[str, Any]
+
+
+def _named(field: str, *policies: Any) -> dict[str, Choice]:
+    return {policy.name: {field: policy} for policy in policies}
+
+
+def _lasting(field: str) -> dict[str, Choice]:
+    return {
+        'no limit': {},
+        '2 s': {field: Duration(seconds=2)},
+        '1 s': {field: Duration(seconds=1)},
+    }
+
+
+_RELIABILITY = _named('reliability', ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE)
+_DURABILITY = _named('durability', DurabilityPolicy.VOLATILE, DurabilityPolicy.TRANSIENT_LOCAL)
+_LIVELINESS = _named('liveliness', LivelinessPolicy.AUTOMATIC, LivelinessPolicy.MANUAL_BY_TOPIC)
+
+CHOICES: Mapping[str, Mapping[str, Choice]] = {
+    'reliability': _RELIABILITY
+    | _named('reliability', ReliabilityPolicy.SYSTEM_DEFAULT, ReliabilityPolicy.BEST_AVAILABLE),
+    'durability': _DURABILITY
+    | _named('durability', DurabilityPolicy.SYSTEM_DEFAULT, DurabilityPolicy.BEST_AVAILABLE),
+    'reliability and durability': {
+        f'{one}, {other}': {**_RELIABILITY[one], **_DURABILITY[other]}
+        for one, other in product(_RELIABILITY, _DURABILITY)
+    },
+    'deadline': _lasting('deadline'),
+    'liveliness': _LIVELINESS
+    | _named('liveliness', LivelinessPolicy.SYSTEM_DEFAULT, LivelinessPolicy.BEST_AVAILABLE),
+    'lease': _lasting('liveliness_lease_duration'),
+    'lifespan': _lasting('lifespan'),
+    'depth': {
+        'keep last 1': {'depth': 1},
+        'keep last 10': {'depth': 10},
+        'keep all': {'history': HistoryPolicy.KEEP_ALL},
+    },
+}
+"""What is tried on both sides, weakest first, by the name of the table."""
+
+_UNDECIDED = ('SYSTEM_DEFAULT', 'BEST_AVAILABLE')
+_NEVER_MATTERS = ('lifespan', 'depth')
+
+
+@dataclass(frozen=True)
+class Cell:
+    """
+    One pair of endpoints.
+
+    :param offered: what the publisher offers, in words
+    :param requested: what the subscription asks for
+    :param matched: whether the two were connected
+    :param refused_for: names of the policies in the events of the two sides
+    :param check: verdict of ``qos_check_compatible``: OK, WARNING or ERROR
+    :param reason: its words
+    :param documented: what the documented rule says; None where it leaves the value open
+    :param became: what the middleware made of each side's choice, in the order publisher,
+        subscription
+    """
+
+    offered: str
+    requested: str
+    matched: bool
+    refused_for: tuple[str, ...]
+    check: str
+    reason: str
+    documented: bool | None
+    became: tuple[str, str]
+
+    @property
+    def agrees(self) -> bool:
+        """Tell whether event, check and rule say the same."""
+        predicted = {'OK': True, 'ERROR': False}.get(self.check)
+        return predicted == self.matched and self.documented in (None, self.matched)
+
+    @property
+    def explanation(self) -> str:
+        """Why the check says something else, or an empty text if nothing explains it."""
+        if self.agrees:
+            return ''
+        if self.check == 'WARNING' and 'SYSTEM_DEFAULT' in (self.offered, self.requested):
+            return (
+                'undetermined: the check cannot know what the middleware makes of SYSTEM_DEFAULT '
+                f'(here: {self.became[0]} offered, {self.became[1]} requested)'
+            )
+        if self.check == 'OK' and 'BEST_AVAILABLE' in (self.offered, self.requested):
+            return (
+                'BEST_AVAILABLE adapts to endpoints that exist when it is created, and this one '
+                f'was created first (here: {self.became[0]} offered, {self.became[1]} requested)'
+            )
+        return ''
+
+    @property
+    def outcome(self) -> str:
+        """What happened, in a word or two."""
+        return 'match' if self.matched else f'no: {", ".join(sorted(set(self.refused_for)))}'
+
+    @property
+    def text(self) -> str:
+        """What happened, and the check's verdict where it differs."""
+        return self.outcome if self.agrees else f'{self.outcome} (check: {self.check})'
+
+    def __str__(self) -> str:
+        pair = f'{self.offered} offered, {self.requested} requested'
+        said = f'check says {self.check}'
+        return f'{pair}: {self.outcome}, {said}; {self.explanation or "UNEXPLAINED"}'
+
+
+class QosTable:
+    """
+    What became of each pair; a notebook shows it as a table.
+
+    :param policy: name of the table, a key of :data:`CHOICES`
+    :param first: which side of each pair was created first
+    :param cells: the pairs, row by row
+    """
+
+    def __init__(self, policy: str, first: str, cells: Sequence[Cell]) -> None:
+        """Keep what was found out."""
+        self.policy = policy
+        self.first = first
+        self.cells = tuple(cells)
+
+    def __getitem__(self, pair: tuple[str, str]) -> Cell:
+        """Return one pair by (offered, requested)."""
+        return next(cell for cell in self.cells if (cell.offered, cell.requested) == pair)
+
+    @property
+    def disagreements(self) -> list[Cell]:
+        """Pairs about which the check or the documented rule says something else."""
+        return [cell for cell in self.cells if not cell.agrees]
+
+    @property
+    def caption(self) -> str:
+        """What the table shows, in one sentence."""
+        matched = sum(cell.matched for cell in self.cells)
+        return (
+            f'{self.policy.capitalize()}: {len(self.cells)} pairs, {matched} matched, '
+            f'{self.first} created first. Rows offer, columns request.'
+        )
+
+    def _rows(self) -> Iterator[tuple[str, list[Cell]]]:
+        for offered in CHOICES[self.policy]:
+            yield offered, [cell for cell in self.cells if cell.offered == offered]
+
+    def __repr__(self) -> str:
+        head = ['offered \\ requested', *CHOICES[self.policy]]
+        rows = [head, *([name, *(cell.text for cell in cells)] for name, cells in self._rows())]
+        widths = [max(len(row[column]) for row in rows) for column in range(len(head))]
+        lines = [
+            '  '.join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip()
+            for row in rows
+        ]
+        return '\n'.join([self.caption, *lines])
+
+    def _repr_html_(self) -> str:
+        """Return a table with a caption and header cells, that needs no colour to be read."""
+        rule = 'border: 1px solid currentColor; padding: 0.3em 0.6em; text-align: left'
+        head = ''.join(
+            f'<th scope="col" style="{rule}">{escape(name)}</th>' for name in CHOICES[self.policy]
+        )
+        body = ''.join(
+            f'<tr><th scope="row" style="{rule}">{escape(name)}</th>'
+            + ''.join(_html_of(cell, rule) for cell in cells)
+            + '</tr>'
+            for name, cells in self._rows()
+        )
+        return (
+            f'<table><caption>{escape(self.caption)}</caption><thead><tr>'
+            f'<th scope="col" style="{rule}">offered (down), requested (across)</th>{head}'
+            f'</tr></thead><tbody>{body}</tbody></table>'
+        )
+
+
+def _html_of(cell: Cell, rule: str) -> str:
+    text = escape(cell.outcome) if cell.matched else f'<b>{escape(cell.outcome)}</b>'
+    if not cell.agrees:
+        text += f'<br><small>check: {cell.check}</small>'
+    return f'<td style="{rule}">{text}</td>'
+
+
+def qos_table(policy: str = 'reliability and durability', *, first: str = 'publisher') -> QosTable:
+    """
+    Try every combination of one policy with real endpoints.
+
+    :param policy: ``'reliability'``, ``'durability'``, ``'reliability and durability'``,
+        ``'deadline'``, ``'liveliness'``, ``'lease'``, ``'lifespan'`` or ``'depth'``
+    :param first: the side of each pair that is created first, ``'publisher'`` or
+        ``'subscription'``; only BEST_AVAILABLE cares
+    """
+    if policy not in CHOICES:
+        names = ', '.join(map(repr, CHOICES))
+        raise RoslabError(f'qos_table() knows the tables {names}; got {policy!r}.')
+    if first not in ('publisher', 'subscription'):
+        raise RoslabError(f"first: expected 'publisher' or 'subscription', got {first!r}.")
+    with HeldInterrupts(), _laboratory() as (node, executor):
+        pairs = [
+            _Pair(node, number, one, other, first)
+            for number, (one, other) in enumerate(product(CHOICES[policy].items(), repeat=2))
+        ]
+        _await_all(pairs, executor)
+        return QosTable(policy, first, [pair.cell(policy) for pair in pairs])
+
+
+@contextmanager
+def _laboratory() -> Iterator[tuple[Node, SingleThreadedExecutor]]:
+    """Give a node in a context of its own, hidden, on topics that nobody else uses."""
+    context = Context()
+    context.init(args=[])
+    executor = SingleThreadedExecutor(context=context)
+    try:
+        node = Node(
+            '_qos_table',
+            namespace=f'_qos_table_{os.getpid()}_{next(_tables)}',
+            context=context,
+            enable_rosout=False,
+            start_parameter_services=False,
+        )
+        executor.add_node(node)
+        yield node, executor
+        node.destroy_node()
+    finally:
+        executor.shutdown()
+        context.try_shutdown()
+
+
+class _Pair:
+    """A publisher and a subscription on a topic of their own, and the events of both."""
+
+    def __init__(
+        self,
+        node: Node,
+        number: int,
+        offered: tuple[str, Choice],
+        requested: tuple[str, Choice],
+        first: str,
+    ) -> None:
+        self.node = node
+        self.topic = f'pair_{number}'
+        self.names = (offered[0], requested[0])
+        # AUTOMATIC spelt out: the check cannot judge the SYSTEM_DEFAULT that it is otherwise.
+        base = {'depth': 1, 'liveliness': LivelinessPolicy.AUTOMATIC}
+        self.profiles = (
+            QoSProfile(**{**base, **offered[1]}),
+            QoSProfile(**{**base, **requested[1]}),
+        )
+        self.refusals: tuple[list[Any], list[Any]] = ([], [])
+        self.make = {'publisher': self._publish, 'subscription': self._subscribe}
+        for side in (first, *(side for side in self.make if side != first)):
+            self.make[side]()
+
+    def _publish(self) -> None:
+        events = PublisherEventCallbacks(incompatible_qos=self.refusals[0].append)
+        self.publisher = self.node.create_publisher(
+            Empty, self.topic, self.profiles[0], event_callbacks=events
+        )
+
+    def _subscribe(self) -> None:
+        events = SubscriptionEventCallbacks(incompatible_qos=self.refusals[1].append)
+        self.subscription = self.node.create_subscription(
+            Empty, self.topic, lambda _: None, self.profiles[1], event_callbacks=events
+        )
+
+    @property
+    def matched(self) -> bool:
+        """Tell whether both sides count the other."""
+        return bool(
+            self.publisher.get_subscription_count() and self.subscription.get_publisher_count()
+        )
+
+    @property
+    def decided(self) -> bool:
+        """Tell whether both sides have said what became of the pair."""
+        return self.matched or all(self.refusals)
+
+    def cell(self, policy: str) -> Cell:
+        """Return what is known about the pair."""
+        verdict, reason = qos_check_compatible(*self.profiles)
+        events = (*self.refusals[0], *self.refusals[1])
+        (publisher,) = self.node.get_publishers_info_by_topic(self.topic)
+        (subscription,) = self.node.get_subscriptions_info_by_topic(self.topic)
+        ends = (publisher.qos_profile, subscription.qos_profile)
+        return Cell(
+            *self.names,
+            matched=self.matched,
+            refused_for=tuple(qos_policy_name_from_kind(one.last_policy_kind) for one in events),
+            check=verdict.name,
+            reason=reason,
+            documented=documented(policy, *self.names),
+            became=(_value(ends[0], policy), _value(ends[1], policy)),
+        )
+
+
+def _value(profile: QoSProfile, policy: str) -> str:
+    """Return what an endpoint in the graph says about a policy that has a name, or nothing."""
+    return str(getattr(getattr(profile, policy, None), 'name', ''))
+
+
+def _await_all(pairs: Sequence[_Pair], executor: SingleThreadedExecutor) -> None:
+    """Serve events until each pair is either matched or refused on both sides."""
+    end = time.monotonic() + _PATIENCE_S
+    while waiting := [pair for pair in pairs if not pair.decided]:
+        if time.monotonic() > end:
+            raise RoslabError(
+                f'{len(waiting)} of {len(pairs)} pairs are neither matched nor refused after '
+                f'{_PATIENCE_S:g} s, such as {waiting[0].names}. Is the machine very busy? '
+                'Run the cell again.'
+            )
+        executor.spin_once(timeout_sec=0.05)
+
+
+def documented(policy: str, offered: str, requested: str) -> bool | None:
+    """
+    Say what the documented rule expects: an offer must be at least as strong as the request.
+
+    :param policy: name of the table
+    :returns: None where the value is left to the middleware or to the moment
+    """
+    if policy in _NEVER_MATTERS:
+        return True
+    if any(name in _UNDECIDED for name in (offered, requested)):
+        return None
+    if policy == 'reliability and durability':
+        pairs = zip(offered.split(', '), requested.split(', '), strict=True)
+        return all(
+            documented(which, *pair) is True
+            for which, pair in zip(('reliability', 'durability'), pairs, strict=True)
+        )
+    strength = list(CHOICES[policy])
+    return strength.index(offered) >= strength.index(requested)

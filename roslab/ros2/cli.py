@@ -1,0 +1,121 @@
+"""
+The command line of ``ros2``: which groups of verbs there are, and how a verb ends.
+
+A verb is a function of the parsed arguments.  What it returns is how ``ros2`` ends: None or 0 for
+success, another number as the exit code, a text as an error on stderr with exit code 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from importlib import import_module
+import os
+import signal
+import sys
+from typing import NoReturn
+
+Outcome = int | str | None
+Verb = Callable[[argparse.Namespace], Outcome]
+AddVerb = Callable[[str, Verb, str], argparse.ArgumentParser]
+
+ABOUT = (
+    "The course's own small ros2 command: the same verbs, options and output as ROS 2 Jazzy's. "
+    'Where a full installation of ROS 2 is in use, its own ros2 comes first.'
+)
+GROUPS = {
+    'daemon': 'Tell about the daemon (this command has none)',
+    'interface': 'Show information about ROS interfaces',
+    'lifecycle': 'Various lifecycle related sub-commands',
+    'node': 'Various node related sub-commands',
+    'param': 'Various param related sub-commands',
+    'pkg': 'Various package related sub-commands',
+    'run': 'Run a package specific executable',
+    'service': 'Various service related sub-commands',
+    'topic': 'Various topic related sub-commands',
+}
+ELSEWHERE = ('action', 'bag', 'component', 'control', 'doctor', 'launch', 'multicast', 'security')
+"""Commands of a full installation that are not here, to be told from typing mistakes."""
+
+
+def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
+    """
+    Return the parser, complete for the group that the arguments name.
+
+    :param arguments: what was typed after ``ros2``
+    """
+    parser = argparse.ArgumentParser(
+        prog='ros2',
+        description=ABOUT,
+        epilog='Call `ros2 <command> -h` for more detailed usage.',
+    )
+    # Real options of ros2 that change nothing here.
+    parser.add_argument('--use-python-default-buffering', action='store_true', help='no effect')
+    groups = parser.add_subparsers(title='Commands', metavar='<command>', dest='command')
+    chosen = next((word for word in arguments if not word.startswith('-')), '')
+    for name, words in GROUPS.items():
+        group = groups.add_parser(name, help=words, description=words)
+        group.set_defaults(verb=None, help_of=group)
+        if name == chosen:
+            import_module(f'roslab.ros2.{name}').add_arguments(group)
+    return parser
+
+
+def verbs_of(group: argparse.ArgumentParser) -> AddVerb:
+    """
+    Return a function that adds a verb to a group.
+
+    :param group: the parser of the group, such as that of ``ros2 topic``
+    """
+    name = group.prog.split()[-1]
+    verbs = group.add_subparsers(title='Verbs', metavar='<verb>')
+    group.epilog = f'Call `ros2 {name} <verb> -h` for more detailed usage.'
+
+    def add(verb: str, function: Verb, words: str) -> argparse.ArgumentParser:
+        parser: argparse.ArgumentParser = verbs.add_parser(verb, help=words, description=words)
+        parser.set_defaults(verb=function)
+        return parser
+
+    return add
+
+
+def main(arguments: Sequence[str]) -> Outcome:
+    """Parse the arguments, run the verb and return how it ended."""
+    if arguments and arguments[0] in ELSEWHERE:
+        return (
+            f"ros2 {arguments[0]} belongs to a full installation of ROS 2. The course's own ros2 "
+            f'has: {", ".join(GROUPS)}'
+        )
+    parser = build_parser(arguments)
+    parsed = parser.parse_args(arguments)
+    if parsed.command is None or parsed.verb is None:
+        (parser if parsed.command is None else parsed.help_of).print_help()
+        return 0
+    verb: Verb = parsed.verb
+    try:
+        return verb(parsed)
+    except KeyboardInterrupt:
+        return int(signal.SIGINT)
+    except RuntimeError as problem:
+        # What rclpy raises when Ctrl-C has shut its context down is no error of the user's.
+        if type(problem).__name__ == 'ExternalShutdownException':
+            return int(signal.SIGINT)
+        return str(problem)
+
+
+def run_command(arguments: Sequence[str]) -> NoReturn:
+    """Run the command and end this process as ``ros2`` does, without a traceback."""
+    try:
+        try:
+            outcome = main(arguments)
+            if isinstance(outcome, str):
+                print(outcome, file=sys.stderr)
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:
+        # The reader, such as head, has seen enough; Python would complain once more at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        outcome = None
+    except KeyboardInterrupt:
+        outcome = int(signal.SIGINT)
+    sys.exit(1 if isinstance(outcome, str) else outcome)

@@ -1,0 +1,33 @@
+"""``ros2 daemon``: an honest answer, because there is none."""
+
+from __future__ import annotations
+
+import argparse
+
+from roslab.ros2.cli import Outcome, verbs_of
+
+_WHY = 'this ros2 has none, each command looks at the graph itself'
+
+
+def add_arguments(group: argparse.ArgumentParser) -> None:
+    """Add the verbs."""
+    add = verbs_of(group)
+    add('start', start, 'Start the daemon if it is not running')
+    add('status', status, 'Output the status of the daemon')
+    add('stop', stop, 'Stop the daemon if it is running')
+
+
+def status(args: argparse.Namespace) -> Outcome:
+    """Say that it is not running."""
+    print(f'The daemon is not running: {_WHY}')
+    return None
+
+
+def stop(args: argparse.Namespace) -> Outcome:
+    """Do nothing."""
+    return status(args)
+
+
+def start(args: argparse.Namespace) -> Outcome:
+    """Refuse."""
+    return f'The daemon cannot be started: {_WHY}'

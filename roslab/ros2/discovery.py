@@ -1,0 +1,181 @@
+"""
+A node of the command's own, and the wait until it knows the graph.
+
+The real ``ros2`` asks a daemon that has watched the graph for long.  Here every command looks for
+itself, so it has to know when it has seen everything.  Three signs together decide, up to a limit:
+
+* every endpoint belongs to a node whose name has arrived: Fast DDS tells endpoints first, and the
+  names of their nodes up to half a second later;
+* nothing has changed for a short quiet time;
+* somebody is there, or the time has passed that the real command spends without its daemon.
+
+Where nobody is seen the command comes again as a new participant, a few times: the answer to the
+first word of a participant is often lost, because it is not listening yet, and the next
+announcement of a process with Fast DDS's own settings is up to 3 s away.  Kernels of the course
+and what this command starts announce themselves ten times a second (environment/fastdds.xml).
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from contextlib import contextmanager
+import os
+import time
+
+import rclpy
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+QUIET_S = 0.12
+"""How long nothing may change: longer than Fast DDS's pause between two announcements (0.1 s)."""
+ALONE_S = 0.5
+"""``--spin-time`` of the real command."""
+AGAIN_S = (0.2, 0.2, 0.2)
+"""How long a new participant looks for others: they answer its second word, after 0.1 s."""
+LIMIT_S = 3.0
+LOOK_S = 0.01
+UNKNOWN = '_NODE_NAME_UNKNOWN_'
+
+
+def add_node_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options that every verb with a node has."""
+    parser.add_argument(
+        '--spin-time',
+        type=float,
+        default=ALONE_S,
+        metavar='S',
+        help='seconds to look for others before saying that nobody is there (default: 0.5)',
+    )
+    parser.add_argument(
+        '-s', '--use-sim-time', action='store_true', help='take the time from /clock'
+    )
+    parser.add_argument(
+        '--no-daemon', action='store_true', help='no effect: this command has no daemon'
+    )
+
+
+@contextmanager
+def ros_node(args: argparse.Namespace, name: str | None = None) -> Iterator[Node]:
+    """
+    Provide a node, and shut ROS down afterwards.
+
+    :param args: with the options of :func:`add_node_arguments`
+    :param name: by default a hidden name, which lists leave out
+    """
+    # Log lines go out at once, in their place among the messages, also into a pipe.
+    os.environ.setdefault('RCUTILS_LOGGING_BUFFERED_STREAM', '1')
+    rclpy.init(args=[])
+    try:
+        node = Node(
+            name or f'_ros2cli_{os.getpid()}',
+            start_parameter_services=False,
+            parameter_overrides=[Parameter('use_sim_time', value=args.use_sim_time)],
+        )
+        try:
+            yield node
+        finally:
+            node.destroy_node()
+    finally:
+        rclpy.try_shutdown()
+
+
+@contextmanager
+def knowing_node(args: argparse.Namespace) -> Iterator[Node]:
+    """Provide a node that knows the graph."""
+    looks = (args.spin_time, *AGAIN_S)
+    for number, alone_s in enumerate(looks, 1):
+        with ros_node(args) as node:
+            if wait_for_graph(node, alone_s) or number == len(looks):
+                yield node
+                return
+
+
+def wait_for_graph(node: Node, alone_s: float = ALONE_S) -> bool:
+    """
+    Wait until the node knows who is there, at most LIMIT_S or the given time [s].
+
+    :param alone_s: how long to wait for somebody [s]
+    :returns: whether somebody is there
+    """
+    began = changed = time.monotonic()
+    last: Hashable = None
+    others = False
+    while (now := time.monotonic()) - began < max(LIMIT_S, alone_s):
+        seen = _graph(node)
+        others = len(seen[0]) > 1
+        if seen != last:
+            last, changed = seen, now
+        complete = now - changed >= QUIET_S and not _nameless(node)
+        if complete and (others or now - began >= alone_s):
+            break
+        time.sleep(LOOK_S)
+    return others
+
+
+def _graph(node: Node) -> tuple[tuple[object, ...], tuple[object, ...]]:
+    """Return nodes and topics with their endpoint counts, comparable."""
+    topics = (
+        (name, *types, node.count_publishers(name), node.count_subscribers(name))
+        for name, types in node.get_topic_names_and_types()
+    )
+    return tuple(sorted(node.get_node_names_and_namespaces())), tuple(sorted(topics))
+
+
+def _nameless(node: Node) -> bool:
+    return any(
+        info.node_name == UNKNOWN
+        for name, _ in node.get_topic_names_and_types()
+        for info in (
+            *node.get_publishers_info_by_topic(name),
+            *node.get_subscriptions_info_by_topic(name),
+        )
+    )
+
+
+def wait_for(node: Node, condition: Callable[[], bool], limit_s: float = LIMIT_S) -> bool:
+    """
+    Spin until a condition holds.
+
+    :returns: False if it did not within the time [s]
+    """
+    deadline = time.monotonic() + limit_s
+    while not condition():
+        if time.monotonic() > deadline:
+            return False
+        rclpy.spin_once(node, timeout_sec=0.02)
+    return True
+
+
+def full_name(name: str, namespace: str) -> str:
+    """Return the full name of a node, such as /lab/talker."""
+    return f'{namespace.rstrip("/")}/{name}'
+
+
+def node_names(node: Node, *, hidden: bool) -> list[str]:
+    """
+    Return the full names of all nodes, sorted; a name that two nodes have is there twice.
+
+    :param hidden: whether to return also names that begin with an underscore
+    """
+    return sorted(
+        full_name(name, namespace)
+        for name, namespace in node.get_node_names_and_namespaces()
+        if hidden or not name.startswith('_')
+    )
+
+
+def absolute(name: str) -> str:
+    """Return a node's name with a slash in front."""
+    return name if name.startswith('/') else f'/{name}'
+
+
+def topics_of(node: Node, *, hidden: bool) -> Sequence[tuple[str, list[str]]]:
+    """Return names and types of the topics, sorted."""
+    from rclpy.topic_or_service_is_hidden import topic_or_service_is_hidden
+
+    return [
+        (name, types)
+        for name, types in sorted(node.get_topic_names_and_types())
+        if hidden or not topic_or_service_is_hidden(name)
+    ]

@@ -1,0 +1,83 @@
+"""Messages filled from what was typed as YAML."""
+
+from __future__ import annotations
+
+import array
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+from roslab.ros2.interface_files import interface_class
+
+
+def parsed(text: str) -> dict[str, Any]:
+    """
+    Return the values that a YAML text holds.
+
+    :raises RuntimeError: if it is no YAML, or no mapping
+    """
+    try:
+        values = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise RuntimeError(f'The passed value is no YAML: {error}') from None
+    if values is None or values == '':
+        return {}
+    if not isinstance(values, dict):
+        raise RuntimeError('The passed value needs to be a dictionary in YAML format')
+    return values
+
+
+def fill(message: Any, values: Mapping[str, Any], now: Any = None) -> None:
+    """
+    Set fields of a message.
+
+    :param message: is changed
+    :param values: by field name; for a message in it again a mapping
+    :param now: the time as a message, for ``stamp: now`` and ``header: auto``
+    :raises AttributeError: if there is no such field
+    :raises TypeError, ValueError, AssertionError: if a value does not fit its field
+    """
+    kinds = message.get_fields_and_field_types()
+    for name, value in values.items():
+        old = getattr(message, name)
+        if now is not None and value == 'now' and kinds[name] == 'builtin_interfaces/Time':
+            setattr(message, name, now)
+        elif now is not None and value == 'auto' and kinds[name] == 'std_msgs/Header':
+            old.stamp = now
+        elif hasattr(old, 'get_fields_and_field_types'):
+            fill(old, value or {}, now)
+        else:
+            setattr(message, name, _converted(old, value, kinds[name], now))
+
+
+def _converted(old: Any, value: Any, kind: str, now: Any) -> Any:
+    """Return a value in the type that a field has."""
+    item = kind.removeprefix('sequence<').split('[')[0].split(',')[0].rstrip('>')
+    if isinstance(old, list):
+        if '/' in item:
+            return [_message(item, one, now) for one in value]
+        return [_single(one, item) for one in value]
+    if isinstance(old, array.array):
+        return array.array(old.typecode, value)
+    if hasattr(old, 'dtype'):
+        import numpy
+
+        return numpy.array(value, dtype=old.dtype)
+    if isinstance(old, bytes):
+        return bytes([value]) if isinstance(value, int) else str(value).encode('latin-1')
+    return type(old)(value)
+
+
+def _single(value: Any, kind: str) -> Any:
+    if kind in ('boolean', 'bool'):
+        return bool(value)
+    if kind == 'octet':
+        return bytes([value])
+    return str(value)
+
+
+def _message(kind: str, value: Mapping[str, Any], now: Any) -> Any:
+    message = interface_class(kind)()
+    fill(message, value, now)
+    return message

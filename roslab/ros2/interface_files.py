@@ -1,0 +1,82 @@
+"""Interfaces that are installed: their names, files and Python classes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
+from ament_index_python.resources import get_resource, get_resources
+
+KINDS = {'msg': 'Messages', 'srv': 'Services', 'action': 'Actions'}
+
+
+def packages_with_interfaces() -> list[str]:
+    """Return the names of all packages that have interfaces, sorted."""
+    return sorted(get_resources('rosidl_interfaces'))
+
+
+def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
+    """
+    Return the interfaces of a package, such as msg/String, sorted.
+
+    :param kinds: which of msg, srv and action
+    :raises LookupError: if the package has none or is not there
+    """
+    try:
+        text, _ = get_resource('rosidl_interfaces', package)
+    except LookupError:
+        raise LookupError(f"Unknown package '{package}'") from None
+    wanted = tuple(f'{kind}/' for kind in kinds)
+    return sorted(
+        {
+            line.rpartition('.')[0]
+            for line in text.splitlines()
+            # The index names several files for one interface, and parts of services as well.
+            if line.endswith(('.msg', '.srv', '.action')) and line.startswith(wanted)
+        }
+    )
+
+
+def interface_file(name: str) -> Path:
+    """
+    Return the file that defines an interface.
+
+    :param name: such as std_msgs/msg/String
+    :raises ValueError: if the name has another form
+    :raises LookupError: if there is no such package or interface
+    """
+    parts = name.split('/')
+    if len(parts) != 3 or not all(parts):
+        raise ValueError(f"Invalid name '{name}'. Expected three parts separated by '/'")
+    package, kind, interface = parts
+    try:
+        share = Path(get_package_share_directory(package))
+    except (PackageNotFoundError, ValueError):
+        raise LookupError(f"Unknown package '{package}'") from None
+    path = share / kind / f'{interface}.{kind}'
+    if not path.is_file():
+        raise LookupError(f"Could not find the interface '{path}'")
+    return path
+
+
+def interface_class(name: str, kind: str = 'msg') -> Any:
+    """
+    Return the Python class of an interface.
+
+    :param name: such as std_msgs/msg/String or std_msgs/String
+    :param kind: the middle part where the name has none
+    :raises ValueError: if the name has another form
+    :raises LookupError: if it cannot be imported
+    """
+    parts = name.split('/')
+    if len(parts) == 2:
+        parts.insert(1, kind)
+    if len(parts) != 3 or not all(parts):
+        raise ValueError(f"'{name}' is no interface name such as std_msgs/msg/String")
+    try:
+        return getattr(import_module(f'{parts[0]}.{parts[1]}'), parts[2])
+    except (ImportError, AttributeError) as error:
+        raise LookupError(f"'{name}' cannot be imported: {error}") from None

@@ -1,0 +1,150 @@
+"""``ros2 pkg create``: the files of a new package that builds and runs as it is."""
+
+from __future__ import annotations
+
+import argparse
+import getpass
+from pathlib import Path
+import re
+import shutil
+import subprocess
+import sys
+
+from roslab.ros2.cli import Outcome
+from roslab.ros2.pkg_files import ament_cmake_files, ament_python_files, NewPackage
+
+_LICENSES = (
+    'Apache-2.0',
+    'BSL-1.0',
+    'BSD-2.0',
+    'BSD-2-Clause',
+    'BSD-3-Clause',
+    'GPL-3.0-only',
+    'LGPL-3.0-only',
+    'MIT',
+    'MIT-0',
+)
+_FILES = {'ament_cmake': ament_cmake_files, 'ament_python': ament_python_files}
+_LICENSE_FILE = Path(__file__).resolve().parents[2] / 'LICENSE'
+"""The course's own license is the one whose text is at hand: Apache-2.0."""
+
+
+def add_create_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument('package_name', help='The package name')
+    parser.add_argument('--package-format', type=int, default=3, choices=[2, 3])
+    parser.add_argument('--description', default='TODO: Package description')
+    parser.add_argument(
+        '--license', default='TODO: License declaration', help="'?' for a list of known names"
+    )
+    parser.add_argument('--destination-directory', default='.', help='where to make its folder')
+    parser.add_argument('--build-type', default='ament_cmake', choices=list(_FILES))
+    parser.add_argument('--dependencies', nargs='+', default=[], help='list of dependencies')
+    parser.add_argument('--maintainer-email', help='email address of the maintainer')
+    parser.add_argument('--maintainer-name', help='name of the maintainer')
+    parser.add_argument('--node-name', help='name of the empty executable')
+
+
+def create(args: argparse.Namespace) -> Outcome:
+    """Create a package."""
+    if args.license == '?':
+        print('Supported licenses:', *_LICENSES, sep='\n')
+        return None
+    if refusal := _refusal(args):
+        return refusal
+    package = _package(args)
+    destination = Path(args.destination_directory)
+    _announce(package, destination)
+    _write(package, destination)
+    if package.license == 'Apache-2.0' and _LICENSE_FILE.is_file():
+        shutil.copyfile(_LICENSE_FILE, destination / package.name / 'LICENSE')
+    elif package.license not in _LICENSES:
+        print(
+            f"\n[WARNING]: Unknown license '{package.license}'.  This has been set in the "
+            'package.xml, but no LICENSE file has been created.\n'
+            'It is recommended to use one of the ament license identifiers:\n'
+            + '\n'.join(_LICENSES)
+        )
+    return None
+
+
+def _refusal(args: argparse.Namespace) -> str:
+    """Return why no package can be made, '' if it can."""
+    for what, name in (('package', args.package_name), ('node', args.node_name or 'x')):
+        if not re.fullmatch(r'[a-z][a-z0-9_]*', name):
+            return (
+                f"Aborted since '{name}' is no {what} name: expected a lower case letter, then "
+                'lower case letters, digits and underscores.'
+            )
+    if args.build_type == 'ament_python' and args.package_name == 'test':
+        return "Aborted since 'ament_python' packages can't be named 'test': its tests are there."
+    path = f'{args.destination_directory.rstrip("/")}/{args.package_name}'
+    if Path(path).exists():
+        return (
+            f'\nAborted!\nThe directory already exists: {path}\nEither remove the directory or '
+            'choose a different destination directory or package name'
+        )
+    return ''
+
+
+def _package(args: argparse.Namespace) -> NewPackage:
+    maintainer = args.maintainer_name or getpass.getuser()
+    return NewPackage(
+        name=args.package_name,
+        format=args.package_format,
+        description=args.description,
+        license=args.license,
+        maintainer=maintainer,
+        email=args.maintainer_email or _git_email() or f'{maintainer}@todo.todo',
+        build_type=args.build_type,
+        dependencies=tuple(args.dependencies),
+        node=args.node_name or '',
+    )
+
+
+def _git_email() -> str:
+    git = shutil.which('git')
+    if git is None:
+        return ''
+    done = subprocess.run([git, 'config', 'user.email'], capture_output=True, text=True)
+    return done.stdout.strip()
+
+
+def _announce(package: NewPackage, destination: Path) -> None:
+    facts = {
+        'package name': package.name,
+        'destination directory': destination.resolve(),
+        'package format': package.format,
+        'version': '0.0.0',
+        'description': package.description,
+        'maintainer': [f'{package.maintainer} <{package.email}>'],
+        'licenses': [package.license],
+        'build type': package.build_type,
+        'dependencies': list(package.dependencies),
+    }
+    if package.node:
+        facts['node_name'] = package.node
+    print('going to create a new package')
+    for name, value in facts.items():
+        print(f'{name}: {value}')
+
+
+def _write(package: NewPackage, destination: Path) -> None:
+    """Write the files, and say so as the real command does."""
+    root = f'{str(destination).rstrip("/")}/{package.name}'
+    folders: set[str] = set()
+    for name, text in _FILES[package.build_type](package).items():
+        path = f'{root}/{name}'
+        folder = path.rpartition('/')[0]
+        if folder not in folders:
+            folders.add(folder)
+            print('creating folder', folder)
+            Path(folder).mkdir(parents=True, exist_ok=True)
+        if path.endswith('/'):
+            continue  # an empty folder
+        print('creating', path)
+        try:
+            Path(path).write_text(text, encoding='utf-8')
+        except OSError as error:
+            print(f'{path}: {error.strerror}', file=sys.stderr)
+            raise RuntimeError(f'unable to create {path}') from None

@@ -1,0 +1,57 @@
+"""The message class of a topic, from its name or from the graph."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rclpy
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.expand_topic_name import expand_topic_name
+from rclpy.node import Node
+from rclpy.validate_full_topic_name import validate_full_topic_name
+
+from roslab.ros2.interface_files import interface_class
+
+
+def named_class(name: str) -> Any:
+    """
+    Return the message class of a name.
+
+    :raises RuntimeError: if there is none
+    """
+    try:
+        return interface_class(name)
+    except (LookupError, ValueError):
+        raise RuntimeError('The passed message type is invalid') from None
+
+
+def class_of_topic(node: Node, topic: str, *, wait: bool = False) -> Any | None:
+    """
+    Return the message class of a topic; warn if nobody has it.
+
+    :param node: a node that knows the graph
+    :param wait: whether to wait until somebody has
+    :returns: None if the graph does not know the topic
+    :raises RuntimeError: if the name is no topic's, or the topic has several types
+    """
+    found = _from_graph(node, topic)
+    if found is None:
+        print(f'WARNING: topic [{topic}] does not appear to be published yet', flush=True)
+    while wait and found is None:
+        rclpy.spin_once(node, timeout_sec=0.05)
+        found = _from_graph(node, topic)
+    return found
+
+
+def _from_graph(node: Node, topic: str) -> Any | None:
+    try:
+        full = expand_topic_name(topic, node.get_name(), node.get_namespace())
+        validate_full_topic_name(full)
+    except (ValueError, InvalidTopicNameException) as problem:
+        raise RuntimeError(str(problem)) from None
+    types = dict(node.get_topic_names_and_types()).get(full, [])
+    if len(types) > 1:
+        raise RuntimeError(
+            f"Cannot echo topic '{topic}', as it contains more than one type: [{', '.join(types)}]"
+        )
+    return named_class(types[0]) if types else None

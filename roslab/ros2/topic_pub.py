@@ -1,0 +1,155 @@
+"""``ros2 topic pub``."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import Any
+
+import rclpy
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+
+from roslab.ros2.cli import Outcome
+from roslab.ros2.discovery import add_node_arguments, ros_node
+from roslab.ros2.filling import fill, parsed
+from roslab.ros2.qos_options import add_qos_arguments, preset, qos_asked_for
+from roslab.ros2.topic_class import named_class
+
+_LOOK_S = 0.1
+_LOOKS_A_LINE = 10
+"""A waiting command says so once a second."""
+
+
+def positive_float(text: str) -> float:
+    """Return a number above zero, for argparse."""
+    if not (number := float(text)) > 0:
+        raise ValueError
+    return number
+
+
+def natural(text: str) -> int:
+    """Return a whole number from zero, for argparse."""
+    if (number := int(text)) < 0:
+        raise ValueError
+    return number
+
+
+def add_pub_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument('topic_name', help="Name of the ROS topic to publish to, '/chatter'")
+    parser.add_argument('message_type', help="Type of the ROS message, 'std_msgs/msg/String'")
+    parser.add_argument(
+        'values', nargs='?', default='{}', help="Values of the message as YAML, 'data: hello'"
+    )
+    parser.add_argument(
+        '-r', '--rate', metavar='N', type=positive_float, default=1.0, help='Hz (default: 1)'
+    )
+    parser.add_argument(
+        '-p', '--print', metavar='N', type=int, default=1, help='only print every N-th message'
+    )
+    times = parser.add_mutually_exclusive_group()
+    times.add_argument('-1', '--once', action='store_true', help='publish one message and exit')
+    times.add_argument(
+        '-t', '--times', type=natural, default=0, metavar='N', help='publish N messages and exit'
+    )
+    _add_waiting(parser)
+    parser.add_argument('-n', '--node-name', help='name of the publishing node')
+    add_qos_arguments(parser, 'publish', 'default')
+    add_node_arguments(parser)
+
+
+def _add_waiting(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        '-w',
+        '--wait-matching-subscriptions',
+        type=natural,
+        metavar='N',
+        help='wait until N subscriptions match (default: 1 with -1 or -t, otherwise 0)',
+    )
+    parser.add_argument(
+        '--max-wait-time-secs',
+        type=positive_float,
+        metavar='S',
+        help='how long to wait for them (default: for ever)',
+    )
+    parser.add_argument(
+        '--keep-alive',
+        metavar='S',
+        type=positive_float,
+        default=0.1,
+        help='keep the publisher after the last message for so many seconds (default: 0.1)',
+    )
+
+
+def publish(args: argparse.Namespace) -> Outcome:
+    """Publish a message, once or again and again."""
+    message_class = named_class(args.message_type)
+    values = parsed(args.values)
+    times = 1 if args.once else args.times
+    wanted = args.wait_matching_subscriptions
+    with ros_node(args, args.node_name) as node:
+        qos = qos_asked_for(args, 'default') or preset('default')
+        publisher = node.create_publisher(message_class, args.topic_name, qos)
+        message = message_class()
+        try:
+            fill(message, values, node.get_clock().now().to_msg())
+        except Exception as problem:
+            return f'Failed to populate field: {problem}'
+        wanted = int(times > 0) if wanted is None else wanted
+        _wait_for_subscriptions(node, publisher, wanted, args.max_wait_time_secs)
+        print('publisher: beginning loop', flush=True)
+        _publish(args, node, publisher, message, values, times)
+        if times:
+            # No acknowledgement is asked of best effort readers, so it is a time, as in ros2.
+            _spin_for(node, args.keep_alive)
+    return None
+
+
+def _spin_for(node: Node, seconds: float) -> None:
+    """Spin for a while, so that events of the publisher are told."""
+    end = time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 0:
+        rclpy.spin_once(node, timeout_sec=left)
+
+
+def _wait_for_subscriptions(
+    node: Node, publisher: Publisher, wanted: int, limit_s: float | None
+) -> None:
+    looks = 0
+    while (have := publisher.get_subscription_count()) < wanted:
+        if looks % _LOOKS_A_LINE == 0:
+            print(f'Waiting for at least {wanted} matching subscription(s)...', flush=True)
+        if limit_s is not None and looks * _LOOK_S >= limit_s:
+            raise RuntimeError(
+                f'Timed out waiting for subscribers: Expected {wanted} subscribers but only got '
+                f'{have} subscribers'
+            )
+        looks += 1
+        _spin_for(node, _LOOK_S)
+
+
+def _publish(
+    args: argparse.Namespace,
+    node: Node,
+    publisher: Publisher,
+    message: Any,
+    values: dict[str, Any],
+    times: int,
+) -> None:
+    """Publish at once, and then at the rate until it was done often enough."""
+    count = 0
+
+    def tick() -> None:
+        nonlocal count
+        count += 1
+        fill(message, values, node.get_clock().now().to_msg())
+        if args.print and count % args.print == 0:
+            print(f'publishing #{count}: {message!r}\n', flush=True)
+        publisher.publish(message)
+
+    tick()
+    timer = node.create_timer(1.0 / args.rate, tick)
+    while times == 0 or count < times:
+        rclpy.spin_once(node, timeout_sec=0.1)
+    node.destroy_timer(timer)

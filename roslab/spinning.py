@@ -1,0 +1,112 @@
+"""
+``rclpy.spin`` and its relatives, typed in a cell.
+
+Three things that are right in a program go wrong in a notebook, and are put right here for the
+kernel's main thread:
+
+* A wait without a bound never comes back to Python, so Interrupt has no effect.  The kernel puts
+  Python's own SIGINT handler in place for each cell, which is why rclpy's handler, made for this,
+  does not hear it.  Waits are cut into slices instead.
+* ``rclpy.init`` in a cell installs a handler that shuts ROS down when that cell is interrupted,
+  and every later cell fails.  In a notebook, only the end of the kernel shuts ROS down.
+* ``rclpy.spin(node)`` takes the node away from the background executor, and after an interrupt
+  nobody serves it any more.  It is refused, with what to do instead.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any
+
+import rclpy
+from rclpy.executors import Executor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+
+from roslab.errors import RoslabError
+from roslab.executor import GuardedExecutor
+
+_SLICE_NS = 50_000_000
+"""How long an interrupt may go unnoticed [ns]."""
+_ENTITIES = ('subscription', 'guard_condition', 'timer', 'client', 'service')
+_WaitSet: Any = rclpy_implementation.WaitSet
+
+
+class InterruptibleWaitSet(_WaitSet):  # type: ignore[misc]
+    """A wait set that comes back to Python now and then while it waits in the main thread."""
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self._added: list[tuple[Any, Any]] = []
+        self._complete = sum(arguments[:6])
+
+    def wait(self, timeout_ns: int) -> None:
+        """
+        Wait until something is ready.
+
+        A wait set forgets what was not ready, so everything is added again after a slice.  What
+        adds itself in C code cannot be: then this returns early, with nothing ready, which an
+        executor takes for a reason to look again.
+
+        :param timeout_ns: how long, negative for ever [ns]
+        """
+        if threading.current_thread() is not threading.main_thread():
+            super().wait(timeout_ns)
+            return
+        end = time.monotonic_ns() + timeout_ns
+        while True:
+            left = end - time.monotonic_ns() if timeout_ns >= 0 else _SLICE_NS
+            super().wait(max(0, min(left, _SLICE_NS)))
+            over = timeout_ns >= 0 and left <= _SLICE_NS
+            if over or len(self._added) != self._complete or self._anything_ready():
+                return
+            super().clear_entities()
+            for add, handle in self._added:
+                add(handle)
+
+    def clear_entities(self) -> None:
+        """Forget what was added."""
+        self._added.clear()
+        super().clear_entities()
+
+    def _anything_ready(self) -> bool:
+        return any(self.get_ready_entities(kind) for kind in _ENTITIES)
+
+
+def _adder(kind: str) -> Any:
+    original = getattr(_WaitSet, f'add_{kind}')
+
+    def add(self: Any, handle: Any) -> Any:
+        self._added.append((original.__get__(self), handle))
+        return original(self, handle)
+
+    return add
+
+
+for _kind in _ENTITIES:
+    setattr(InterruptibleWaitSet, f'add_{_kind}', _adder(_kind))
+
+
+def make_spinning_interruptible() -> None:
+    """Let waits of this process's main thread be interrupted, and ROS survive it."""
+    rclpy_implementation.WaitSet = InterruptibleWaitSet
+    # rclpy.init looks the name up in its module; SIGTERM ends a kernel without it, too.
+    rclpy.install_signal_handlers = lambda *_: None
+
+
+def refuse_to_spin_twice() -> None:
+    """Make other executors refuse a node that runs in the background."""
+    original = Executor.add_node
+
+    def add_node(self: Executor, node: Node) -> bool:
+        serving = getattr(node, 'executor', None)
+        if isinstance(serving, GuardedExecutor) and serving is not self:
+            raise RoslabError(
+                f'{node.get_name()} runs already: start(...) spins it in the background, so this '
+                'cell need not. Leave the spinning out; to wait for something, use '
+                'wait_until(lambda: ...).'
+            )
+        return original(self, node)
+
+    Executor.add_node = add_node  # type: ignore[method-assign]

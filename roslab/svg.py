@@ -1,0 +1,183 @@
+"""
+Pieces of the pictures that the notebook draws: SVG, with words for those who cannot see it.
+
+Lines and letters take the colour of the surrounding text, and areas are a transparent tint, so
+that a picture is readable on a light and on a dark page.  Colour never says anything alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+import html
+import itertools
+
+FONT = 'system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif'
+
+BLUE = '#1e88e5'
+ORANGE = '#f57c00'
+RED = '#e53935'
+GREEN = '#43a047'
+
+_numbers = itertools.count(1)
+
+
+def escape(text: object) -> str:
+    """
+    Return a text that is safe inside an element and inside an attribute.
+
+    :param text: anything; names and messages come from programs that nobody has checked
+    """
+    cleaned = ''.join(letter if letter.isprintable() else ' ' for letter in str(text))
+    return html.escape(cleaned)
+
+
+def picture(
+    width: float, height: float, title: str, description: str, parts: Iterable[str]
+) -> str:
+    """
+    Return a whole picture as HTML.
+
+    :param width: of the drawing; it shrinks with a narrow page
+    :param title: what it is a picture of
+    :param description: what can be seen in it, in words
+    :param parts: of the drawing, as SVG
+    """
+    number = next(_numbers)
+    return (
+        f'<div style="overflow-x: auto; color: var(--jp-content-font-color1, currentColor)">'
+        f'<svg xmlns="http://www.w3.org/2000/svg" role="img" '
+        f'aria-labelledby="roslab-t{number} roslab-d{number}" width="{width:.0f}" '
+        f'viewBox="0 0 {width:.0f} {height:.0f}" style="max-width: 100%; height: auto; '
+        f'font-family: {html.escape(FONT)}; font-size: 12px" fill="currentColor">'
+        f'<title id="roslab-t{number}">{escape(title)}</title>'
+        f'<desc id="roslab-d{number}">{escape(description)}</desc>'
+        f'{"".join(parts)}</svg></div>'
+    )
+
+
+def text(
+    x: float,
+    y: float,
+    words: str,
+    *,
+    anchor: str = 'start',
+    size: float = 12,
+    bold: bool = False,
+    faint: bool = False,
+    italic: bool = False,
+) -> str:
+    """
+    Return one line of text.
+
+    :param anchor: 'start', 'middle' or 'end' of the line is at x
+    :param faint: of less importance
+    """
+    style = ''.join(
+        (
+            f' font-size="{size:g}"' if size != 12 else '',
+            ' font-weight="600"' if bold else '',
+            ' font-style="italic"' if italic else '',
+            ' fill-opacity=".75"' if faint else '',
+        )
+    )
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{style}>{escape(words)}</text>'
+
+
+def line(
+    x1: float,
+    y1: float,
+    x2: float,
+    y2: float,
+    *,
+    colour: str = 'currentColor',
+    width: float = 1,
+    dashed: bool = False,
+    faint: bool = False,
+) -> str:
+    """Return a straight line."""
+    dashes = ' stroke-dasharray="6 4"' if dashed else ''
+    opacity = ' stroke-opacity=".25"' if faint else ''
+    return (
+        f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{colour}" '
+        f'stroke-width="{width:g}"{dashes}{opacity}/>'
+    )
+
+
+def box(
+    x: float, y: float, width: float, height: float, *, colour: str, rounded: float = 0
+) -> str:
+    """Return a rectangle with a tint of a colour."""
+    return (
+        f'<rect x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}" '
+        f'rx="{rounded:g}" fill="{colour}" fill-opacity=".16" stroke="{colour}" '
+        'stroke-width="1.5"/>'
+    )
+
+
+_SHAPES = {
+    'circle': 'M{x} {t}a{r} {r} 0 1 0 .01 0z',
+    'triangle': 'M{x} {t}L{e} {b}L{w} {b}z',
+    'diamond': 'M{x} {t}L{e} {y}L{x} {b}L{w} {y}z',
+    'square': 'M{w} {t}H{e}V{b}H{w}z',
+    'cross': 'M{w} {t}L{e} {b}M{e} {t}L{w} {b}',
+    'plus': 'M{x} {t}V{b}M{w} {y}H{e}',
+}
+SHAPES = tuple(_SHAPES)
+
+
+def shape(kind: str, x: float, y: float, radius: float, colour: str) -> str:
+    """
+    Return a small sign.
+
+    :param kind: one of :data:`SHAPES`
+    """
+    path = _SHAPES[kind].format(
+        x=f'{x:.1f}',
+        y=f'{y:.1f}',
+        t=f'{y - radius:.1f}',
+        b=f'{y + radius:.1f}',
+        w=f'{x - radius:.1f}',
+        e=f'{x + radius:.1f}',
+        r=f'{radius:g}',
+    )
+    return f'<path d="{path}" fill="{colour}" stroke="{colour}" stroke-width="1.6"/>'
+
+
+def text_width(words: str, size: float = 12) -> float:
+    """
+    Return about how wide a text will be; generous, because every machine has other fonts.
+
+    :param size: of its letters
+    """
+    wide = sum(
+        1.45 if letter in 'mwMW@' else 0.62 if letter in 'iljft/.:,|() ' else 1.0
+        for letter in words
+    )
+    return wide * size * 0.6
+
+
+def ticks(low: float, high: float, most: int = 8) -> list[float]:
+    """
+    Return round numbers between two others, for an axis.
+
+    :param most: about how many
+    """
+    span = max(high - low, 1e-9)
+    raw = span / max(most, 1)
+    power = 10.0 ** _floor_log10(raw)
+    step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= raw * 0.999)
+    first = int(-(-low // step))
+    found = []
+    while first * step <= high + step * 1e-6:
+        found.append(round(first * step, 10))
+        first += 1
+    return found
+
+
+def _floor_log10(value: float) -> int:
+    exponent = 0
+    while 10.0**exponent > value:
+        exponent -= 1
+    while 10.0 ** (exponent + 1) <= value:
+        exponent += 1
+    return exponent

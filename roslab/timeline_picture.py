@@ -1,0 +1,191 @@
+"""Messages against time: a row for each listener, a tick for each message."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from roslab import svg
+from roslab.errors import RoslabError
+from roslab.silence import type_name
+
+_WIDTH = 760.0
+_ROW = 30.0
+_MARGIN = 10.0
+_MOST_TIMES = 12
+_MARK_SHAPES = ('triangle', 'diamond', 'cross', 'square', 'plus', 'circle')
+_MARK_COLOURS = (svg.RED, svg.ORANGE, svg.GREEN)
+
+
+@dataclass(frozen=True)
+class Row:
+    """
+    One row of the picture.
+
+    :param label: a topic, or the name of a mark
+    :param times: when, in order [s]
+    :param mark: not messages but something else that happened
+    :param more: a second, fainter label
+    """
+
+    label: str
+    times: tuple[float, ...]
+    mark: bool = False
+    more: str = ''
+
+    @property
+    def rate(self) -> float | None:
+        """Messages a second between the first and the last, None with fewer than two."""
+        if self.mark or len(self.times) < 2 or self.times[-1] <= self.times[0]:
+            return None
+        return (len(self.times) - 1) / (self.times[-1] - self.times[0])
+
+    @property
+    def amount(self) -> str:
+        """How many, and how often, in words."""
+        thing = 'mark' if self.mark else 'message'
+        words = f'{len(self.times)} {thing}{"s" * (len(self.times) != 1)}'
+        return words if self.rate is None else f'{words}, {self.rate:.1f} Hz'
+
+
+class Timeline:
+    """
+    A picture of messages against time, a table where there are no pictures.
+
+    :param rows: from top to bottom
+    :param begin: left end of the axis [s]
+    :param end: right end [s]
+    """
+
+    def __init__(self, rows: Sequence[Row], begin: float, end: float) -> None:
+        self.rows = tuple(rows)
+        self.begin = begin
+        self.end = end
+
+    def __str__(self) -> str:
+        width = max([len(row.label) for row in self.rows], default=0)
+        lines = [f'{"row":<{width}}  {"count":>5}  {"rate":>8}  times [s]']
+        for row in self.rows:
+            rate = 'mark' if row.mark else '-' if row.rate is None else f'{row.rate:.1f} Hz'
+            lines.append(
+                f'{row.label:<{width}}  {len(row.times):>5}  {rate:>8}  {_listed(row.times)}'
+            )
+        return '\n'.join(lines)
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        return _draw(self)
+
+
+def make_timeline(
+    sources: Sequence[Any],
+    marks: Mapping[str, Iterable[float]] | None = None,
+    seconds: float | None = None,
+) -> Timeline:
+    """
+    Return the timeline of listeners.
+
+    :param sources: listeners; the axis begins when the first of them began to listen
+    :param marks: what else happened and when, on the time scale of the first listener [s]
+    :param seconds: show only so many seconds before the newest event [s]
+    :raises RoslabError: if a source is no listener, or a mark has no times
+    """
+    if not sources:
+        raise RoslabError(
+            "timeline() expected listeners, as in timeline(listen('chatter', String))."
+        )
+    zero = getattr(sources[0], 'began', 0.0)
+    rows = [_row_of(source, zero) for source in sources]
+    rows += [_row_of_mark(label, times) for label, times in (marks or {}).items()]
+    stamps = [stamp for row in rows for stamp in row.times]
+    end = max([*stamps, 0.1])
+    begin = min([*stamps, 0.0]) if seconds is None else end - seconds
+    if seconds is not None:
+        rows = [
+            Row(row.label, tuple(t for t in row.times if t >= begin), row.mark, row.more)
+            for row in rows
+        ]
+    return Timeline(rows, begin, end)
+
+
+def _row_of(source: Any, zero: float) -> Row:
+    listener = getattr(source, 'listener', source)  # a live plot has one
+    if not (hasattr(listener, 'times') and hasattr(listener, 'began')):
+        raise RoslabError(
+            f'timeline() expected a listener, as listen() returns it, got {source!r}. '
+            'Times of other things go into marks={"label": [seconds, ...]}.'
+        )
+    shift = listener.began - zero
+    times = tuple(time + shift for time in listener.times)
+    return Row(listener.topic, times, more=type_name(listener.msg_type))
+
+
+def _row_of_mark(label: str, times: Iterable[float]) -> Row:
+    try:
+        return Row(str(label), tuple(sorted(float(time) for time in times)), mark=True)
+    except (TypeError, ValueError):
+        raise RoslabError(
+            f'marks[{label!r}]: expected seconds in a list, as in [1.5, 3.0], got {times!r}.'
+        ) from None
+
+
+def _listed(times: Sequence[float]) -> str:
+    if len(times) <= _MOST_TIMES:
+        return ' '.join(f'{time:.2f}' for time in times)
+    head = ' '.join(f'{time:.2f}' for time in times[: _MOST_TIMES - 2])
+    return f'{head} ... {times[-1]:.2f}'
+
+
+def _draw(line: Timeline) -> str:
+    rows = line.rows
+    left = _MARGIN + max(
+        max(svg.text_width(row.label, 13), svg.text_width(row.more, 10)) for row in rows
+    )
+    right = _WIDTH - _MARGIN - max(svg.text_width(row.amount, 11) for row in rows)
+    span = max(line.end - line.begin, 1e-6)
+    pad = 12.0
+
+    def place(seconds: float) -> float:
+        return left + pad + (seconds - line.begin) / span * (right - left - 2 * pad)
+
+    bottom = _MARGIN + _ROW * len(rows)
+    parts = []
+    for tick in svg.ticks(line.begin, line.end):
+        x = place(tick)
+        parts.append(svg.line(x, _MARGIN, x, bottom + 4, faint=True))
+        parts.append(svg.text(x, bottom + 17, f'{tick:g}', anchor='middle', size=11))
+    parts.append(svg.text(right + 4, bottom + 17, 'seconds', size=11, faint=True))
+    marks = 0
+    for index, row in enumerate(rows):
+        y = _MARGIN + _ROW * (index + 0.5)
+        parts.append(_row(row, y, left, right, [place(time) for time in row.times], marks))
+        marks += row.mark
+    described = '. '.join(f'{row.label}: {row.amount}' for row in rows)
+    return svg.picture(
+        _WIDTH,
+        bottom + 28,
+        f'Timeline of {span:.1f} seconds, {len(rows)} row{"s" * (len(rows) != 1)}',
+        described,
+        parts,
+    )
+
+
+def _row(row: Row, y: float, left: float, right: float, xs: list[float], marks: int) -> str:
+    label_y = y if row.more else y + 4
+    parts = [
+        svg.text(left, label_y, row.label, anchor='end', bold=not row.mark, italic=row.mark),
+        svg.text(left, y + 12, row.more, anchor='end', size=10, faint=True) if row.more else '',
+        svg.line(left + 6, y, right - 6, y, faint=True),
+        svg.text(right + 4, y + 4, row.amount, size=11),
+    ]
+    # Ticks on the same half pixel look like one, and a picture must not grow without end.
+    for x in sorted({round(x * 2) / 2 for x in xs}):
+        if row.mark:
+            kind = _MARK_SHAPES[marks % len(_MARK_SHAPES)]
+            parts.append(svg.shape(kind, x, y, 5, _MARK_COLOURS[marks % len(_MARK_COLOURS)]))
+        else:
+            parts.append(svg.line(x, y - 9, x, y + 9, colour=svg.BLUE, width=1.8))
+    return ''.join(parts)
