@@ -22,6 +22,7 @@ from environment.interpreters import Interpreter
 from environment.pins import canonical, is_ros, pins_for
 from environment.places import COURSE_PACKAGE, LOCK_FILE, Places
 from environment.ros import EnvironmentError_, ros_environment, RosEnvironment
+from environment.ros2_command import installed_ros2
 
 OK, WEAK, MISSING = 'ok', 'weak', 'missing'
 PREPARE = 'make prepare'
@@ -83,6 +84,7 @@ def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
     yield from check_by_running(ros)
     yield check_workspace(places)
     yield check_kernel(places, ros)
+    yield check_ros2_command(places, ros)
     yield check_up_to_date(places, environ)
     yield check_room('disk space', places.project, DISK_MB, 'make room: the venv takes 0.9 GB')
     yield check_room('/dev/shm', Path('/dev/shm'), SHM_MB, 'in Docker: --shm-size=512m')
@@ -268,6 +270,16 @@ def check_kernel(places: Places, ros: RosEnvironment | None) -> Finding:
     if ros is None or spec != install_files.kernel_spec(ros):
         return Finding('Jupyter kernel', WEAK, 'differs from the environment', PREPARE)
     return Finding('Jupyter kernel', OK, str(spec['display_name']))
+
+
+def check_ros2_command(places: Places, ros: RosEnvironment | None) -> Finding:
+    """Tell whose ``ros2`` is in use: the installation's or the course's."""
+    if ros and (real := installed_ros2(ros)):
+        return Finding('ros2 command', OK, real)
+    script = places.venv / 'bin' / 'ros2'
+    if script.is_file():
+        return Finding('ros2 command', OK, f"{script} (the course's own)")
+    return Finding('ros2 command', MISSING, f'{script} is not there', PREPARE)
 
 
 def check_up_to_date(places: Places, environ: Mapping[str, str]) -> Finding:

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+import shlex
 import shutil
 
 from environment.places import Places, PROJECT, write_atomically
 from environment.ros import FILE_NAME, RosEnvironment
+from environment.ros2_command import discovery_variables, installed_ros2
 
 KERNEL_NAME = 'ros2_jazzy'
 KERNEL_TITLE = 'ROS 2 Jazzy'
+GUIDE = 'roslab.guide'
+"""Extension that every kernel loads; a kernel starts as well where it is missing."""
+ROS2_MARK = "the course's own small ros2 command"
 
 
 def copy_cmake_files(places: Places) -> None:
@@ -22,9 +27,11 @@ def copy_cmake_files(places: Places) -> None:
 def kernel_spec(ros: RosEnvironment) -> dict[str, object]:
     """Return the content of kernel.json: it carries the ROS environment, so nobody sources it."""
     # Jupyter fills in ${PATH}; the learner's own programs stay reachable behind the venv's.
-    variables = {**ros.variables, 'PATH': f'{Path(ros.python).parent}:${{PATH}}'}
+    path = {'PATH': f'{Path(ros.python).parent}:${{PATH}}'}
+    variables = {**discovery_variables(ros), **ros.variables, **path}
+    launch = [ros.python, '-m', 'ipykernel_launcher', '-f', '{connection_file}']
     return {
-        'argv': [ros.python, '-m', 'ipykernel_launcher', '-f', '{connection_file}'],
+        'argv': [*launch, f'--ext={GUIDE}'],
         'display_name': KERNEL_TITLE,
         'language': 'python',
         'metadata': {'debugger': True},
@@ -63,6 +70,23 @@ def write_description(places: Places, ros: RosEnvironment) -> None:
     write_atomically(places.venv / FILE_NAME, ros.to_json())
 
 
+def ros2_script(places: Places) -> str:
+    """Return the text of ``<venv>/bin/ros2``; its Python is started without site to be quick."""
+    words = (places.python, '-S', '-E', PROJECT / 'environment' / 'ros2_command.py', places.venv)
+    command = ' '.join(shlex.quote(str(word)) for word in words)
+    return f'#!/bin/sh\n# Written by the set-up: {ROS2_MARK}.\nexec {command} "$@"\n'
+
+
+def write_ros2_command(places: Places, ros: RosEnvironment) -> None:
+    """Install the course's ``ros2`` where ROS came without one, and only there."""
+    script = places.venv / 'bin' / 'ros2'
+    if installed_ros2(ros) is None:
+        write_atomically(script, ros2_script(places))
+        script.chmod(0o755)
+    elif script.is_file() and ROS2_MARK in script.read_text(errors='replace'):
+        script.unlink()
+
+
 def silence_colcon(places: Places) -> None:
     """Make the empty set-up files that colcon looks for in a prefix and warns without."""
     for suffix in ('sh', 'bash'):
@@ -73,5 +97,6 @@ def install_files(places: Places, ros: RosEnvironment) -> None:
     """Write everything that depends on the description of the environment."""
     write_path_file(places)
     write_kernel(places, ros)
+    write_ros2_command(places, ros)
     write_jupyter_settings(places)
     write_description(places, ros)

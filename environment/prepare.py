@@ -105,7 +105,7 @@ def steps_of(plan: Plan) -> list[Step]:
         ),
         Step(
             'files',
-            'Jupyter kernel and settings',
+            'Jupyter kernel, ros2 command and settings',
             lambda: True,
             lambda job: install_files.install_files(plan.places, plan.description()),
         ),
