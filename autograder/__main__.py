@@ -17,7 +17,9 @@ import sys
 import time
 from typing import Any, TYPE_CHECKING
 
+from autograder.commands import add_commands
 from autograder.errors import GraderError, SandboxUnavailable
+from autograder.isolation import banner, not_protected, WEAK
 from autograder.layout import Layout
 from autograder.pipeline import end_runs
 from environment.ros import EnvironmentError_
@@ -50,7 +52,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code: int = chosen.run(chosen)
     except (UsageError, GraderError, EnvironmentError_, OSError, ModuleNotFoundError) as error:
         if isinstance(error, ModuleNotFoundError) and str(error.name).partition('.')[0] in OURS:
-            raise  # a defect of ours, not of the Python in use
+            if (Path(__file__).parent / 'exams' / 'hidden').is_dir():
+                raise  # a defect of ours, not of the Python in use
+            error = UsageError(
+                f'This is the copy of the course that students have, and {chosen.command} needs '
+                'the full project. Visible checks work here: python -m autograder check EXAM '
+                '--files FOLDER --visible'
+            )
         return _refuse(error, chosen.run is _check and chosen.json)
     except KeyboardInterrupt:
         print('\nStopped. Finished runs are kept; the same command goes on.', file=sys.stderr)
@@ -87,7 +95,7 @@ def _what_and_fix(error: Exception) -> tuple[str, str]:
 def _parser() -> argparse.ArgumentParser:
     """Describe the command line."""
     parser = argparse.ArgumentParser(prog='python -m autograder', description=__doc__)
-    commands = parser.add_subparsers(required=True, metavar='COMMAND')
+    commands = parser.add_subparsers(required=True, metavar='COMMAND', dest='command')
 
     grade = commands.add_parser('grade', help='grade a class and write reports')
     grade.add_argument(
@@ -106,6 +114,14 @@ def _parser() -> argparse.ArgumentParser:
     )
     grade.add_argument('--fresh', action='store_true', help='repeat runs that are recorded')
     grade.add_argument('--json', action='store_true', help='print the results as JSON')
+    grade.add_argument(
+        '--allow-weak',
+        choices=WEAK,
+        default='',
+        metavar='MODE',
+        help='accept isolation down to this where none of the better works: '
+        f'{", ".join(WEAK)} (see docs/threat-model.md)',
+    )
     grade.set_defaults(run=_grade)
 
     check = commands.add_parser('check', help='run one exam on the files of a package')
@@ -123,6 +139,7 @@ def _parser() -> argparse.ArgumentParser:
         'self-check', help='grade the reference solution and the bare release of every lesson'
     )
     proof.set_defaults(run=_self_check)
+    add_commands(commands)
     return parser
 
 
@@ -159,12 +176,13 @@ def _grade(chosen: argparse.Namespace) -> int:
     told = Console(stderr=chosen.json, width=None if sys.stdout.isatty() else 120)
     submitted = _submitted_folder(layout, chosen.submitted, told)
     assignments = _assignments(layout, chosen.assignment)
-    engine = grading_engine(layout, fresh=chosen.fresh)
+    engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
+    jobs = _warn_if_weak(engine, chosen.jobs, told)
     results: list[SubmissionResult] = []
     trouble = ''
     for assignment in assignments:
         try:
-            results += _grade_assignment(layout, assignment, submitted, engine, chosen.jobs, told)
+            results += _grade_assignment(layout, assignment, submitted, engine, jobs, told)
         except NotEnteredError as error:
             results += error.results
             trouble = str(error)
@@ -178,6 +196,15 @@ def _grade(chosen: argparse.Namespace) -> int:
     if trouble:
         raise GraderError(trouble)
     return FOR_REVIEW if any(result.fault for result in results) else OK
+
+
+def _warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:
+    """Print the banner of a weak mode; return how many runs at a time may be."""
+    mode = getattr(getattr(engine, 'sandbox', None), 'mode', '')
+    if not not_protected(mode):
+        return jobs
+    told.print(banner(mode), style='bold red', highlight=False, markup=False)
+    return 1
 
 
 class NotEnteredError(GraderError):
@@ -239,6 +266,7 @@ def _grade_assignment(
         raise UsageError(f'{submitted}: cannot be read: {error.strerror}.') from error
     if not submissions:
         return []
+    graded_in_full = getattr(engine, 'hidden', True)  # visible checks alone make no grade
     began = time.monotonic()
     with _progress(len(submissions) * len(lesson.exams)) as done:
         graded = grade_class(
@@ -247,12 +275,13 @@ def _grade_assignment(
             engine,
             jobs,
             done,
-            meanwhile=lambda: enter_assignment(layout, assignment),
+            meanwhile=lambda: enter_assignment(layout, assignment) if graded_in_full else None,
         )
     graded_s = time.monotonic() - began
     refused = ''
     try:
-        record(layout, lesson, graded)
+        if graded_in_full:
+            record(layout, lesson, graded)
     except GraderError as error:
         refused = str(error)
     total_s = time.monotonic() - began
@@ -311,12 +340,16 @@ def _check(chosen: argparse.Namespace) -> int:
     """Run one exam on a package; the visible one also runs where nothing isolates."""
     from autograder import exams
     from autograder.examine import examine
+    from autograder.intake import read_handed_in, with_node_files
     from autograder.package import name_missing, read_package, what_is_there
 
     if not chosen.files.is_dir():
         raise UsageError(f'--files {chosen.files}: expected a package folder, got none.')
     exam = exams.load(chosen.exam, hidden=not chosen.visible)
-    files = read_package(chosen.files)
+    if chosen.visible:
+        files = read_package(chosen.files)  # the files a notebook made, as grading sees them
+    else:
+        files = with_node_files(read_handed_in(chosen.files), exam.requires)
     missing = [name for name in exam.requires if name not in files]
     if missing and not chosen.json:
         there = what_is_there(files)

@@ -15,17 +15,50 @@ import re
 from autograder.exam import Cause, Run
 
 _FRAME = re.compile(r'File "[^"]*/(?P<file>[A-Za-z0-9_]+\.py)", line (?P<line>\d+)')
+_NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
 _ERROR = re.compile(r'^(?P<type>[A-Za-z_][\w.]*(?:Error|Exception|Interrupt|Exit|Invalid\w*))\b')
 
 PUBLIC = ('Celsius', 'Fahrenheit', 'temp_sensor_01', 'nan', '30')
 """Parts of inputs that every lesson shows; an error that names one gives nothing away."""
+
+RAISED = (
+    (
+        'InvalidNodeNameException',
+        '',
+        'invalid_name',
+        'A node name has a character that is not allowed, such as a dash or a slash',
+        'Use letters, digits and underscores; a namespace is no part of the name.',
+    ),
+    (
+        'TypeError',
+        "'NoneType' object is not callable",
+        'called_not_passed',
+        'A callback is None: the method was called where it should have been passed on',
+        'Write the method without parentheses: create_timer(1.0, self.report).',
+    ),
+    (
+        'ValueError',
+        'Logger severity cannot be changed',
+        'one_level_a_place',
+        'One place in the code logs with two levels, and rclpy refuses the second',
+        'Write two lines, one for each level, below if and else.',
+    ),
+    (
+        'AttributeError',
+        "has no attribute '_default_callback_group'",
+        'no_super_init',
+        'The class is used before its parent class is ready',
+        "Call super().__init__('...') first of all in __init__().",
+    ),
+)
+"""Exceptions of beginners: class, part of the message, cause, its text up to the place, repair."""
 
 BUSY_S = 1.5
 """Processor time [s] that imports and a node's start never reach, four times what they use."""
 
 LIMITS = {
     'wall_time_limit': ('the run took longer than 60 s', 'a loop that never ends or waits'),
-    'cpu_limit': ('it used more than 20 s of processor time', 'a loop that never waits'),
+    'cpu_limit': ('it used more than 40 s of processor time', 'a loop that never waits'),
     'busy_before_node': (
         'it computes and computes without making a node',
         'a loop that never ends before the node is created',
@@ -106,6 +139,25 @@ def exception_cause(trace: Traceback) -> Cause:
             f'An import fails{where}: {trace.error}',
             'Check the spelling of the package and of the name.',
         )
+    for kind, words, name, text, try_this in RAISED:
+        if trace.kind == kind and words in trace.error:
+            # What is None is found out by the executor, below a line that is innocent.
+            at = '' if name == 'called_not_passed' else where
+            return Cause(name, f'{text}{at}.', try_this)
+    if trace.kind == 'InvalidParameterTypeException':
+        # The message shows the value that the grader has set.
+        return Cause(
+            'parameter_type',
+            f'A parameter gets a value of another type than its default has{where}.',
+            'Give the default the type of the table: 1.0 is a float, 1 a whole number.',
+        )
+    if trace.error == 'AssertionError':
+        # So rclpy checks the types of some arguments.
+        return Cause(
+            'assertion',
+            f'An assertion fails{where}, and says no more.',
+            'Is there a value of a type that does not belong there, such as 0.3 for a Duration?',
+        )
     return Cause(
         'exception',
         f'The program stopped with an exception{where}: {trace.error}',
@@ -161,7 +213,7 @@ def why_no_node(run: Run, wanted: str) -> Cause:
         return Cause(
             'node_name',
             f'There is a node called {near[1:]}.',
-            f"Give super().__init__() the name '{wanted[1:]}'.",
+            f"Give super().__init__() the name '{wanted.rpartition('/')[2]}'.",
         )
     return why_it_ended(run) or Cause(
         'no_node',
@@ -189,11 +241,18 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
     near = close_name(topic, others) or next(
         (end['topic'] for end in recording.endpoints(kind) if end['type'] == type_name), ''
     )
+    if near and topic.endswith(near):
+        return Cause(
+            'absolute_name',
+            f'Your {kind} uses the absolute name {near}, which stays outside the namespace '
+            f'{topic.removesuffix(near)}.',
+            f"Give {create}() the name '{near[1:]}', without a slash in front.",
+        )
     if near:
         return Cause(
             'topic_name',
             f'Your {kind} uses the topic {near}; did you mean {topic}?',
-            f"Give {create}() the name '{topic[1:]}'.",
+            f"Give {create}() the name '{_relative(run, topic)}'.",
         )
     other = {'publisher': 'subscription', 'subscription': 'publisher'}[kind]
     if recording.endpoints(other, topic):
@@ -209,6 +268,31 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
         return why_no_node(run, '/?')
     return Cause(
         'no_endpoint', f'Your node creates no {kind}.', f'Call self.{create}() in __init__().'
+    )
+
+
+def _relative(run: Run, topic: str) -> str:
+    """Return the name that the code gives a topic; the node's namespace is put before it."""
+    homes = [name.rpartition('/')[0] + '/' for name in run.recording.nodes]
+    return topic.removeprefix(max((home for home in homes if topic.startswith(home)), default='/'))
+
+
+def why_no_verdict(run: Run) -> Cause | None:
+    """Explain a lifecycle node that died because a transition callback returned something else."""
+    found = _NO_VERDICT.search(str(run.recording.process.get('stderr', '')))
+    if found is None:
+        return None
+    if found[1] == 'NoneType':
+        return Cause(
+            'no_return',
+            'A transition callback ends without return, so rclpy does not know how it went.',
+            'End each on_...() with return super().on_...(state), or with a '
+            'TransitionCallbackReturn.',
+        )
+    return Cause(
+        'wrong_return',
+        f'A transition callback returns a {found[1]}, which rclpy does not understand.',
+        'Return a TransitionCallbackReturn, or what super().on_...(state) returns.',
     )
 
 

@@ -7,6 +7,7 @@ One parser for both sides: the notebook's magics (:mod:`roslab.magics`) and the 
 
 from __future__ import annotations
 
+import ast
 from dataclasses import dataclass
 import re
 
@@ -15,18 +16,45 @@ UNSOLVED = 'YOUR CODE HERE'
 
 PACKAGE_FILES = ('package.xml', 'CMakeLists.txt')
 
+LETTERS = 'abcd'
+"""What can be answered to a multiple-choice question."""
+
+ANSWER_MAX = 2000
+"""Characters of an answer with its comments; Python itself stumbles over longer nonsense."""
+
 MAGIC_LINE_MAX = 200
 """Characters of a magic line; file names are at most 255 bytes long."""
 
-_KINDS = {'%%node': 'node', '%%rosmsg': 'rosmsg', '%%rospkg': 'rospkg'}
+_KINDS = {
+    '%%node': 'node',
+    '%%rosmsg': 'rosmsg',
+    '%%rospkg': 'rospkg',
+    '%%answer': 'answer',
+}
 _SOLUTION_MARKS = ('### BEGIN SOLUTION', '### END SOLUTION')
 _SOMETHING = re.compile(r'\S')
 _NODE_NAME = re.compile(r'^[A-Za-z][A-Za-z0-9_]*$')
 _MESSAGE_NAME = re.compile(r'^[A-Z][A-Za-z0-9]*$')
+_ODD = re.compile(r'[\\0-9]')
+_ANSWER_NAME = re.compile(r'^[a-z][a-z0-9_]*$')
 
 
 class CellSyntaxError(ValueError):
     """A cell's magic line does not say which file the cell is."""
+
+
+class NotALetterError(ValueError):
+    """
+    The answer to a multiple-choice question is none of its letters.
+
+    :param reason: short stable name
+    :param text: what was written, in words, for a message
+    """
+
+    def __init__(self, reason: str, text: str) -> None:
+        super().__init__(f"expected 'a', 'b', 'c' or 'd', got {text}")
+        self.reason = reason
+        self.text = text
 
 
 @dataclass(frozen=True)
@@ -34,7 +62,7 @@ class CellFile:
     """
     A cell seen as a file of the learner's package.
 
-    :param kind: ``'node'``, ``'rosmsg'`` or ``'rospkg'``
+    :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
     :param name: as written on the magic line
     :param body: text of the file; solution marks are blanked, so line n of the body is line
         n + ``first_line`` of the cell
@@ -53,6 +81,7 @@ class CellFile:
             'node': f'{self.name}.py',
             'rosmsg': f'msg/{self.name}.msg',
             'rospkg': self.name,
+            'answer': f'answers/{self.name}.txt',
         }[self.kind]
 
     @property
@@ -65,7 +94,7 @@ def check_name(kind: str, name: str) -> None:
     """
     Refuse a name that is no safe file name for its kind.
 
-    :param kind: ``'node'``, ``'rosmsg'`` or ``'rospkg'``
+    :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
     :raises CellSyntaxError: with the rule and an example
     """
     if kind == 'node' and not _NODE_NAME.match(name):
@@ -81,6 +110,10 @@ def check_name(kind: str, name: str) -> None:
     if kind == 'rospkg' and name not in PACKAGE_FILES:
         raise CellSyntaxError(
             f'%%rospkg {name}: expected one of {", ".join(PACKAGE_FILES)}, got {name!r}.'
+        )
+    if kind == 'answer' and not _ANSWER_NAME.match(name):
+        raise CellSyntaxError(
+            f'%%answer {name}: expected the name of a question, as in %%answer q01, got {name!r}.'
         )
 
 
@@ -129,3 +162,40 @@ def body_of(text: str) -> str:
     """
     kept = ['' if line.strip() in _SOLUTION_MARKS else line for line in text.split('\n')]
     return '\n'.join(kept).rstrip() + '\n'
+
+
+def chosen_letter(body: str) -> str | None:
+    """
+    Read the answer to a multiple-choice question.  It is a Python literal and never executed.
+
+    Capital letters and blanks around the letter are as good; comments may stand beside it.
+
+    :param body: text of an ``%%answer`` cell below its magic line
+    :returns: a small letter, or None if nothing was chosen yet
+    :raises NotALetterError: for everything else
+    """
+    if len(body) > ANSWER_MAX:
+        raise NotALetterError('too_long', f'{len(body)} characters')
+    lines = [line.partition('#')[0].strip() for line in body.splitlines()]
+    written = '\n'.join(filter(None, lines))
+    if not written:
+        return None
+    try:
+        # Python warns about odd escapes and numbers, and a warning is a line on stderr.
+        value = ast.literal_eval(written) if not _ODD.search(written) else ()
+    except (ValueError, SyntaxError, TypeError, RecursionError, MemoryError):
+        bare = len(written) == 1 and written.lower() in LETTERS
+        raise NotALetterError('no_quotes' if bare else 'no_literal', _shown(written)) from None
+    if value is None:
+        return None
+    letter = value.strip().lower() if isinstance(value, str) else ''
+    if len(letter) != 1 or letter not in LETTERS:
+        raise NotALetterError('no_letter', _shown(written))
+    return letter
+
+
+def _shown(text: str) -> str:
+    """Return the first line of a text, at most 40 characters of it, without control characters."""
+    line = text.partition('\n')[0]
+    shown = ''.join(char if char.isprintable() else '?' for char in line[:40])
+    return shown if line[:40] == text else f'{shown} ...'

@@ -19,6 +19,7 @@ import zipfile
 from autograder.errors import ExamInvalid, GraderError
 from autograder.extract import CHECK_PREFIX
 from autograder.layout import Layout
+from autograder.portions import portions
 from autograder.submission import marks_of, Notebook, read_release
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ WITHHELD = (
     'autograder/exams/hidden',
     'autograder/_work',
     'autograder/course.py',
+    'autograder/portions.py',
     'autograder/nbgrader_plugin.py',
     'autograder/converters.py',
     'autograder/record.py',
@@ -68,7 +70,21 @@ def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
         if path.is_relative_to(layout.solutions):
             found += repeated_ids(notebook, where, seen)
             found += unfit_checks(notebook, where, path.parent.name, exams)
+            found += [f'{where}: {line}' for line in portions(notebook).problems()]
+    if exams is None:
+        found += unfit_exams(layout)
     return found
+
+
+def unfit_exams(layout: Layout) -> Iterator[str]:
+    """Yield what is wrong with the exams themselves: types, fields, two versions that differ."""
+    from autograder.exam_mistakes import ament_prefixes, mistakes_of
+    from autograder.exams import for_assignment
+
+    prefixes = ament_prefixes()
+    for assignment in layout.assignments():
+        for exam in for_assignment(assignment):
+            yield from mistakes_of(exam, prefixes)
 
 
 def notebook_files(layout: Layout) -> Iterator[Path]:
@@ -227,6 +243,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     layout = Layout.here()
     try:
         if chosen.command == 'check':
+            for path in sorted(layout.solutions.glob('*/*.ipynb')):
+                print(portions(read_release(path)).line(path.parent.name))
             lines = check(layout)
             print('\n'.join(lines) or 'The notebooks and the exams fit together.')
             return 1 if lines else 0

@@ -1,6 +1,9 @@
 """
 How an exam is written: a scenario for the probe, and checks that judge the recording.
 
+The steps of a scenario are in :mod:`autograder.scenario`, what checks have in common is in
+:mod:`autograder.checks`.
+
 An exam module reads like the lesson it grades::
 
     exam = Exam('talker', assignment='03_topics', cells=('talker',), scenario=Scenario(...))
@@ -18,14 +21,18 @@ The docstring is the sentence the learner reads.  A check passes by returning, f
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 import hashlib
 import inspect
 import json
 from typing import Any
 
 from autograder.errors import ExamInvalid
+from autograder.exam_mistakes import scenario_mistakes
 from autograder.recording import Recording
+from autograder.scenario import Advance, Feed, Scenario
+
+__all__ = ['Advance', 'Cause', 'Check', 'Exam', 'Failed', 'Feed', 'Run', 'Scenario']
 
 
 @dataclass(frozen=True)
@@ -51,10 +58,17 @@ class Failed(Exception):
     :param observed: what was seen instead
     :param why: the likely cause; leave it out when unsure
     :param share: part of the check's points that is earned all the same, 0 to 1
+    :param at: simulated time of the first deviation [ns], if no single event shows it
     """
 
     def __init__(
-        self, *, expected: str, observed: str, why: Cause | None = None, share: float = 0.0
+        self,
+        *,
+        expected: str,
+        observed: str,
+        why: Cause | None = None,
+        share: float = 0.0,
+        at: int | None = None,
     ) -> None:
         """Keep the facts apart; the report lays them out."""
         super().__init__(observed)
@@ -62,6 +76,7 @@ class Failed(Exception):
         self.observed = observed
         self.why = why
         self.share = share
+        self.at = at
 
 
 @dataclass(frozen=True)
@@ -77,90 +92,6 @@ class Run:
     files: Mapping[str, str]
     recording: Recording
     facts: Mapping[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Advance:
-    """
-    Move simulated time forward in equal steps.
-
-    The step must be at most a quarter of the period that is examined: a timer that is stepped by
-    whole periods fires once a step whatever its period.  ``phase_s`` puts the ticks off whole
-    seconds, so that truncated or invented stamps show.
-
-    :param seconds: simulated seconds
-    :param step_s: length of one step [s]
-    :param phase_s: the first clock value [s], below one period and below ``step_s``
-    :param watch_s: wall seconds to watch code that does not follow the clock
-    """
-
-    seconds: float
-    step_s: float = 0.25
-    phase_s: float = 0.1
-    watch_s: float = 3.0
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it, in whole nanoseconds."""
-        return {
-            'do': 'advance',
-            'steps': round(self.seconds / self.step_s),
-            'step_ns': round(self.step_s * 1e9),
-            'first_ns': round(self.phase_s * 1e9),
-            'watch_s': self.watch_s,
-        }
-
-
-@dataclass(frozen=True)
-class Feed:
-    """
-    Send messages on a topic, one after the other or as one burst of at most ten.
-
-    :param topic: full topic name, announced in :attr:`Scenario.feed`
-    :param messages: fields of each message
-    """
-
-    topic: str
-    messages: Sequence[Mapping[str, Any]]
-    burst: bool = False
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it."""
-        return {
-            'do': 'feed',
-            'topic': self.topic,
-            'messages': [dict(message) for message in self.messages],
-            'burst': self.burst,
-        }
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """
-    What the probe does.  It holds inputs and never an expected value.
-
-    :param program: what runs in the sandbox: ``'node'`` the node file, ``'build'`` a build of the
-        student's package followed by a node that sends back what it receives
-    :param file: the node file to run, for ``'node'``
-    :param watch: topics to record, full name to type such as ``'std_msgs/msg/String'``
-    :param feed: topics to send on, likewise
-    :param appear_s: wall budget until the first node is seen [s]; discovery is usually 0.1 s and
-        rarely 3 s
-    :param first_log_s: wall budget for the first input's log line [s]
-    """
-
-    program: str = 'node'
-    file: str = ''
-    watch: Mapping[str, str] = field(default_factory=dict)
-    feed: Mapping[str, str] = field(default_factory=dict)
-    steps: Sequence[Advance | Feed] = ()
-    appear_s: float = 10.0
-    first_answer_s: float = 3.0
-    answer_s: float = 5.0
-    first_log_s: float = 3.0
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the scenario as the probe reads it, without the probe's name."""
-        return {**asdict(self), 'steps': [step.to_json() for step in self.steps]}
 
 
 @dataclass(frozen=True)
@@ -211,7 +142,10 @@ class Exam:
         facts: Mapping[str, Any] | None = None,
     ) -> None:
         """Start without checks; :meth:`check` adds them in order."""
+        for mistake in scenario_mistakes(scenario):
+            raise ExamInvalid(f'exam {name}, {mistake}.', 'Steps are described in scenario.py.')
         self.name = name
+        self.hidden = False  # set by whoever loads it from the hidden ones
         self.title = title
         self.assignment = assignment
         self.part = part
@@ -256,6 +190,11 @@ class Exam:
             raise ExamInvalid(f'{where}: no docstring.', 'Write the sentence learners will read.')
         if check.points <= 0:
             raise ExamInvalid(f'{where}: expected points > 0, got {check.points}.')
+        if not (check.static or self.scenario.program):
+            raise ExamInvalid(
+                f'{where}: the scenario runs nothing, so the files must answer it.',
+                'Add it with static=True, or give the scenario a program.',
+            )
         for need in check.needs:
             if need not in names:
                 raise ExamInvalid(

@@ -8,7 +8,8 @@ run once, a rerun runs nothing, and a changed check is judged again in milliseco
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import lru_cache
 import hashlib
 import json
@@ -16,13 +17,15 @@ from pathlib import Path
 import threading
 import time
 
-from autograder.errors import ProbeFailed, RecordingInvalid
+from autograder.errors import ProbeFailed, RecordingInvalid, SandboxUnavailable
 from autograder.exam import Exam, Run
+from autograder.flags import flags_of
+from autograder.isolation import not_protected
 from autograder.judge import judge, worth_running
 from autograder.observe import observe
-from autograder.recording import header, Recording
+from autograder.recording import Event, header, Recording
 from autograder.results import CheckResult, ExamResult, Verdict
-from autograder.sandbox import HERE, Sandbox
+from autograder.sandbox import HERE, PROBE, Sandbox
 
 _running: dict[str, threading.Lock] = {}
 _running_guard = threading.Lock()
@@ -35,6 +38,7 @@ def examine(
     sandbox: Sandbox,
     recordings: Path | None = None,
     fresh: bool = False,
+    told: Callable[[Event], None] | None = None,
 ) -> ExamResult:
     """
     Judge a student's files by an exam.
@@ -43,28 +47,77 @@ def examine(
     :param sandbox: from :func:`autograder.sandbox.strongest`, or ``plain()`` for visible checks
     :param recordings: folder that keeps recordings; None keeps nothing
     :param fresh: run even if a recording is kept
+    :param told: called with each event of a run as it happens
     :raises GraderError: for a fault of ours; then there is no verdict
     """
+    if exam.hidden and not sandbox.keeps_secrets:
+        raise SandboxUnavailable(
+            f'A hidden exam is never run with isolation {sandbox.mode}: it keeps nothing hidden.'
+        )
     missing = [name for name in exam.requires if name not in files]
     if missing:
         return _without(exam, missing)
     timing: dict[str, float] = {}
+    name = ''
     if not worth_running(exam, files):
         recording = Recording(header(exam.name, sandbox.mode), ())
     elif recordings is None:
-        recording, timing = _run(exam, files, sandbox)
+        recording, timing = _run(exam, files, sandbox, told)
     else:
-        path = recordings / exam.name / f'{digest(exam, files, sandbox)}.jsonl'
+        name = f'{digest(exam, files, sandbox)}.jsonl'
+        path = recordings / exam.name / name
         with _one_at_a_time(str(path)):
-            recording, timing = _kept_or_run(exam, files, sandbox, path, fresh)
+            recording, timing = _kept_or_run(exam, files, sandbox, path, fresh, told)
+        name = name if path.exists() else ''
+    return replace(judged(exam, files, recording, timing), recording=name)
+
+
+def judged(
+    exam: Exam,
+    files: Mapping[str, str],
+    recording: Recording,
+    timing: Mapping[str, float] | None = None,
+) -> ExamResult:
+    """
+    Judge files of which a recording was made; nothing is run.
+
+    :param timing: of the run, if it was just made
+    :raises GraderError: if a check itself breaks
+    """
     began = time.perf_counter()
     checks = judge(exam, Run(files, recording, exam.facts))
-    timing['judge_s'] = time.perf_counter() - began
-    return ExamResult(exam.name, checks, _note(recording), sandbox.mode, _flags(recording), timing)
+    return ExamResult(
+        exam.name,
+        checks,
+        _note(recording),
+        str(recording.header.get('mode', '')),
+        flags_of(recording, exam.scenario),
+        {**(timing or {}), 'judge_s': time.perf_counter() - began},
+        not_protected=not_protected(str(recording.header.get('mode', ''))),
+    )
+
+
+def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamResult | None:
+    """
+    Judge files that need no run, because one is missing or the files alone decide; else None.
+
+    :param mode: isolation mode to name
+    """
+    missing = [name for name in exam.requires if name not in files]
+    if missing:
+        return _without(exam, missing)
+    if worth_running(exam, files):
+        return None
+    return judged(exam, files, Recording(header(exam.name, mode), ()))
 
 
 def _kept_or_run(
-    exam: Exam, files: Mapping[str, str], sandbox: Sandbox, path: Path, fresh: bool
+    exam: Exam,
+    files: Mapping[str, str],
+    sandbox: Sandbox,
+    path: Path,
+    fresh: bool,
+    told: Callable[[Event], None] | None,
 ) -> tuple[Recording, dict[str, float]]:
     # A file made by this process is as fresh as can be: equal files of a class run once.
     if path.exists() and (not fresh or path in _made_now):
@@ -72,7 +125,7 @@ def _kept_or_run(
             return Recording.load(path), {}
         except RecordingInvalid:
             pass  # damaged or of an older format: it is made again
-    recording, timing = _run(exam, files, sandbox)
+    recording, timing = _run(exam, files, sandbox, told)
     # What a limit of time has ended is told once and tried again the next time.
     if recording.process.get('killed') != 'wall_time_limit':
         recording.save(path)
@@ -80,18 +133,43 @@ def _kept_or_run(
     return recording, timing
 
 
+AROUND = (
+    'confined.py',
+    'fastdds.xml',
+    'landlock.py',
+    'observe.py',
+    'processes.py',
+    'sandbox.py',
+)
+"""What decides how a program runs, beside what runs in the sandbox."""
 _made_now: set[Path] = set()
 
 
 def _run(
-    exam: Exam, files: Mapping[str, str], sandbox: Sandbox
+    exam: Exam,
+    files: Mapping[str, str],
+    sandbox: Sandbox,
+    told: Callable[[Event], None] | None,
 ) -> tuple[Recording, dict[str, float]]:
     """Run once; if our own infrastructure hit its limit, once more, and say so."""
+    repeated = {}
     try:
-        return observe(exam.name, exam.scenario, files, sandbox)
+        recording, timing = observe(exam.name, exam.scenario, files, sandbox, told)
     except ProbeFailed:
-        recording, timing = observe(exam.name, exam.scenario, files, sandbox)
-        return recording, {**timing, 'repeated': 1.0}
+        recording, timing = observe(exam.name, exam.scenario, files, sandbox, told)
+        repeated = {'repeated': 1.0}
+    about = {
+        'scenario': exam.scenario_digest()[:32],
+        'files': files_digest(files),
+        'environment': _environment(sandbox.ros.python)[:32],
+    }
+    return Recording({**recording.header, **about}, recording.events), {**timing, **repeated}
+
+
+def files_digest(files: Mapping[str, str]) -> str:
+    """Return a digest of a student's files, as it stands in a recording's header."""
+    text = json.dumps(sorted(files.items()))
+    return hashlib.sha256(text.encode('utf-8', 'replace')).hexdigest()[:32]
 
 
 def _one_at_a_time(key: str) -> threading.Lock:
@@ -111,7 +189,8 @@ def _environment(python: str) -> str:
     """Return a digest of what runs beside the student's code, and of the ROS in use."""
     state = hashlib.sha256(python.encode())
     described = Path(python).parent.parent / 'ros_environment.json'
-    ours = [HERE / name for name in ('probe.py', 'observe.py', 'sandbox.py', 'fastdds.xml')]
+    names = (*PROBE, *AROUND)
+    ours = [HERE / name for name in names]
     for path in (*ours, *sorted((HERE / 'inside').glob('*.py')), described):
         state.update(path.read_bytes())
     return state.hexdigest()
@@ -147,17 +226,3 @@ def _note(recording: Recording) -> str:
     if recording.in_wall_time:
         return 'Your program keeps its own time, so it was watched for a few real seconds.'
     return ''
-
-
-def _flags(recording: Recording) -> tuple[str, ...]:
-    """Return what an instructor should look at; none of it changes a verdict."""
-    flags = []
-    if recording.of('foreign_clock') or recording.endpoints('publisher', '/clock'):
-        flags.append('the program publishes on /clock, which the grader owns')
-    names = [name for graph in recording.of('graph', when='end') for name in graph['nodes']]
-    if len(names) != len(set(names)):
-        flags.append('two nodes have the same name')
-    killed = recording.process.get('killed')
-    if killed:
-        flags.append(f'ended by the grader: {killed}')
-    return tuple(flags)

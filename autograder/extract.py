@@ -18,7 +18,7 @@ from autograder.submission import marks_of, Notebook, Opened
 CHECK_PREFIX = 'check_'
 """The check cell of an exam has this and the exam's name as its grade id."""
 
-_MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg'}
+_MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg', 'answer': '%%answer'}
 
 
 class ExamCells(Protocol):

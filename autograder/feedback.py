@@ -41,6 +41,8 @@ def exam_text(result: ExamResult, problems: Iterable[Problem] = ()) -> str:
     lines += [f'Note: {problem.line()}' for problem in problems]
     if result.note:
         lines.append(f'Note: {result.note}')
+    if result.not_protected:
+        lines.append(f'Note: run with weak isolation ({result.mode}).')
     titles = {check.check: check.title for check in result.checks}
     for check in result.checks:
         lines.append('')

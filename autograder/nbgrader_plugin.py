@@ -32,7 +32,7 @@ from traitlets.utils.importstring import import_item
 
 from autograder.cells import CellSyntaxError, parse_cell, UNSOLVED
 from autograder.extract import CHECK_PREFIX
-from autograder.feedback import exam_text, FOR_REVIEW
+from autograder.feedback import exam_text, FOR_REVIEW, printable
 from autograder.inbox import read_file
 from autograder.layout import Layout
 from autograder.pipeline import Engine, grade_opened, Lesson, load_lesson
@@ -44,6 +44,7 @@ _STUBS = {
     'rosmsg': f'# {UNSOLVED}',
     'CMakeLists.txt': f'# {UNSOLVED}',
     'package.xml': f'<!-- {UNSOLVED} -->',
+    'answer': f"None  # {UNSOLVED}: 'a', 'b', 'c' or 'd' in place of None",
 }
 
 _SAFE_TAGS = {
@@ -114,6 +115,8 @@ class SubmissionExporter(NotebookExporter):
         opened = open_submission(data, release, path.name, problems)
         for problem in opened.problems:
             self.log.warning('%s: %s', resources['nbgrader']['student'], problem.line())
+        for flag in opened.flags:  # they quote the student, so they go into no file
+            self.log.warning('%s: flag: %s', resources['nbgrader']['student'], printable(flag))
         return self.from_notebook_node(to_node(opened), resources=resources, **kw)
 
 

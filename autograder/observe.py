@@ -8,23 +8,24 @@ probe is done, a limit is passed or the wall clock says so.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 import json
 import os
 from pathlib import Path
 import secrets
-import select
 import selectors
 import shutil
 import tempfile
 import time
 from typing import Any
 
+from autograder.confined import Confined, Limits, Program
 from autograder.errors import ProbeFailed, TooBusy
 from autograder.exam import Scenario
+from autograder.processes import other_domains, ports, proportional, Threads, usage
 from autograder.recording import header, Recording
-from autograder.sandbox import Confined, HERE, Limits, Program, Sandbox
+from autograder.sandbox import HERE, Sandbox
 
 KEPT_OUTPUT = 64 * 1024
 LARGEST_RECORDING = 32 << 20
@@ -33,10 +34,9 @@ WATCH_EVERY_S = 0.05
 TICK, QUIET, EXITED = b't', b'q', b'e'
 BUSY_S = 3.0  # processor time without a node: imports take 0.3 s, and a slow machine thrice that
 MOST_WALL = 5  # times the limit, before a machine counts as too busy for a verdict
-CPU_TICKS = os.sysconf('SC_CLK_TCK')
-PAGE = os.sysconf('SC_PAGESIZE')
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
-BUILD_LIMITS = Limits(cpu_s=60)  # a message package takes some 12 s of processor time
+# A message package takes 9 to 10 s of processor time; three times that, for slower machines.
+BUILD_LIMITS = Limits(cpu_s=30)
 
 
 def program_for(scenario: Scenario, submission: Path, python: str) -> tuple[Program, Limits]:
@@ -49,10 +49,10 @@ def program_for(scenario: Scenario, submission: Path, python: str) -> tuple[Prog
     binds = {**INSIDE, str(submission): '/submission'}
     if scenario.program == 'build':
         argv = [python, '/grader/inside/build_package.py', '/submission']
-        argv += ['temp_monitor_pkg', 'temp_monitor_pkg/msg/Temperature']
+        argv += [scenario.build_type.partition('/')[0], scenario.build_type]
         return Program(argv, binds, course_messages=False), BUILD_LIMITS
     argv = [python, '/grader/inside/run_node.py', f'/submission/{scenario.file}']
-    argv += ['--ros-args', '-p', 'use_sim_time:=true']
+    argv += ['--ros-args', '-p', 'use_sim_time:=true', *scenario.arguments]
     return Program(argv, binds), Limits()
 
 
@@ -80,23 +80,29 @@ def laid_out(files: Mapping[str, str]) -> Iterator[tuple[Path, Path]]:
 
 
 def observe(
-    exam_name: str, scenario: Scenario, files: Mapping[str, str], sandbox: Sandbox
+    exam_name: str,
+    scenario: Scenario,
+    files: Mapping[str, str],
+    sandbox: Sandbox,
+    told: Callable[[Mapping[str, Any]], None] | None = None,
 ) -> tuple[Recording, dict[str, float]]:
     """
     Run a student's files through a scenario.
 
     :param exam_name: for the recording's header
     :param files: relative path to text
+    :param told: called with each event as it happens
     :returns: the recording, and wall-clock facts [s] that no verdict may use
     :raises ProbeFailed: if our own observer died: there is no evidence then
     :raises SandboxUnavailable: if the sandbox refuses
     """
     began = time.monotonic()
-    with laid_out(files) as (submission, home):
+    with sandbox.turn(), laid_out(files) as (submission, home):
         program, limits = program_for(scenario, submission, sandbox.ros.python)
         student = sandbox.start(program, limits, home)
         try:
             watched = _Watched(student, limits, scenario, sandbox, home)
+            watched.told = told
             events = watched.run()
         finally:
             student.kill()
@@ -117,11 +123,11 @@ class _Watched:
     ) -> None:
         self.student = student
         self.limits = limits
-        self.isolated = sandbox.isolated
         self.probe = sandbox.start_probe(student, home)
         self.threads, self.probe_threads = Threads(student.pid), Threads(self.probe.pid)
         self.scenario = scenario
         self.events: list[dict[str, Any]] = []
+        self.told: Callable[[Mapping[str, Any]], None] | None = None
         self.pending = b''
         self.recorded = 0
         self.output = {'stdout': b'', 'stderr': b''}
@@ -131,6 +137,8 @@ class _Watched:
         self.cpu_s = 0.0
         self.ready_s = 0.0
         self.done = False
+        self.left = False
+        self.domains: list[int] = []
         self.began = self.looked = time.monotonic()
         self.own_s = 0.0
 
@@ -138,17 +146,20 @@ class _Watched:
         """Drive the run to its end and return all events."""
         try:
             self._loop()
+            self._look_around()
         finally:
             said = self._end_probe()
             self.threads.close()
             self.probe_threads.close()
         self._read_the_rest()
         if not self.events or self.events[-1]['event'] != 'end':
-            if not self.killed or not self.ready_s:
+            if self.killed and not self.ready_s:
+                raise ProbeFailed(f'The probe was not ready in time: {self.killed}.')
+            if not self.killed:
                 code = self.probe.returncode
                 raise ProbeFailed(f'The probe broke off with code {code}: {said or "no word"}.')
-            self.events.append({'event': 'end', 'clock_ns': None, 'reason': self.killed})
-        self.events.append(self._process_event())
+            self._keep_event({'event': 'end', 'clock_ns': None, 'reason': self.killed})
+        self._keep_event(self._process_event())
         return self.events
 
     def _loop(self) -> None:
@@ -226,10 +237,15 @@ class _Watched:
                 self.threads.wait_until_quiet()
                 self._tell_probe(QUIET)
                 continue
-            self.events.append(event)
+            self._keep_event(event)
             self.done = self.done or event['event'] == 'end'
         if self.recorded > LARGEST_RECORDING:
             self.killed = 'too_much_recorded'
+
+    def _keep_event(self, event: dict[str, Any]) -> None:
+        self.events.append(event)
+        if self.told is not None:
+            self.told(event)
 
     def _student_ended(self) -> None:
         self.exit = self.student.process.wait()
@@ -284,16 +300,22 @@ class _Watched:
         starting = not self.events
         if starting and self.scenario.program == 'node' and seconds > BUSY_S:
             return 'busy_before_node'
-        if self.isolated and self._inodes() > self.limits.inodes:
+        count, size = self.student.files()
+        if count > self.limits.inodes:
             return 'inode_limit'
+        # A sandbox's folders have a size of their own.
+        if self.student.home and size > self.limits.folder:
+            return 'disk_limit'
         return ''
 
-    def _inodes(self) -> int:
-        try:
-            tmp = os.statvfs(f'/proc/{self.student.pid}/root/tmp')
-        except OSError:
-            return 0  # it has just ended
-        return tmp.f_files - tmp.f_ffree
+    def _look_around(self) -> None:
+        """See from outside what the probe cannot: other ROS domains, and further processes."""
+        if self.student.home is None:  # else the network is that of the whole machine
+            self.domains = other_domains(ports(self.student.pid))
+        self.threads.look()
+        launcher = bool(self.student.namespaces) or self.student.supervised
+        running = self.exit is None
+        self.left = len(self.threads.processes) > max(1, launcher + running)
 
     def _end_probe(self) -> str:
         """End the probe, which is done or of no more use; return its last error line."""
@@ -303,123 +325,11 @@ class _Watched:
 
     def _process_event(self) -> dict[str, Any]:
         ends = {name: data.decode(errors='replace') for name, data in self.output.items()}
-        facts = {'exit': self.exit, 'killed': self.killed, 'cpu_s': round(self.cpu_s, 2)}
+        facts = {
+            'exit': self.exit,
+            'killed': self.killed,
+            'cpu_s': round(self.cpu_s, 2),
+            'left': self.left,
+            'domains': self.domains,
+        }
         return {'event': 'process', **facts, **ends}
-
-
-class Threads:
-    """
-    The threads of a program, seen from outside through open files of /proc.
-
-    :param pid: host pid of the first process
-    """
-
-    def __init__(self, pid: int) -> None:
-        """Look for the threads that there are."""
-        self.pid = pid
-        self.processes: tuple[int, ...] = ()
-        # Opening a file is ten times slower than reading it again.
-        self.files: dict[tuple[int, str], int] = {}
-        self.look()
-
-    def look(self) -> None:
-        """Notice new processes, and their threads."""
-        self.processes = tuple(_family(self.pid))
-        self.look_at_threads()
-
-    def look_at_threads(self) -> None:
-        """Notice new threads of the known processes and forget ended ones."""
-        there = set()
-        for process in self.processes:
-            with suppress(OSError):
-                there |= {(process, task) for task in os.listdir(f'/proc/{process}/task')}
-        for gone in set(self.files) - there:
-            os.close(self.files.pop(gone))
-        for process, task in there - set(self.files):
-            with suppress(OSError):
-                path = f'/proc/{process}/task/{task}/stat'
-                self.files[process, task] = os.open(path, os.O_RDONLY)
-
-    def run(self) -> bool:
-        """Tell whether a thread runs or waits for a processor."""
-        for file in self.files.values():
-            with suppress(OSError):  # it has ended
-                if os.pread(file, 512, 0).rpartition(b')')[2][1:2] == b'R':
-                    return True
-        return False
-
-    def wait_until_quiet(self, patience_s: float = 0.05) -> bool:
-        """
-        Wait until no thread runs.
-
-        A thread in a callback runs, or waits for another thread that runs; so when all of them
-        sleep, every callback is over or sleeps too.
-
-        :param patience_s: wall seconds after which a program that always computes is left alone
-        :returns: whether it was quiet
-        """
-        deadline = time.monotonic() + patience_s
-        while True:
-            self.look_at_threads()
-            if not self.run():
-                return True
-            if time.monotonic() > deadline:
-                return False
-            # There is no event for it; a tenth of a millisecond is short beside a round trip.
-            select.select((), (), (), 0.0001)
-
-    def close(self) -> None:
-        """Close the files."""
-        while self.files:
-            os.close(self.files.popitem()[1])
-
-
-def proportional(pid: int) -> int:
-    """
-    Return the memory of a process and its descendants, with shared pages counted once [bytes].
-
-    Slower than :func:`usage`, so it is asked only when that sum is over a limit.
-    """
-    total = 0
-    for current in _family(pid):
-        try:
-            text = Path(f'/proc/{current}/smaps_rollup').read_text('ascii', 'replace')
-            total += int(text.partition('\nPss:')[2].split()[0]) * 1024
-        except (OSError, ValueError, IndexError):
-            continue  # it ended while we looked
-    return total
-
-
-def _family(pid: int) -> Iterator[int]:
-    pids = [pid]
-    while pids:
-        current = pids.pop()
-        yield current
-        try:
-            for task in os.listdir(f'/proc/{current}/task'):
-                children = Path(f'/proc/{current}/task/{task}/children').read_text('ascii')
-                pids += map(int, children.split())
-        except (OSError, ValueError):
-            continue
-
-
-def usage(pid: int) -> tuple[int, float]:
-    """
-    Return what a process and all its descendants use.
-
-    In a sandbox every process descends from the first one, daemons too.
-
-    :param pid: host pid of the first process
-    :returns: resident memory [bytes], processor time [s]
-    """
-    resident, ticks = 0, 0
-    for current in _family(pid):
-        try:
-            stat = Path(f'/proc/{current}/stat').read_text('ascii', 'replace')
-        except OSError:
-            continue  # it ended while we looked
-        fields = stat.rpartition(')')[2].split()
-        # utime, stime and those of waited-for children, then the resident pages: proc(5)
-        ticks += sum(int(fields[number]) for number in (11, 12, 13, 14))
-        resident += int(fields[21]) * PAGE
-    return resident, ticks / CPU_TICKS

@@ -17,21 +17,23 @@ Four rules keep the recording the same from run to run, however slow the machine
 4. *Log barrier.*  A first log line can be late while a reader fetches the history; the first input
    of a scenario is waited for until its log arrives, or a bound is reached.
 
-This file imports nothing of this project: only its text enters the probe's sandbox.
+This file and the other ``probe_*.py`` import nothing of this project but each other: only their
+text enters the probe's sandbox.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-import importlib
 import json
-import math
 import os
 import select
 import time
 from typing import Any
 
 from builtin_interfaces.msg import Time
+from probe_graph import Graph  # type: ignore[import-not-found]  # beside this file
+from probe_steps import STEPS, Stop  # type: ignore[import-not-found]
+from probe_wire import load_type, qos_profile, to_json  # type: ignore[import-not-found]
 from rcl_interfaces.msg import Log
 from rcl_interfaces.srv import GetParameters
 import rclpy
@@ -54,55 +56,6 @@ RESEND_S = 0.5  # a request lost while endpoints still match; about one run in a
 LONGEST_EVENT = 65536  # characters of one message's JSON; longer ones are recorded by their size
 MOST_EVENTS = 20000
 DESCRIBE = (GetTypeDescription, 'get_type_description')
-HIDDEN_TOPICS = ('/parameter_events', '/rosout', '/clock')
-
-
-class Stop(Exception):
-    """The scenario ends here; the reason goes into the ``end`` event."""
-
-
-def load_type(name: str) -> Any:
-    """Return the class of an interface type such as ``std_msgs/msg/String``."""
-    package, kind, cls = name.split('/')
-    return getattr(importlib.import_module(f'{package}.{kind}'), cls)
-
-
-def to_json(value: Any) -> Any:
-    """Turn a message into JSON types; floats that JSON lacks become 'nan', 'inf', '-inf'."""
-    if hasattr(value, 'get_fields_and_field_types'):
-        return {name: to_json(getattr(value, name)) for name in value.get_fields_and_field_types()}
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    if isinstance(value, (bytes, bytearray)):
-        return list(value)
-    if isinstance(value, (str, bool, int, float)):
-        return value
-    return [to_json(item) for item in value]
-
-
-def fill(message: Any, data: dict[str, Any]) -> Any:
-    """Set a message's fields from JSON types and return it."""
-    for name, value in data.items():
-        current = getattr(message, name)
-        if hasattr(current, 'get_fields_and_field_types'):
-            fill(current, value)
-        else:
-            setattr(message, name, float(value) if isinstance(current, float) else value)
-    return message
-
-
-def qos_json(profile: QoSProfile) -> dict[str, Any]:
-    """Return the policies that can be seen over the wire; unset periods are None."""
-    periods = {}
-    for name in ('deadline', 'lifespan', 'liveliness_lease_duration'):
-        nanoseconds = getattr(profile, name).nanoseconds
-        periods[f'{name}_ns'] = nanoseconds if 0 < nanoseconds < 2**62 else None
-    return {
-        'reliability': profile.reliability.name,
-        'durability': profile.durability.name,
-        'liveliness': profile.liveliness.name,
-        **periods,
-    }
 
 
 class Probe:
@@ -118,10 +71,11 @@ class Probe:
         # Whatever else writes to standard output, such as rclpy's own warnings, is no event.
         self.output = os.fdopen(os.dup(1), 'w', encoding='utf-8')
         os.dup2(2, 1)
-        self.events = 0
+        self.events, self.full = 0, False
         self.clock_ns: int | None = None
         self.input: int | None = None
-        self.logs = 0
+        self.logs = self.messages = 0
+        self.before_step = (0, 0)
         self.student_exited = False
         self.quiet = False
         self.patience_s = 0.0
@@ -143,12 +97,18 @@ class Probe:
         self.ticks: set[int] | None = set()
         self.node.create_subscription(Clock, '/clock', self._tick_heard, 10)
         self._watch_topics()
-        # Reliable and transient local satisfies a subscription of any reliability and durability.
-        sending = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self.feeds = {
-            topic: (load_type(name), self.node.create_publisher(load_type(name), topic, sending))
-            for topic, name in scenario['feed'].items()
+        self.feeds: dict[str, tuple[Any, Any]] = {}
+        for topic, feed in scenario['feed'].items():
+            cls, qos = load_type(feed['type']), qos_profile(feed['qos'])
+            self.feeds[topic] = cls, self.node.create_publisher(cls, topic, qos)
+        self.services = {
+            step['service']: self.node.create_client(load_type(step['type']), step['service'])
+            for step in scenario['steps']
+            if step['do'] == 'call'
         }
+        self.listeners: dict[str, Any] = {}
+        self.seen = Graph(self.node)
+        self.imitated = False
 
     def _watch_topics(self) -> None:
         # A best-effort, volatile reader matches every writer, so a QoS mistake is seen as what it
@@ -161,7 +121,7 @@ class Probe:
         for topic, name in self.scenario['watch'].items():
 
             def heard(message: Any, topic: str = topic) -> None:
-                self._message(topic, message)
+                self.message(topic, message)
 
             self.node.create_subscription(load_type(name), topic, heard, hearing)
         logs = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -172,7 +132,10 @@ class Probe:
     def emit(self, event: str, **facts: Any) -> None:
         """Write one event; the clock is the last one that was published."""
         self.events += 1
-        if self.events > MOST_EVENTS and event not in ('graph', 'end'):
+        if self.events > MOST_EVENTS and event not in ('graph', 'end', 'imitated'):
+            if self.full:
+                return  # what was on its way when the scenario was broken off
+            self.full = True
             raise Stop('too_many_events')
         self.write({'event': event, 'clock_ns': self.clock_ns, **facts})
 
@@ -180,13 +143,16 @@ class Probe:
         """Write one line to the grader."""
         print(json.dumps(line, allow_nan=False), file=self.output, flush=True)
 
-    def _message(self, topic: str, message: Any) -> None:
+    def message(self, topic: str, message: Any, **facts: Any) -> None:
+        """Write down a message that was received."""
+        self.messages += not facts
         data = to_json(message)
         size = len(json.dumps(data))
         if size > LONGEST_EVENT:
-            self.emit('message', topic=topic, too_large=size)
+            self.emit('message', topic=topic, too_large=size, **facts)
         else:
-            self.emit('message', topic=topic, data=data, after_input=self.input, wall_s=self.now())
+            facts = {'data': data, 'after_input': self.input, 'wall_s': self.now(), **facts}
+            self.emit('message', topic=topic, **facts)
 
     def _log(self, entry: Log) -> None:
         self.logs += 1
@@ -222,10 +188,12 @@ class Probe:
         """Read what the grader says, if it says something: see TICK, QUIET and EXITED."""
         if not select.select([0], [], [], seconds)[0]:
             return
-        heard = os.read(0, 4096)
+        self.heed(os.read(0, 4096))
+
+    def heed(self, heard: bytes) -> None:
+        """Take what the grader said; nothing at all is its end."""
         self.patience_s += heard.count(TICK) * TICK_S
         self.quiet = self.quiet or QUIET in heard
-        # The end of the input is the end of the grader.
         self.student_exited = self.student_exited or EXITED in heard or not heard
 
     def wait_until_quiet(self) -> None:
@@ -245,15 +213,7 @@ class Probe:
 
     def student_nodes(self) -> list[str]:
         """Return the fully qualified names of all nodes but ours, sorted."""
-        own = self.scenario['name']
-        pairs = self.node.get_node_names_and_namespaces()
-        return sorted(
-            {
-                f'{namespace.rstrip("/")}/{name}'
-                for name, namespace in pairs
-                if name != own and name != '_NODE_NAME_UNKNOWN_'
-            }
-        )
+        return self.seen.askable()
 
     def wait_for_nodes(self) -> None:
         """Wait until the student's side shows a node."""
@@ -264,6 +224,24 @@ class Probe:
             if self.patience_s > deadline:
                 raise Stop('no_node')
             self.spin(0.02)
+
+    def ask_all(self) -> None:
+        """
+        Ask every node of the program for a first answer.
+
+        News of a second node may come after the first one has been seen, and even after it has
+        answered; so it goes on until the program is quiet and there is nobody left to ask.
+        """
+        until = self.patience_s + self.scenario['first_answer_s']
+        asked: set[str] = set()
+        while new := [name for name in self.student_nodes() if name not in asked]:
+            for name in new:
+                if not self.call(name, max(until - self.patience_s, 2 * TICK_S)):
+                    self.unreachable.add(name)
+                self.emit('barrier', node=name, answered=name not in self.unreachable)
+            asked.update(new)
+            self.wait_until_quiet()
+            self.drain()
 
     def client_of(self, name: str) -> Any:
         """
@@ -329,6 +307,17 @@ class Probe:
             if self.events == before:
                 return
 
+    def meet(self) -> None:
+        """
+        Prove that every node that answers knows which endpoints of ours there are by now.
+
+        Announcements are in order, so the answer to a client made last proves all earlier ones.
+        """
+        for client in self.clients.values():
+            self.node.destroy_client(client)
+        self.clients.clear()
+        self.barrier(1)
+
     # -- the scenario ----------------------------------------------------------------------
 
     def run(self) -> None:
@@ -338,16 +327,14 @@ class Probe:
         try:
             self.wait_for_nodes()
             self.emit('seen', nodes=self.student_nodes())
-            until = self.patience_s + self.scenario['first_answer_s']
-            for name in self.student_nodes():
-                if not self.call(name, max(until - self.patience_s, 2 * TICK_S)):
-                    self.unreachable.add(name)
-                self.emit('barrier', node=name, answered=name not in self.unreachable)
+            self.ask_all()
             self.graph('start')
             started = True
             lockstep = len(self.unreachable) < len(self.student_nodes())
             for step in self.scenario['steps']:
-                getattr(self, f'step_{step["do"]}')(step, lockstep)
+                if step['do'] not in ('await', 'mark', 'look'):
+                    self.before_step = (self.logs, self.messages)
+                STEPS[step['do']](self, step, lockstep)
         except Stop as stop:
             reason = str(stop)
         self.drain()
@@ -365,75 +352,6 @@ class Probe:
         seconds, rest = divmod(nanoseconds, NANOSECONDS)
         self.clock.publish(Clock(clock=Time(sec=seconds, nanosec=rest)))
 
-    def step_advance(self, step: dict[str, Any], lockstep: bool) -> None:
-        """Move the clock forward in equal steps, each proven to be handled."""
-        now = self.clock_ns or 0
-        if not lockstep:
-            return self._advance_in_wall_time(now, step['watch_s'])
-        for number in range(step['steps']):
-            self.tick(now + step['first_ns'] + number * step['step_ns'])
-            self.barrier(2)
-            # A rate in a thread of its own is woken by the tick, and must be asleep again
-            # before the next one.
-            self.wait_until_quiet()
-            self.drain()
-        return None
-
-    def _advance_in_wall_time(self, start_ns: int, seconds: float) -> None:
-        # Code that never answers the barrier keeps its own time; it is watched in ours.
-        self.emit('wall_time', seconds=seconds)
-        began = time.monotonic()
-        while (elapsed := time.monotonic() - began) < seconds:
-            self.tick(start_ns + int(elapsed * NANOSECONDS))
-            if self.student_exited:
-                raise Stop('student_exited')
-            self.spin(0.05)
-
-    def step_feed(self, step: dict[str, Any], lockstep: bool) -> None:
-        """Send readings one by one, or as one burst, and collect what follows each."""
-        cls, publisher = self.feeds[step['topic']]
-        if not self.wait_until(lambda: publisher.get_subscription_count() > 0, CONNECT_S):
-            self.emit('not_connected', topic=step['topic'])
-            raise Stop('not_connected')
-        for message in step['messages']:
-            self.input = 0 if self.input is None else self.input + 1
-            logs = self.logs
-            self.emit('input', index=self.input, topic=step['topic'], data=message)
-            publisher.publish(fill(cls(), message))
-            if step['burst']:
-                continue
-            if lockstep:
-                self.settle(1)
-                if self.logs == logs:
-                    self._let_a_second_pass()
-            if self.input == 0:
-                self._wait_for_first_log(logs, lockstep)
-            elif not lockstep:
-                self.wait_for_log(logs, 0.3)
-        if step['burst'] and lockstep:
-            self.settle(len(step['messages']))
-            if self.logs < logs + len(step['messages']):
-                self._let_a_second_pass()
-
-    def _let_a_second_pass(self) -> None:
-        """Move the clock, so that a node that answers from a timer of its own answers."""
-        for _ in range(4):
-            self.tick((self.clock_ns or 0) + NANOSECONDS // 4)
-            self.barrier(2)
-        self.settle(1)
-
-    def _wait_for_first_log(self, logs: int, lockstep: bool) -> None:
-        if not self.wait_for_log(logs, self.scenario['first_log_s']):
-            self.emit('no_first_log')
-            if not lockstep:
-                raise Stop('silent')
-        elif lockstep:
-            self.settle(1)
-
-    def wait_for_log(self, logs: int, seconds: float) -> bool:
-        """Wait until more than this many log lines have come, at most so long."""
-        return self.wait_until(lambda: self.logs > logs, seconds)
-
     def wait_until(self, condition: Callable[[], bool], seconds: float) -> bool:
         """Wait until something holds, at most so long; tell whether it does."""
         deadline = self.patience_s + seconds
@@ -446,46 +364,29 @@ class Probe:
         return True
 
     def graph(self, when: str) -> None:
-        """Write down all nodes, and all endpoints that are not ours, with type and QoS."""
-        endpoints = []
-        for topic, _ in self.node.get_topic_names_and_types():
-            endpoints += self._endpoints(topic, 'publisher')
-            if topic not in HIDDEN_TOPICS:
-                endpoints += self._endpoints(topic, 'subscription')
-        endpoints.sort(key=lambda e: (e['topic'], e['kind'], e['node'], e['type']))
-        names = [
-            f'{namespace.rstrip("/")}/{name}'
-            for name, namespace in self.node.get_node_names_and_namespaces()
-            if name != self.scenario['name']
-        ]
-        self.emit('graph', when=when, nodes=sorted(names)[:200], endpoints=endpoints[:500])
+        """Write down the graph."""
+        seen = self.see_graph()
+        if self.seen.own_name in seen['nodes'] and not self.imitated:
+            self.imitated = True
+            self.emit('imitated')
+        self.emit('graph', when=when, **seen)
 
-    def _endpoints(self, topic: str, kind: str) -> list[dict[str, Any]]:
-        ask = {
-            'publisher': self.node.get_publishers_info_by_topic,
-            'subscription': self.node.get_subscriptions_info_by_topic,
-        }[kind]
-        return [
-            {
-                'topic': topic,
-                'kind': kind,
-                'node': f'{info.node_namespace.rstrip("/")}/{info.node_name}',
-                'type': info.topic_type,
-                'type_hash': str(info.topic_type_hash),
-                'qos': qos_json(info.qos_profile),
-            }
-            for info in ask(topic)
-            if info.node_name != self.scenario['name']
-        ]
+    def see_graph(self) -> dict[str, Any]:
+        """Return all nodes, and all endpoints that are not ours, with type and QoS."""
+        return self.seen.facts()
 
 
 def main() -> None:
     """Read the scenario, say that we are ready, run, and leave without a long good-bye."""
-    # Unbuffered: later lines are waited for on the descriptor itself.
-    line = b''
-    while not line.endswith(b'\n'):
-        line += os.read(0, 1 << 16)
+    # Unbuffered: later words are waited for on the descriptor itself. Some may have been said
+    # already, when we were slow to start.
+    heard = b''
+    while b'\n' not in heard:
+        heard += os.read(0, 1 << 16)
+    line, _, more = heard.partition(b'\n')
     probe = Probe(json.loads(line))
+    if more:
+        probe.heed(more)
     probe.write({'event': 'ready'})
     probe.run()
     probe.node.destroy_node()

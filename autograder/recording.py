@@ -2,31 +2,49 @@
 The recording of one run: what the probe received, one JSON event a line.  Kept, and judged again.
 
 The first line is the header ``{"format": "ros2-course-recording", "version": 1, "exam": ...,
-"mode": ...}``.  Then, in order of observation, events of the probe:
+"mode": ...}``, with digests of the ``scenario``, the ``files`` and the ``environment`` that it was
+made of.  Then, in order of observation, events of the probe; ``docs/recording.schema.json`` says
+the same as data:
 
 ``seen``
     the first ``nodes`` of the program that were noticed.
 ``barrier``
     ``node`` answered a round trip, or did not: then the run is watched in wall time.
 ``graph``
-    ``nodes`` and ``endpoints`` (topic, kind, node, type, type_hash, qos), at start and end.
+    ``nodes`` and ``endpoints`` (topic, kind, node, type, type_hash, qos), at ``start``, at
+    ``end``, and in between under the name of a step that looks; ``count`` of all endpoints, of
+    which some hundreds are listed.
 ``message``
-    ``data`` received on a watched ``topic``, or ``too_large`` with its size.
+    ``data`` received on a watched ``topic``, or ``too_large`` with its size; ``listener`` names
+    the subscription if it is one that joined later.
 ``log``
     one entry of ``/rosout``: ``name``, ``level``, ``text``, ``function``, ``line``.
 ``input``
     message ``index`` that the probe sent; later events carry it as ``after_input``.
-``foreign_clock``
-    a ``/clock`` arrived that the probe did not send.
+``answer``, ``no_answer``
+    what came of calling a ``service``: ``data`` of the response, or the ``reason`` for none:
+    ``no_service``, ``too_late``, or what ended the run; with the ``request``.
+``joined``, ``offered``
+    a ``listener`` or a ``publisher`` of the probe is there; whether it was ``matched``, and the
+    name of the policy for which it was ``refused``.
+``left``
+    the listener or publisher ``name`` is gone.
+``mark``
+    the phase ``name`` begins.
+``awaited``
+    a wait in wall time is over; whether there was ``enough``.
+``foreign_clock``, ``imitated``
+    a ``/clock`` arrived that the probe did not send; a node has the name of the probe's own.
 ``wall_time``, ``unresponsive``, ``not_connected``, ``no_first_log``
     what kept the run from going as planned.
 ``end``
     ``reason``: ``complete``, or why the scenario was broken off.
 
 and one event of the grader, ``process``: how the student's process ended (``exit``, ``killed``),
-the processor time it used and the ends of its output.  What a process prints about itself helps to
-*explain*; it is never evidence.  ``clock_ns`` is the simulated time of the last ``/clock``, None
-before the first.  Non-finite floats are the strings 'nan', 'inf' and '-inf'.
+the processor time it used, whether other processes of it were ``left`` at the end, other ROS
+``domains`` in its network, and the ends of its output.  What a process prints about itself helps
+to *explain*; it is never evidence.  ``clock_ns`` is the simulated time of the last ``/clock``,
+None before the first.  Non-finite floats are the strings 'nan', 'inf' and '-inf'.
 """
 
 from __future__ import annotations
@@ -44,6 +62,8 @@ from autograder.errors import RecordingInvalid
 FORMAT = 'ros2-course-recording'
 VERSION = 1
 Event = Mapping[str, Any]
+PLUMBING = ('/rosout', '/parameter_events', '/clock', '/transition_event')
+"""Topics that come with a node, whoever wrote it."""
 
 WARN = 30
 INFO = 20
@@ -75,9 +95,40 @@ class Recording:
             and all(event.get(name) == value for name, value in where.items())
         ]
 
-    def messages(self, topic: str) -> list[Event]:
-        """Return what was received on a topic, in order."""
-        return self.of('message', topic=topic)
+    def messages(self, topic: str, listener: str | None = None) -> list[Event]:
+        """
+        Return what was received on a topic, in order.
+
+        :param listener: the subscription that joined under this name; None for the one that was
+            there from the beginning and hears every publisher, whatever its quality of service
+        """
+        return self.of('message', topic=topic, listener=listener)
+
+    def phase(self, name: str) -> Recording:
+        """
+        Return the part of the run from one mark to the next; empty if it was never reached.
+
+        :param name: see :class:`autograder.scenario.Mark`
+        """
+        inside, events = False, []
+        for event in self.events:
+            if event['event'] == 'mark':
+                inside = event['name'] == name
+            if inside:
+                events.append(event)
+        return Recording(self.header, events)
+
+    def answers(self, service: str) -> list[Event]:
+        """
+        Return what came of the calls of a service, answers or not, in order.
+
+        :param service: full name, such as ``/thermometer/get_state``
+        """
+        return [
+            event
+            for event in self.events
+            if event['event'] in ('answer', 'no_answer') and event['service'] == service
+        ]
 
     def logs(self, *, level: int | None = None, after_input: int | None = None) -> list[Event]:
         """
@@ -107,7 +158,7 @@ class Recording:
         seen: dict[str, Event] = {}
         for graph in self.of('graph'):
             for end in graph['endpoints']:
-                hidden = end['topic'] in ('/rosout', '/parameter_events', '/clock')
+                hidden = end['topic'].endswith(PLUMBING)
                 wanted = not hidden if topic is None else end['topic'] == topic
                 if end['kind'] == kind and wanted:
                     seen[json.dumps(end, sort_keys=True)] = end

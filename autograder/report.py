@@ -45,6 +45,7 @@ def write_reports(
             result=result,
             verdicts=VERDICTS,
             modes=_modes([result]),
+            lacks=_lacks([result]),
             titles={
                 exam.exam: {check.check: check.title for check in exam.checks}
                 for exam in result.exams
@@ -79,6 +80,7 @@ def _index(
         reviews=sum(bool(result.fault) for result in results),
         flagged=[(result.student, flag) for result in results for flag in result.flags],
         modes=_modes(results),
+        lacks=_lacks(results),
         summary=summary,
     )
 
@@ -91,6 +93,12 @@ def page_name(student: str) -> str:
 def _modes(results: Sequence[SubmissionResult]) -> list[str]:
     """Return the isolation modes that were used."""
     return sorted({exam.mode for result in results for exam in result.exams if exam.mode})
+
+
+def _lacks(results: Sequence[SubmissionResult]) -> list[str]:
+    """Return what the isolation of some runs did not protect, empty where it was whole."""
+    exams = [exam for result in results for exam in result.exams]
+    return list(dict.fromkeys(lack for exam in exams for lack in exam.not_protected))
 
 
 def _templates() -> Environment:
@@ -116,7 +124,11 @@ def print_table(console: Console, assignment: str, results: Sequence[SubmissionR
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=assignment, title_justify='left')
+    weak = ', '.join(
+        sorted({exam.mode for one in results for exam in one.exams if exam.not_protected})
+    )
+    title = f'{assignment} (WEAK ISOLATION: {weak})' if weak else assignment
+    table = Table(title=title, title_justify='left')
     table.add_column('Student', overflow='fold')
     table.add_column('Points', justify='right', no_wrap=True)
     table.add_column('First cause', overflow='fold')

@@ -89,9 +89,11 @@ class ExamResult:
     :param exam: name of the exam
     :param checks: in the order of the exam
     :param note: one sentence about the run as a whole, empty if there is nothing to say
-    :param mode: isolation mode the code ran in, see :mod:`autograder.sandbox`
+    :param mode: isolation mode the code ran in, see :mod:`autograder.isolation`
+    :param not_protected: what that mode lacks, in words; empty for full isolation
     :param flags: what an instructor should look at, in words
     :param timing: wall-clock facts [s]; never part of a verdict
+    :param recording: name of the kept recording, empty if nothing was run or kept
     """
 
     exam: str
@@ -100,6 +102,8 @@ class ExamResult:
     mode: str = ''
     flags: tuple[str, ...] = ()
     timing: Mapping[str, float] = field(default_factory=dict)
+    recording: str = ''
+    not_protected: tuple[str, ...] = ()
 
     @property
     def points(self) -> float:
@@ -130,6 +134,8 @@ class ExamResult:
             mode=data.get('mode', ''),
             flags=tuple(data.get('flags', ())),
             timing=dict(data.get('timing', {})),
+            recording=data.get('recording', ''),
+            not_protected=tuple(data.get('not_protected', ())),
         )
 
 
@@ -139,6 +145,7 @@ class SubmissionResult:
     Everything the grader has to say about one student's notebook.
 
     :param fault: our own fault in words; then the submission needs a person and has no grade
+    :param noticed: what an instructor should look at in the notebook itself, in words
     """
 
     student: str
@@ -146,6 +153,7 @@ class SubmissionResult:
     exams: tuple[ExamResult, ...] = ()
     problems: tuple[Problem, ...] = ()
     fault: str = ''
+    noticed: tuple[str, ...] = ()
 
     @property
     def points(self) -> float:
@@ -160,7 +168,8 @@ class SubmissionResult:
     @property
     def flags(self) -> tuple[str, ...]:
         """Return what an instructor should look at, in words, without repeats."""
-        return tuple(dict.fromkeys(flag for exam in self.exams for flag in exam.flags))
+        exams = (flag for exam in self.exams for flag in exam.flags)
+        return tuple(dict.fromkeys((*self.noticed, *exams)))
 
     def to_json(self) -> dict[str, Any]:
         """Return JSON types only."""
@@ -175,4 +184,5 @@ class SubmissionResult:
             exams=tuple(ExamResult.from_json(exam) for exam in data['exams']),
             problems=tuple(Problem.from_json(problem) for problem in data['problems']),
             fault=data.get('fault', ''),
+            noticed=tuple(data.get('noticed', ())),
         )

@@ -27,7 +27,7 @@ from autograder.extract import answer_files
 from autograder.layout import Layout
 from autograder.submission import marks_of, Notebook, read_release, rebuild, StudentCell
 
-MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg'}
+MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg', 'answer': '%%answer'}
 
 
 def _bytes(notebook: Notebook) -> bytes:

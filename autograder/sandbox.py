@@ -1,26 +1,20 @@
 """
-Where student code runs: bubblewrap with namespaces of its own, or a refusal that says the fix.
+Where student code runs: bubblewrap with namespaces of its own, or what was named to be weaker.
 
-===========  ==========================================================================
-mode         what it is
-===========  ==========================================================================
-bwrap-user   the grader is a plain user: a user namespace, no capability, the user's own uid
-bwrap-root   the grader is root (CI, containers): a throw-away uid and no user namespace
-plain        no isolation at all: for visible checks on a learner's own machine, never for grading
-===========  ==========================================================================
+The modes, by strength, and what each lacks are in :mod:`autograder.isolation`.  The two isolated
+ones give the student's process its own mount, pid, network, ipc and uts namespaces, a read-only
+system, sized temporary folders, resource limits and a system-call filter.  Hidden exams, the
+gradebook and other submissions are not hidden there: they do not exist.  Bubblewrap starts with an
+empty environment, because its own process would show ours as ``/proc/1/environ`` inside.
 
-Both isolated modes give the student's process its own mount, pid, network, ipc and uts
-namespaces, a read-only system, sized temporary folders, resource limits and a system-call filter.
-Hidden exams, the gradebook and other submissions are not hidden there: they do not exist.
-Bubblewrap starts with an empty environment, because its own process would show ours as
-``/proc/1/environ`` inside.  This module only builds command lines and asks the kernel; the
-namespaces themselves are bubblewrap's work.
+This module only builds command lines and asks the kernel; the namespaces themselves are
+bubblewrap's work.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from contextlib import AbstractContextManager, nullcontext
 import fcntl
 import functools
 from glob import glob
@@ -29,14 +23,16 @@ import json
 import os
 from pathlib import Path
 import platform
-import secrets
 import shutil
-import signal
 import subprocess
 import sys
+import tempfile
 from typing import Any
 
+from autograder import isolation, landlock
+from autograder.confined import Confined, Limits, Program
 from autograder.errors import SandboxUnavailable
+from autograder.isolation import fix_for, System
 from environment.ros import ros_environment, RosEnvironment
 
 HERE = Path(__file__).parent
@@ -45,121 +41,11 @@ NS_GET_USERNS = 0xB701  # ioctl_ns(2)
 _uids = itertools.count(1_000_000_000 + os.getpid() % 100_000 * 10_000)
 
 
-@dataclass(frozen=True)
-class Limits:
-    """
-    What one run may use before it is ended.
-
-    :param wall_s: seconds on the wall clock
-    :param cpu_s: processor seconds, all processes together
-    :param memory: bytes of resident memory, all processes together
-    :param processes: processes and threads
-    :param folder: bytes in each writable folder
-    :param inodes: files in the writable folders
-    :param output: bytes printed
-    """
-
-    wall_s: float = 60.0
-    cpu_s: int = 20
-    memory: int = 1 << 30
-    processes: int = 64
-    folder: int = 64 << 20
-    inodes: int = 20_000
-    output: int = 8 << 20
-
-    def argv(self) -> list[str]:
-        """Return the prlimit prefix; sums over processes are the watchdog's business."""
-        return [
-            'prlimit',
-            f'--nproc={self.processes}',
-            f'--as={2 * self.memory}',
-            f'--fsize={self.folder}',
-            '--core=0',
-            '--nofile=256',
-            f'--cpu={self.cpu_s + 5}',  # the watchdog, which sums, comes first
-            '--',
-        ]
-
-
-@dataclass(frozen=True)
-class Program:
-    """
-    What to run and what it may see.
-
-    :param argv: the command, in terms of the sandbox's own paths
-    :param binds: read-only, host path to sandbox path
-    :param course_messages: whether the course's own built messages are importable
-    :param variables: added to the ROS environment
-    """
-
-    argv: Sequence[str]
-    binds: Mapping[str, str] = field(default_factory=dict)
-    course_messages: bool = True
-    variables: Mapping[str, str] = field(default_factory=dict)
-
-
-@dataclass
-class Confined:
-    """
-    A started program and the handles on it.
-
-    :param process: the outermost process
-    :param pid: host pid of the sandbox's first process, or of the process itself in plain mode
-    :param pidfd: descriptor of that process, safe against pid reuse
-    :param namespaces: open descriptors ``net`` and, where there is one, ``user``
-    """
-
-    process: subprocess.Popen[bytes]
-    pid: int
-    pidfd: int
-    namespaces: dict[str, int] = field(default_factory=dict)
-
-    def release(self) -> None:
-        """
-        Let the program run; until then it waits, see :mod:`autograder.inside.gate`.
-
-        Not bubblewrap's own ``--block-fd``: a sandbox held there outlives a killed grader, and
-        runs.
-        """
-        assert self.process.stdin
-        try:
-            self.process.stdin.write(b'x')
-            self.process.stdin.close()
-        except BrokenPipeError:
-            pass  # it has died already; its exit is noticed elsewhere
-        self.process.stdin = None
-
-    def kill(self) -> None:
-        """End everything inside, then the launcher: killed first, that could leave orphans."""
-        try:
-            signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
-        if not self.namespaces:  # plain mode: the whole process group
-            try:
-                os.killpg(self.pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
-        self.process.kill()
-        self.process.wait()
-        for descriptor in (self.pidfd, *self.namespaces.values()):
-            os.close(descriptor)
-        self.namespaces = {}
-        for stream in (self.process.stdout, self.process.stderr):
-            if stream is not None:
-                stream.close()
-        if self.process.stdin is not None:
-            try:
-                self.process.stdin.close()
-            except BrokenPipeError:
-                pass
-
-
 class Sandbox:
     """
     One way of confining programs.
 
-    :param mode: ``'bwrap-user'``, ``'bwrap-root'`` or ``'plain'``
+    :param mode: see :data:`autograder.isolation.MODES`
     """
 
     def __init__(self, mode: str, ros: RosEnvironment | None = None) -> None:
@@ -169,8 +55,17 @@ class Sandbox:
 
     @property
     def isolated(self) -> bool:
+        """Tell whether a program has file systems and a network of its own."""
+        return self.mode in ('bwrap-user', 'bwrap-root')
+
+    @property
+    def keeps_secrets(self) -> bool:
         """Tell whether hidden exams may be used with this mode."""
-        return self.mode != 'plain'
+        return isolation.MODES[self.mode].keeps_secrets
+
+    def turn(self) -> AbstractContextManager[None]:
+        """Return what to hold during a run: where the network is shared, one run at a time."""
+        return nullcontext() if self.isolated else landlock.turn()
 
     # -- command lines ---------------------------------------------------------------------
 
@@ -291,11 +186,11 @@ class Sandbox:
         Call it from a thread that lives longer than the program: the kernel ends the sandbox
         with the thread that started it.
 
-        :param home: an existing empty folder; only plain mode writes there
+        :param home: an existing empty folder, for modes without file systems of their own
         :raises SandboxUnavailable: if bubblewrap refuses
         """
         if not self.isolated:
-            return self._start_plain(program, limits, home)
+            return self._start_weak(program, limits, home)
         info_read, info_write = os.pipe()
         rules = os.open(HERE / 'seccomp' / f'{platform.machine()}.bpf', os.O_RDONLY)
         descriptors = ['--info-fd', str(info_write), '--seccomp', str(rules)]
@@ -304,7 +199,9 @@ class Sandbox:
             process = _popen([], options, self.command(program, limits), (info_write, rules))
         except OSError as error:
             os.close(info_read)
-            raise SandboxUnavailable(f'bubblewrap did not start: {error}.', FIX_MISSING) from error
+            raise SandboxUnavailable(
+                f'bubblewrap did not start: {error}.', isolation.FIX_MISSING
+            ) from error
         finally:
             os.close(info_write)
             os.close(rules)
@@ -318,65 +215,94 @@ class Sandbox:
             process.kill()
             _, said = process.communicate()
             what = said.decode(errors='replace').strip() or str(error)
-            raise SandboxUnavailable(f'bubblewrap refused: {what}.', _fix(what)) from error
+            raise SandboxUnavailable(
+                f'bubblewrap refused: {what}.', fix_for(what, System.here())
+            ) from error
         namespaces = {'net': net}
         if self.mode == 'bwrap-user':
             # Not nsenter -t PID: bubblewrap moves on to a nested user namespace.
             namespaces['user'] = fcntl.ioctl(net, NS_GET_USERNS)
         return Confined(process, pid, pidfd, namespaces)
 
-    def _start_plain(self, program: Program, limits: Limits, home: Path) -> Confined:
+    def _start_weak(self, program: Program, limits: Limits, home: Path) -> Confined:
+        domain = landlock.free_domain()
+        argv, variables = self._outside(program, limits, home, domain)
+        if self.mode != 'none':
+            argv = [*self._confine(program, home), *argv]
+        process = subprocess.Popen(argv, env=variables, cwd=home, start_new_session=True, **_PIPES)
+        confined = Confined(process, process.pid, os.pidfd_open(process.pid), home=home)
+        confined.supervised, confined.domain = self.mode != 'none', domain
+        return confined
+
+    def _outside(
+        self, program: Program, limits: Limits, home: Path, domain: int
+    ) -> tuple[list[str], dict[str, str]]:
+        """Return a program's command line behind its limits, and variables, in host paths."""
         inside = {guest: host for host, guest in program.binds.items()}
         variables = {
             name: _outside(value, inside)
-            for name, value in self.variables(program, str(home), self.domain).items()
+            for name, value in self.variables(program, str(home), domain).items()
         }
-        process = subprocess.Popen(
-            [*limits.argv()[:1], f'--cpu={limits.cpu_s}', '--core=0', '--']
-            + [_outside(word, inside) for word in program.argv],
-            env={**variables, 'TMPDIR': str(home)},
-            cwd=home,
-            start_new_session=True,
-            **_PIPES,
-        )
-        return Confined(process, process.pid, os.pidfd_open(process.pid))
+        prefix = limits.argv(0 if self.mode == 'landlock-uid' else landlock.threads_of_user())
+        argv = [*prefix, *(_outside(word, inside) for word in program.argv)]
+        return argv, {**variables, 'TMPDIR': str(home)}
 
-    @functools.cached_property
-    def domain(self) -> int:
-        """Return the domain id of plain mode: random in 1..101, so that checks rarely meet."""
-        return 1 + secrets.randbelow(101)
+    def _confine(self, program: Program, home: Path) -> list[str]:
+        """Return the launcher that puts a program behind Landlock."""
+        uid = next(_uids) if self.mode == 'landlock-uid' else 0
+        if uid:
+            os.chown(home, uid, uid)
+        read, names = landlock.readable(self.ros, program.course_messages)
+        rules = {
+            'uid': uid,
+            'read': [*read, *program.binds, str(HERE / 'fastdds.xml')],
+            'list': names,
+            'write': [str(home), *landlock.DEVICES],
+            'filter': str(landlock.filter_file()),
+        }
+        launcher = str(HERE / 'inside' / 'confine.py')
+        return [self.ros.python, '-I', '-S', launcher, json.dumps(rules)]
 
     def start_probe(self, student: Confined, home: Path) -> subprocess.Popen[bytes]:
         """
         Start the probe in the student's network, apart from the student.
 
         As root it is confined by a sandbox of its own.  A plain user's probe joins the user
-        namespace, in which no further one can be made: limits and a bare environment are all it
-        has, so a fault in Fast DDS itself would be met with that user's rights.
+        namespace, in which no further one can be made; there, Landlock confines it where the
+        kernel has it, and limits and a bare environment are all it has where not.
 
         :param student: the held program
+        :param home: the student's; the probe's is made beside it
         """
         limits = Limits(processes=64, memory=1 << 30)
-        binds = {str(HERE / 'probe.py'): '/grader/probe.py'}
-        program = Program((self.ros.python, '/grader/probe.py'), binds)
-        if not self.isolated:
-            env = self.variables(program, str(home), self.domain)
-            argv = [self.ros.python, str(HERE / 'probe.py')]
-            return subprocess.Popen(argv, env=env, cwd=home, **_PIPES)  # type: ignore[call-overload, no-any-return]
+        argv = (self.ros.python, '/grader/probe.py')
         fds = tuple(student.namespaces.values())
-        enter = ['nsenter', f'--net=/proc/self/fd/{student.namespaces["net"]}']
         if self.mode == 'bwrap-root':
+            enter = ['nsenter', f'--net=/proc/self/fd/{student.namespaces["net"]}', '--']
+            program = Program(argv, {str(HERE / name): f'/grader/{name}' for name in PROBE})
             options = self.bwrap(program, limits, (), own_net=False)
-            return _popen([*enter, '--'], options, self.command(program, limits), fds)
-        enter += [f'--user=/proc/self/fd/{student.namespaces["user"]}', '--preserve-credentials']
-        settings = self.variables(program, str(home), 0)
-        settings['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(HERE / 'fastdds.xml')
-        assign = [f'{name}={value}' for name, value in settings.items()]
-        run = [self.ros.python, str(HERE / 'probe.py')]
-        argv = [*enter, '--', 'env', '-i', *assign, *limits.argv(), *run]
-        return subprocess.Popen(argv, pass_fds=fds, env=BARE, **_PIPES)  # type: ignore[call-overload, no-any-return]
+            return _popen(enter, options, self.command(program, limits), fds)
+        own, code = home.parent / 'probe', home.parent / 'code'
+        for folder in (own, code):
+            folder.mkdir(mode=0o755)
+        for name in PROBE:  # Python lists the folder, whose neighbours are no business of it
+            shutil.copy(HERE / name, code)
+        program = Program(argv, {str(code): '/grader'})
+        run, variables = self._outside(program, limits, own, student.domain)
+        variables['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(HERE / 'fastdds.xml')
+        if self.mode != 'none' and not landlock.refusal(root=os.geteuid() == 0)[0]:
+            run = [*self._confine(program, own), *run]
+        if self.mode == 'bwrap-user':
+            enter = ['nsenter', f'--net=/proc/self/fd/{student.namespaces["net"]}']
+            enter += [f'--user=/proc/self/fd/{student.namespaces["user"]}']
+            assign = [f'{name}={value}' for name, value in variables.items()]
+            run = [*enter, '--preserve-credentials', '--', 'env', '-i', *assign, *run]
+            variables = BARE
+        return subprocess.Popen(run, pass_fds=fds, env=variables, cwd=own, **_PIPES)
 
 
+PROBE = ('probe.py', 'probe_graph.py', 'probe_steps.py', 'probe_wire.py')
+"""What the probe consists of."""
 BARE = {'PATH': '/usr/bin:/bin'}
 _PIPES: dict[str, Any] = {
     'stdin': subprocess.PIPE,
@@ -427,39 +353,44 @@ def _outside(text: str, inside: Mapping[str, str]) -> str:
 
 # -- choosing ------------------------------------------------------------------------------
 
-FIX_MISSING = 'Install bubblewrap 0.8 or newer: sudo apt-get install bubblewrap'
-FIX_APPARMOR = (
-    'This system forbids user namespaces to bubblewrap. Either once: sudo sysctl -w '
-    'kernel.apparmor_restrict_unprivileged_userns=0, or for good an AppArmor profile for '
-    '/usr/bin/bwrap; both are written out in environment.md, section "Grading refuses".'
-)
-FIX_CONTAINER = (
-    'Inside a container, start it with --security-opt seccomp=unconfined --security-opt '
-    'apparmor=unconfined; see environment.md, section "Grading refuses".'
-)
 
-
-def _fix(said: str) -> str:
-    """Return the repair for what bubblewrap printed."""
-    if 'uid map' in said or 'RTM_NEWADDR' in said:
-        return FIX_APPARMOR
-    if 'namespace' in said or 'pivot_root' in said:
-        return FIX_CONTAINER
-    if 'nknown option' in said:
-        return FIX_MISSING
-    return 'See environment.md, section "Grading refuses".'
-
-
-@functools.lru_cache(maxsize=1)
-def strongest() -> Sandbox:
+@functools.lru_cache(maxsize=4)
+def strongest(allow_weak: str = '') -> Sandbox:
     """
-    Return the isolated sandbox that works here, found out by using it.
+    Return the strongest way that works here, found out by using it.
 
-    :raises SandboxUnavailable: with the exact fix; nothing weaker is ever used for grading
+    :param allow_weak: the weakest mode of :data:`autograder.isolation.WEAK` that is accepted;
+        empty for nothing but isolation
+    :raises SandboxUnavailable: with the exact fix, and the weaker modes that would work
+    """
+    try:
+        return isolated()
+    except SandboxUnavailable as error:
+        refusal = error
+    root = os.geteuid() == 0
+    reasons = []
+    for mode in isolation.permitted(allow_weak, root):
+        try:
+            return weak(mode)
+        except SandboxUnavailable as error:
+            reasons.append(f'{mode}: {error}')
+    offers = isolation.permitted(isolation.WEAK[-1], root) if not allow_weak else ()
+    if offers:
+        reasons.append(
+            f'To accept less, name it: --allow-weak={" or --allow-weak=".join(offers)}.'
+        )
+    raise SandboxUnavailable(refusal.what, ' '.join([refusal.fix, *reasons])) from refusal
+
+
+def isolated() -> Sandbox:
+    """
+    Return the isolated sandbox that works here.
+
+    :raises SandboxUnavailable: with the exact fix
     """
     if shutil.which('bwrap') is None:
-        raise SandboxUnavailable('bubblewrap is not installed.', FIX_MISSING)
-    if platform.machine() not in ('x86_64', 'aarch64'):
+        raise SandboxUnavailable('bubblewrap is not installed.', isolation.FIX_MISSING)
+    if not landlock.filter_file().is_file():
         raise SandboxUnavailable(
             f'There is no system-call filter for {platform.machine()}.',
             'Add it with autograder/seccomp/make_filters.py.',
@@ -470,44 +401,93 @@ def strongest() -> Sandbox:
     return sandbox
 
 
+def weak(mode: str) -> Sandbox:
+    """
+    Return a weaker sandbox.
+
+    :raises SandboxUnavailable: if it does not work here
+    """
+    sandbox = Sandbox(mode)
+    if mode == 'none':
+        return sandbox
+    what, fix = landlock.refusal(root=mode == 'landlock-uid')
+    if what:
+        raise SandboxUnavailable(what, fix)
+    if mode == 'landlock-uid':
+        needed = (*sandbox.ros.read_only, str(HERE / 'inside'))
+        if folder := landlock.closed_folder(needed):
+            raise SandboxUnavailable(
+                f'{folder} is closed to other users, and Python or the course is below it.',
+                f'Move them, or open the way: chmod o+x {folder}',
+            )
+    _try_out(sandbox)
+    return sandbox
+
+
+TRIAL = """
+import rclpy, sys
+try:
+    open(sys.argv[1]).close()
+except OSError:
+    print('in')
+else:
+    print('open')
+"""
+
+
 def _try_out(sandbox: Sandbox) -> None:
-    """Run a Python that imports rclpy inside, and join its network as the probe will."""
-    program = Program((sandbox.ros.python, '-c', 'import rclpy; print("in")'))
-    confined = sandbox.start(program, Limits(wall_s=20), Path('/'))
-    try:
-        fds = confined.namespaces
-        enter = ['nsenter', f'--net=/proc/self/fd/{fds["net"]}']
-        if 'user' in fds:
-            enter += [f'--user=/proc/self/fd/{fds["user"]}', '--preserve-credentials']
-        joined = subprocess.run(
-            [*enter, '--', 'true'],
-            pass_fds=tuple(fds.values()),
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        if joined.returncode != 0:
-            raise SandboxUnavailable(
-                f'The probe cannot join the sandbox network: {joined.stderr.strip()}.',
-                FIX_CONTAINER,
-            )
-        confined.release()
+    """Run a Python that imports rclpy and finds nothing of ours; join its network."""
+    program = Program((sandbox.ros.python, '-c', TRIAL, __file__))
+    with sandbox.turn(), tempfile.TemporaryDirectory(prefix='trial-') as folder:
+        Path(folder).chmod(0o755)
+        home = Path(folder, 'home')
+        home.mkdir()
+        confined = sandbox.start(program, Limits(wall_s=20), home)
         try:
-            said, error = confined.process.communicate(timeout=20)
-        except subprocess.TimeoutExpired as late:
-            raise SandboxUnavailable('rclpy did not import within 20 s.', 'make doctor') from late
-        if said.strip() != b'in':
-            tail = error.decode(errors='replace').strip().splitlines()[-1:]
-            raise SandboxUnavailable(
-                f'rclpy does not run inside the sandbox: {" ".join(tail)}.', 'Try: make doctor'
-            )
-    finally:
-        confined.kill()
+            if sandbox.isolated:
+                _try_to_join(confined)
+            confined.release()
+            try:
+                said, error = confined.process.communicate(timeout=20)
+            except subprocess.TimeoutExpired as late:
+                what = 'rclpy did not import within 20 s.'
+                raise SandboxUnavailable(what, 'Try: make doctor') from late
+        finally:
+            confined.kill()
+    if said.strip() == b'open':
+        raise SandboxUnavailable(
+            f'Isolation {sandbox.mode} lets a program read the grader.', isolation.SECTION
+        )
+    if said.strip() != b'in':
+        tail = ' '.join(error.decode(errors='replace').strip().splitlines()[-1:])
+        raise SandboxUnavailable(
+            f'rclpy does not run with isolation {sandbox.mode}: {tail}.', 'Try: make doctor'
+        )
+
+
+def _try_to_join(confined: Confined) -> None:
+    """Join a sandbox's network as the probe will."""
+    fds = confined.namespaces
+    enter = ['nsenter', f'--net=/proc/self/fd/{fds["net"]}']
+    if 'user' in fds:
+        enter += [f'--user=/proc/self/fd/{fds["user"]}', '--preserve-credentials']
+    joined = subprocess.run(
+        [*enter, '--', 'true'],
+        pass_fds=tuple(fds.values()),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if joined.returncode != 0:
+        raise SandboxUnavailable(
+            f'The probe cannot join the sandbox network: {joined.stderr.strip()}.',
+            fix_for('namespace', System.here()),
+        )
 
 
 def plain() -> Sandbox:
     """Return the way without isolation, for visible checks on one's own code."""
-    return Sandbox('plain')
+    return Sandbox('none')
 
 
 if __name__ == '__main__':

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from autograder.exam import Exam
 from autograder.layout import Layout
 from autograder.pipeline import Engine, grade_notebook, Lesson, load_lesson
 from autograder.results import SubmissionResult
+from autograder.submission import marks_of
 
 
 def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
@@ -23,12 +25,38 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
     """
     for assignment in layout.assignments():
         lesson = load_lesson(layout, assignment, engine)
+        mistakes = [line for exam in lesson.exams for line in _mistakes(exam)]
+        if mistakes:
+            yield from ((False, f'{assignment}: {line}') for line in mistakes)
+            continue
+        if not lesson.exams:
+            yield _nothing_to_grade(lesson)
+            continue
         source = layout.solutions / assignment / lesson.notebook
         result = grade_notebook(source.read_bytes(), lesson, 'the reference solution', engine)
         yield _line(lesson, result, result.max_points)
         bare = layout.release(assignment).read_bytes()
         result = grade_notebook(bare, lesson, 'the untouched release', engine)
         yield _line(lesson, result, 0.0)
+
+
+def _mistakes(exam: Exam) -> list[str]:
+    """Return what can be said of an exam without a run: a run of it might never end well."""
+    from autograder.exam_mistakes import ament_prefixes, mistakes_of
+
+    return mistakes_of(exam, ament_prefixes()) if isinstance(exam, Exam) else []
+
+
+def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
+    """Tell whether a lesson without exams is meant to have none."""
+    checks = [
+        marks['grade_id']
+        for cell in lesson.release['cells']
+        if cell['cell_type'] == 'code' and (marks := marks_of(cell)).get('grade')
+    ]
+    if checks:
+        return False, f'{lesson.assignment}: {", ".join(checks)} expected an exam, got none.'
+    return True, f'{lesson.assignment}: nothing to grade, as it must.'
 
 
 def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool, str]:

@@ -11,12 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 import json
 from pathlib import Path
 from typing import Any
 
 from autograder.cells import CellSyntaxError, first_line, parse_cell
+from autograder.integrity import changes, MARKS, small_number
 from autograder.results import Problem
 
 Notebook = dict[str, Any]
@@ -39,6 +40,8 @@ class StudentCell:
     grade_id: str
     cell_type: str
     source: str
+    marks: Mapping[str, Any] = field(default_factory=dict)
+    tags: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -48,10 +51,12 @@ class Opened:
 
     :param notebook: the release with the student's answers in it
     :param problems: what was wrong; ``cells`` of each names the answers that are missing
+    :param flags: what an instructor should look at, see :mod:`autograder.integrity`
     """
 
     notebook: Notebook
     problems: tuple[Problem, ...]
+    flags: tuple[str, ...] = ()
 
     @property
     def missing(self) -> frozenset[str]:
@@ -76,7 +81,7 @@ def open_submission(
         answers = tuple(answer_ids(release))
         blamed = [replace(problem, cells=answers) for problem in (*problems, *found)]
         return Opened(notebook, tuple(blamed))
-    return Opened(notebook, (*problems, *found, *more))
+    return Opened(notebook, (*problems, *found, *more), changes(release, cells))
 
 
 def read_notebook(
@@ -99,9 +104,15 @@ def read_notebook(
         return refuse('a Jupyter notebook', 'an empty file', 'save the notebook and submit again')
     if _parts(data) > MAX_PARTS:
         return refuse('a Jupyter notebook', 'far too many parts', FRESH_COPY)
+    objects = _Objects()
     try:
-        # No number is used, so none is made: int() takes hours for one of a few megabytes.
-        content = json.loads(data.decode('utf-8-sig'), parse_int=bool, parse_float=bool)
+        # Only points are compared; int() takes hours for a number of a few megabytes.
+        content = json.loads(
+            data.decode('utf-8-sig'),
+            parse_int=small_number,
+            parse_float=small_number,
+            object_pairs_hook=objects,
+        )
     except UnicodeDecodeError as error:
         got = f'bytes that are not UTF-8 (byte {error.start})'
         return refuse('a Jupyter notebook in UTF-8', got, 'save it in JupyterLab and submit again')
@@ -109,7 +120,29 @@ def read_notebook(
         return refuse('a Jupyter notebook', 'JSON nested too deeply', FRESH_COPY)
     except ValueError as error:
         return refuse('a Jupyter notebook', _broken_json(data, error), _json_advice(data))
-    return _read_cells(content, where)
+    cells, problems = _read_cells(content, where)
+    if objects.repeated and cells is not None:
+        got = f'{objects.repeated[:40]!r} more than once in one object; the last one counts'
+        problems = (Problem(where, 'every JSON key once', got, FRESH_COPY),)
+    return cells, problems
+
+
+class _Objects:
+    """Makes JSON objects and notices a key that is there twice: readers differ in which counts."""
+
+    repeated = ''
+
+    def __call__(self, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        """Make one object."""
+        made = dict(pairs)
+        if len(made) != len(pairs) and not self.repeated:
+            seen: set[str] = set()
+            for name, _ in pairs:
+                if name in seen:
+                    self.repeated = name
+                    break
+                seen.add(name)
+        return made
 
 
 def too_large(where: str, size: int) -> Problem:
@@ -163,8 +196,10 @@ def _read_cell(cell: object) -> StudentCell:
     if not isinstance(cell, dict):
         return StudentCell('', '', '')
     metadata = cell.get('metadata')
-    marks = metadata.get('nbgrader') if isinstance(metadata, dict) else None
-    grade_id = marks.get('grade_id') if isinstance(marks, dict) else None
+    metadata = metadata if isinstance(metadata, dict) else {}
+    marks = metadata.get('nbgrader')
+    marks = marks if isinstance(marks, dict) else {}
+    grade_id, tags = marks.get('grade_id'), metadata.get('tags')
     kind, source = cell.get('cell_type'), cell.get('source')
     if isinstance(source, list):
         source = ''.join(part for part in source if isinstance(part, str))
@@ -172,6 +207,8 @@ def _read_cell(cell: object) -> StudentCell:
         grade_id if isinstance(grade_id, str) else '',
         kind if isinstance(kind, str) else '',
         _clean(source) if isinstance(source, str) else '',
+        {name: marks[name] for name in MARKS if name in marks},
+        tuple(tag for tag in tags if isinstance(tag, str)) if isinstance(tags, list) else (),
     )
 
 

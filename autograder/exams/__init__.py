@@ -43,6 +43,7 @@ def load(name: str, hidden: bool = True) -> Exam:
     exam = importlib.import_module(f'autograder.exams.{folder}.{name}').exam
     if not isinstance(exam, Exam) or exam.name != name or not exam.checks:
         raise ExamInvalid(f'autograder/exams/{folder}/{name}.py defines no whole exam {name!r}.')
+    exam.hidden = hidden
     return exam
 
 

@@ -3,17 +3,26 @@ Start a node file inside the sandbox, the way ``ros2 run`` would.
 
 Usage: run_node.py FILE [arguments of the program].  The file runs as a script.  If it only defines
 ``main`` and leaves the call to an entry point, ``main()`` is called afterwards.
+
+A folder of modules beside the file is a package that it may import, also one of the name of the
+course's messages: an installed package has both in one place.  A file that also lies in such a
+folder is a module of that package, as it is when an entry point imports it.
 """
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from contextlib import suppress
+import importlib
+import importlib.util
 from pathlib import Path
 import sys
 import types
 
 import gate  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+
+NO_PACKAGE = ('test', 'tests', 'launch', 'config')
 
 
 def outside_definitions(tree: ast.AST) -> Iterator[ast.AST]:
@@ -30,14 +39,30 @@ def leaves_main_to_others(tree: ast.Module) -> bool:
     return not names & {'main', '__name__'}
 
 
+def join_packages(folder: Path) -> list[Path]:
+    """Let the modules of each package folder be found before what is installed of its name."""
+    packages = sorted({file.parent for file in folder.glob('*/*.py')})
+    packages = [one for one in packages if one.name.isidentifier() and one.name not in NO_PACKAGE]
+    for package in packages:
+        with suppress(ImportError, ValueError):
+            if importlib.util.find_spec(package.name) is not None:
+                installed = importlib.import_module(package.name)
+                installed.__path__ = [str(package), *installed.__path__]
+    return packages
+
+
 def main() -> None:
     """Run the file that the command line names."""
     gate.wait()
     path, sys.argv = sys.argv[1], sys.argv[1:]
     source = Path(path).read_text(encoding='utf-8')
     tree = ast.parse(source, path)  # a SyntaxError ends the program with Python's own message
+    packages = join_packages(Path(path).parent)
     sys.path.insert(0, str(Path(path).parent))
     module = types.ModuleType('__main__')
+    for package in packages:
+        if any(file.read_text(encoding='utf-8') == source for file in package.glob('*.py')):
+            module.__package__ = package.name
     module.__file__ = path
     sys.modules['__main__'] = module
     exec(compile(source, path, 'exec'), module.__dict__)

@@ -7,14 +7,15 @@ message of the built type travel to a probe that holds the reference type, and b
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import random
 import re
 from typing import Any
 import xml.etree.ElementTree as ElementTree
 
 from autograder.causes import close_name
-from autograder.exam import Cause, Exam, Failed, Feed, Run, Scenario
+from autograder.exam import Cause, Exam, Failed, Run
+from autograder.scenario import Feed, Scenario
 
 FIELDS = (
     ('float64', 'temperature_value'),
@@ -73,15 +74,38 @@ def _why_fields(found: Sequence[tuple[str, str]]) -> Cause | None:
                 f'Its type is {types[name]}.',
             )
         if name not in types:
-            near = close_name(name, types)
-            return Cause(
-                'field_name',
-                f'There is no field {name[:40]!r} in the specification.',
-                f'Did you mean {near}?' if near else 'Compare with the table.',
-            )
+            return no_such_field(name, types)
     missing = [name for _, name in FIELDS if name not in {name for _, name in found}]
+    return missing_or_disordered(missing)
+
+
+def no_such_field(name: str, types: Mapping[str, str]) -> Cause:
+    """
+    Explain a field that nobody asked for.
+
+    :param types: type of each field that is asked for, by name
+    """
+    near = close_name(name, types)
+    return Cause(
+        'field_name',
+        f'There is no field {name[:40]!r} in the specification.',
+        f'Did you mean {near}?' if near else 'Compare with the table.',
+    )
+
+
+def missing_or_disordered(missing: Sequence[str]) -> Cause:
+    """
+    Explain fields that are all right by themselves and not right together.
+
+    :param missing: names of fields that are not there
+    """
     if missing:
-        return Cause('field_missing', f'{", ".join(missing)} is missing.', 'Add it.')
+        verb = 'is' if len(missing) == 1 else 'are'
+        return Cause(
+            'field_missing',
+            f'{", ".join(missing)} {verb} missing.',
+            'Add one line for each field: the type first, then the name.',
+        )
     return Cause('field_order', 'The order is different.', 'Order is part of a message type.')
 
 
@@ -310,6 +334,7 @@ def build(sent: Sequence[dict[str, Any]]) -> Exam:
         requires=(MSG, MANIFEST, CMAKE),
         scenario=Scenario(
             program='build',
+            build_type=TYPE,
             watch={'/echo_out': TYPE},
             feed={'/echo_in': TYPE},
             steps=(Feed('/echo_in', tuple(sent)),),

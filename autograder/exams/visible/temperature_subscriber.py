@@ -15,16 +15,17 @@ import math
 import re
 from typing import Any
 
-from autograder.causes import why_no_endpoint, why_no_node, why_silent
-from autograder.exam import Cause, Exam, Failed, Feed, Run, Scenario
+from autograder.causes import why_silent
+from autograder.checks import LEVELS, require_endpoint, require_node
+from autograder.exam import Cause, Exam, Failed, Run
 from autograder.recording import ERROR, Event, INFO, WARN
+from autograder.scenario import Feed, Scenario
 
 NODE = '/temperature_subscriber'
 TOPIC = '/temperature_topic'
 TYPE = 'temp_monitor_pkg/msg/Temperature'
 THRESHOLD_C = 30.0
 NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
-LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
 
 
 @dataclass(frozen=True)
@@ -111,25 +112,12 @@ def share_of(run: Run, right: int, all_of_them: int) -> float:
 
 def starts_its_node(run: Run) -> None:
     """Your program starts a node called temperature_subscriber."""
-    if NODE not in run.recording.nodes:
-        names = ', '.join(name.lstrip('/')[:60] for name in run.recording.nodes[:5])
-        raise Failed(
-            expected='a node called temperature_subscriber',
-            observed=names or 'no node',
-            why=why_no_node(run, NODE),
-        )
+    require_node(run, NODE)
 
 
 def subscribes_to_readings(run: Run) -> None:
     """It subscribes to Temperature messages on temperature_topic and receives them."""
-    ends = [end for end in run.recording.endpoints('subscription', TOPIC) if end['type'] == TYPE]
-    expected = f'a subscription on {TOPIC} of type {TYPE}'
-    if not ends:
-        raise Failed(
-            expected=expected,
-            observed='no such subscription',
-            why=why_no_endpoint(run, 'subscription', TOPIC, TYPE),
-        )
+    ends = require_endpoint(run, 'subscription', TOPIC, TYPE)
     if run.recording.of('not_connected') or not run.recording.of('input'):
         qos = ends[0]['qos']
         why = why_silent(run) or Cause(
@@ -138,7 +126,11 @@ def subscribes_to_readings(run: Run) -> None:
             f'({qos["reliability"]}, {qos["durability"]}).',
             'Pass the depth 10 as quality of service.',
         )
-        raise Failed(expected=expected, observed='a subscription that gets nothing', why=why)
+        raise Failed(
+            expected=f'a subscription on {TOPIC} of type {TYPE}',
+            observed='a subscription that gets nothing',
+            why=why,
+        )
 
 
 def logs_every_reading(run: Run) -> None:

@@ -1,0 +1,171 @@
+"""What is confined and how far: a program, its limits, and the handles on it once it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+import os
+from pathlib import Path
+import select
+import signal
+import subprocess
+
+
+@dataclass(frozen=True)
+class Limits:
+    """
+    What one run may use before it is ended.
+
+    :param wall_s: seconds on the wall clock
+    :param cpu_s: processor seconds, all processes together
+    :param memory: bytes of resident memory, all processes together
+    :param processes: processes and threads
+    :param folder: bytes in each writable folder
+    :param inodes: files in the writable folders
+    :param output: bytes printed
+    """
+
+    wall_s: float = 60.0
+    cpu_s: int = 40
+    memory: int = 1 << 30
+    processes: int = 64
+    folder: int = 64 << 20
+    inodes: int = 20_000
+    output: int = 8 << 20
+
+    def argv(self, others: int = 0) -> list[str]:
+        """
+        Return the prlimit prefix; sums over processes are the watchdog's business.
+
+        :param others: processes and threads that the same uid has already: they count
+        """
+        return [
+            'prlimit',
+            f'--nproc={self.processes + others}',
+            f'--as={2 * self.memory}',
+            f'--fsize={self.folder}',
+            '--core=0',
+            '--nofile=256',
+            f'--cpu={self.cpu_s + 5}',  # the watchdog, which sums, comes first
+            '--',
+        ]
+
+
+@dataclass(frozen=True)
+class Program:
+    """
+    What to run and what it may see.
+
+    :param argv: the command, in terms of the sandbox's own paths
+    :param binds: read-only, host path to sandbox path
+    :param course_messages: whether the course's own built messages are importable
+    :param variables: added to the ROS environment
+    """
+
+    argv: Sequence[str]
+    binds: Mapping[str, str] = field(default_factory=dict)
+    course_messages: bool = True
+    variables: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass
+class Confined:
+    """
+    A started program and the handles on it.
+
+    :param process: the outermost process
+    :param pid: host pid of the sandbox's first process, or of the process itself without one
+    :param pidfd: descriptor of that process, safe against pid reuse
+    :param namespaces: open descriptors ``net`` and, where there is one, ``user``
+    :param supervised: whether :mod:`autograder.inside.confine` ends what the program started
+    :param home: the folder the program may write to, None where it has a file system of its own
+    :param domain: its ROS domain id
+    """
+
+    process: subprocess.Popen[bytes]
+    pid: int
+    pidfd: int
+    namespaces: dict[str, int] = field(default_factory=dict)
+    supervised: bool = False
+    home: Path | None = None
+    domain: int = 0
+
+    def release(self) -> None:
+        """
+        Let the program run; until then it waits, see :mod:`autograder.inside.gate`.
+
+        Not bubblewrap's own ``--block-fd``: a sandbox held there outlives a killed grader, and
+        runs.
+        """
+        assert self.process.stdin
+        try:
+            self.process.stdin.write(b'x')
+            self.process.stdin.close()
+        except BrokenPipeError:
+            pass  # it has died already; its exit is noticed elsewhere
+        self.process.stdin = None
+
+    def kill(self) -> None:
+        """End everything inside, then the launcher: killed first, that could leave orphans."""
+        try:
+            if self.supervised:
+                # It ends all descendants, daemons too, and then itself.
+                signal.pidfd_send_signal(self.pidfd, signal.SIGTERM)
+                select.select([self.pidfd], [], [], 5.0)
+            signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+        if not self.namespaces and not self.supervised:  # the whole process group
+            try:
+                os.killpg(self.pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+        self.process.kill()
+        self.process.wait()
+        for descriptor in (self.pidfd, *self.namespaces.values()):
+            os.close(descriptor)
+        self.namespaces = {}
+        for stream in (self.process.stdout, self.process.stderr):
+            if stream is not None:
+                stream.close()
+        if self.process.stdin is not None:
+            try:
+                self.process.stdin.close()
+            except BrokenPipeError:
+                pass
+
+    def files(self) -> tuple[int, int]:
+        """Return how many files the program has made and how many bytes they hold."""
+        if self.home is not None:
+            return _tree(self.home)
+        count = size = 0
+        for folder in WRITABLE:
+            try:
+                found = os.statvfs(f'/proc/{self.pid}/root{folder}')
+            except OSError:
+                continue  # it has just ended
+            count += found.f_files - found.f_ffree
+            size += (found.f_blocks - found.f_bfree) * found.f_frsize
+        return count, size
+
+
+WRITABLE = ('/tmp', '/dev/shm')
+MOST_COUNTED = 30_000
+
+
+def _tree(folder: Path) -> tuple[int, int]:
+    """Count the files below a folder and their bytes, as far as it matters."""
+    count = size = 0
+    folders = [str(folder)]
+    while folders and count < MOST_COUNTED:
+        try:
+            with os.scandir(folders.pop()) as entries:
+                for entry in entries:
+                    count += 1
+                    if entry.is_dir(follow_symlinks=False):
+                        folders.append(entry.path)
+                    else:
+                        size += entry.stat(follow_symlinks=False).st_blocks * 512
+        except OSError:
+            continue  # it changes while we look
+    return count, size

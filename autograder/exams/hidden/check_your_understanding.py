@@ -1,0 +1,68 @@
+"""
+The questions of lesson 09, as they are graded: one point each, and why a wrong choice is wrong.
+
+The key lies beside this file and is never shipped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from autograder.cells import LETTERS
+from autograder.errors import ExamInvalid
+from autograder.exam import Cause, Check, Failed, Run
+from autograder.exams.visible.check_your_understanding import build, letter_of, QUESTIONS
+
+KEY = Path(__file__).with_suffix('.yaml')
+RUN_IT = 'Run the cells of that section again, and predict before each.'
+
+
+def key() -> Mapping[str, Mapping[str, Any]]:
+    """
+    Return the key by question.
+
+    :raises ExamInvalid: if a question or the explanation of a wrong letter is missing
+    """
+    found = yaml.safe_load(KEY.read_text(encoding='utf-8'))
+    if tuple(found) != QUESTIONS:
+        raise ExamInvalid(f'{KEY.name}: expected {QUESTIONS[0]} to {QUESTIONS[-1]}, in order.')
+    for question, entry in found.items():
+        if {entry['right'], *entry['why']} != set(LETTERS) or entry['right'] in entry['why']:
+            raise ExamInvalid(
+                f'{KEY.name}, {question}: expected one right letter, and why the others are wrong.'
+            )
+    return dict(found)
+
+
+def judge(question: str, entry: Mapping[str, Any]) -> Callable[[Run], None]:
+    """Return the function that judges one answer."""
+
+    def is_right(run: Run) -> None:
+        letter = letter_of(run, question)
+        if letter == entry['right']:
+            return
+        raise Failed(
+            expected='the option that is true',
+            observed=f'{letter!r}',
+            why=Cause(f'{question}_{letter}', entry['why'][letter], RUN_IT),
+        )
+
+    return is_right
+
+
+exam = build()
+for _question, _entry in key().items():
+    exam.add(
+        Check(
+            name=_question,
+            title=f'Question {int(_question[1:])}, {_entry["about"]}.',
+            points=1,
+            judge=judge(_question, _entry),
+            read=_entry['read'],
+            static=True,
+        )
+    )

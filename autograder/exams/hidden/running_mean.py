@@ -1,0 +1,21 @@
+"""Lesson 03, part 4, as it is graded: numbers nobody can know, two NaN, and a burst."""
+
+from __future__ import annotations
+
+import math
+
+from autograder.exams.visible.running_mean import build
+from autograder.inputs import generator
+
+_draw = generator('running_mean', 'numbers')
+
+
+def _numbers(count: int) -> list[float]:
+    return [round(_draw.uniform(-900.0, 900.0), 3) for _ in range(count)]
+
+
+exam = build(
+    [*_numbers(5), math.nan, *_numbers(2), 0.0, math.nan, *_numbers(1)],
+    burst=_numbers(4),
+    secret=True,
+)

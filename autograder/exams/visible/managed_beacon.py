@@ -1,0 +1,275 @@
+"""
+Lesson 06, part 2: a beacon with a managed life.
+
+The specification, as the lesson gives it: lifecycle node ``beacon``; ``on_configure`` creates a
+publisher of ``std_msgs/msg/String`` on ``beacon_signal``; active, it publishes once a second;
+otherwise it is silent; ``on_cleanup`` takes the publisher away, so that the next configuration
+starts from nothing.  The namespace is chosen by whoever starts it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from autograder.causes import why_no_endpoint, why_no_verdict, why_silent
+from autograder.checks import (
+    require_answers,
+    require_endpoint,
+    require_node,
+    require_period,
+)
+from autograder.exam import Cause, Exam, Failed, Run
+from autograder.recording import Event
+from autograder.scenario import Advance, Look, Mark, Scenario, state, Step, transition
+
+TYPE = 'std_msgs/msg/String'
+WAYS = ('configure', 'activate', 'deactivate', 'activate', 'deactivate', 'cleanup')
+ASKED = (*WAYS, 'configure', 'activate')
+SILENT = ('fresh', 'configured', 'paused', 'cleaned', 'configured again')
+ACTIVE = ('active', 'active again')
+NOT_CLEANED = Cause(
+    'not_cleaned',
+    'What on_configure() creates is still there after cleanup.',
+    'In on_cleanup(): self.destroy_timer(...) and self.destroy_lifecycle_publisher(...).',
+)
+ACTS_ALONE = Cause(
+    'acts_alone',
+    'The program asks itself for transitions before anybody else does.',
+    'Leave out trigger_configure() and trigger_activate(): here, the supervisor is the grader.',
+)
+TIMER_LEFT = Cause(
+    'timer_left',
+    'The first time it is active the rate is right, the second time it is higher: on_activate() '
+    'makes another timer, and the old one goes on.',
+    'Create the timer in on_configure(), or end it in on_deactivate(): self.destroy_timer(...).',
+)
+STAYS_ON = Cause(
+    'stays_on',
+    'Deactivating the node does not switch its publisher off.',
+    'If you write on_deactivate(), end it with return super().on_deactivate(state). The publisher '
+    'comes from self.create_lifecycle_publisher().',
+)
+GRID = 0.25  # a phase of one step goes on with the ticks of the Advance before
+
+
+def node_of(run: Run) -> str:
+    """Return the full name of the node, in the namespace it was started in."""
+    return f'{run.facts["namespace"]}/beacon'
+
+
+def topic_of(run: Run) -> str:
+    """Return the full name of the topic."""
+    return f'{run.facts["namespace"]}/beacon_signal'
+
+
+def publishers(run: Run, when: str) -> list[Event]:
+    """Return the publishers on the topic when the graph was looked at."""
+    return [
+        end
+        for graph in run.recording.of('graph', when=when)
+        for end in graph['endpoints']
+        if end['topic'] == topic_of(run) and end['kind'] == 'publisher'
+    ]
+
+
+def starts_its_node(run: Run) -> None:
+    """Your program starts a node called beacon, in the namespace it is given."""
+    require_node(run, node_of(run))
+
+
+def is_managed(run: Run) -> None:
+    """It is a lifecycle node, and it waits unconfigured."""
+    service = f'{node_of(run)}/get_state'
+    wanted = {'current_state.label': 'unconfigured'}
+    try:
+        require_answers(run, service, [wanted], 'the question for its state')
+    except Failed as failed:
+        answered = any('data' in answer for answer in run.recording.answers(service))
+        why = ACTS_ALONE if answered else failed.why
+        raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
+
+
+def creates_its_publisher(run: Run) -> None:
+    """Configuring it creates the publisher on beacon_signal, and nothing creates it before."""
+    if (why := _why_no_transition(run)) and not publishers(run, 'configured'):
+        expected = 'a publisher on beacon_signal after it was configured'
+        raise Failed(expected=expected, observed='none', why=why)
+    require_endpoint(run, 'publisher', topic_of(run), TYPE)
+    if publishers(run, 'fresh'):
+        raise Failed(
+            expected='no publisher on beacon_signal before it is configured',
+            observed='one',
+            why=Cause(
+                'too_early',
+                'The publisher is created with the node.',
+                'Move create_lifecycle_publisher() from __init__() to on_configure().',
+            ),
+        )
+    if not publishers(run, 'configured'):
+        raise Failed(
+            expected='a publisher on beacon_signal after it was configured',
+            observed='none yet',
+            why=why_silent(run)
+            or Cause(
+                'too_late',
+                'The publisher is created later than in on_configure().',
+                'Call self.create_lifecycle_publisher() in on_configure().',
+            ),
+        )
+
+
+def takes_every_transition(run: Run) -> None:
+    """It takes every transition that it is asked for, twice around."""
+    wanted = [{'success': True}] * len(ASKED)
+    try:
+        what = 'the transitions configure, activate, deactivate and cleanup'
+        require_answers(run, f'{node_of(run)}/change_state', wanted, what)
+    except Failed as failed:
+        raise Failed(
+            expected=failed.expected,
+            observed=failed.observed,
+            why=_why_no_transition(run) or failed.why,
+        ) from None
+
+
+def _why_no_transition(run: Run) -> Cause | None:
+    if why := why_no_verdict(run):
+        return why
+    for name, answer in zip(ASKED, _changes(run), strict=False):
+        if answer.get('data') == {'success': False}:
+            return Cause(
+                'refused',
+                f'on_{name}() returns FAILURE or ERROR, or it raises an exception, which rclpy '
+                'swallows without a word.',
+                f'Put the lines of on_{name}() into try/except Exception as error, and log error.',
+            )
+    return None
+
+
+def _changes(run: Run) -> Sequence[Event]:
+    return run.recording.answers(f'{node_of(run)}/change_state')
+
+
+def publishes_while_active(run: Run) -> None:
+    """Active, it publishes once a second on the ROS clock."""
+    for phase in ACTIVE:
+        found = run.recording.phase(phase).messages(topic_of(run))
+        if not found:
+            raise Failed(
+                expected='messages on beacon_signal while it is active',
+                observed='none',
+                why=_why_off(run),
+            )
+        try:
+            require_period(run, found, 1.0, float(run.facts['active_s']))
+        except Failed as failed:
+            more = phase != ACTIVE[0] and len(found) > run.facts['active_s'] + 1
+            why = TIMER_LEFT if more else failed.why
+            raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
+
+
+def _why_off(run: Run) -> Cause | None:
+    if why := why_silent(run):
+        return why
+    if not run.recording.endpoints('publisher', topic_of(run)):
+        return why_no_endpoint(run, 'publisher', topic_of(run), TYPE)
+    return Cause(
+        'stays_off',
+        'The node is active, but its publisher or its timer is not: on_activate() of the parent '
+        'class switches publishers on, and a timer has to call publish().',
+        'If you write on_activate(), end it with return super().on_activate(state).',
+    )
+
+
+def is_silent_otherwise(run: Run) -> None:
+    """In any other state it publishes nothing."""
+    for phase in SILENT:
+        found = run.recording.phase(phase).messages(topic_of(run))
+        if found:
+            raise Failed(
+                expected='no message while it is not active',
+                observed=f'{len(found)} while it was {phase}',
+                why=STAYS_ON
+                if phase == 'paused'
+                else Cause(
+                    'not_managed',
+                    'The publisher does not follow the state of the node.',
+                    'Use self.create_lifecycle_publisher(), not self.create_publisher().',
+                ),
+            )
+
+
+def cleans_up(run: Run) -> None:
+    """Cleaning up takes the publisher away, and the next configuration makes one again."""
+    left = len(publishers(run, 'cleaned'))
+    if left:
+        expected = 'no publisher on beacon_signal after cleanup'
+        raise Failed(expected=expected, observed=str(left), why=NOT_CLEANED)
+    again = len(publishers(run, 'configured again'))
+    if again != 1:
+        raise Failed(
+            expected='one publisher after it was configured again',
+            observed=str(again) if again else 'none',
+            why=why_silent(run),
+        )
+    found = run.recording.phase('active anew').messages(topic_of(run))
+    try:
+        require_period(run, found, 1.0, float(run.facts['active_s']))
+    except Failed as failed:
+        raise Failed(
+            expected=f'{failed.expected}, also after cleanup',
+            observed=failed.observed,
+            why=NOT_CLEANED if len(found) > run.facts['active_s'] + 1 else failed.why,
+        ) from None
+
+
+def build(namespace: str = '', seconds: float = 4.0, phase_s: float = 0.1) -> Exam:
+    """
+    Return the exam.
+
+    :param namespace: in which the node is started, such as ``/lab``, or nothing
+    :param seconds: simulated time in each active phase, whole seconds [s]
+    :param phase_s: first clock value, 0 < phase_s < 0.25 [s]
+    """
+    node, topic = f'{namespace}/beacon', f'{namespace}/beacon_signal'
+    pause, work = Advance(2.0, phase_s=GRID), Advance(seconds, phase_s=GRID)
+    changes = {name: transition(node, name) for name in WAYS}
+    configure, activate = changes['configure'], changes['activate']
+    deactivate, cleanup = changes['deactivate'], changes['cleanup']
+    steps: list[Step] = [
+        *(Mark('fresh'), state(node), Advance(2.0, phase_s=phase_s), Look('fresh')),
+        *(Mark('configured'), configure, pause, Look('configured')),
+        *(Mark('active'), activate, work),
+        *(Mark('paused'), deactivate, pause),
+        *(Mark('active again'), activate, work),
+        *(Mark('cleaned'), deactivate, cleanup, pause, Look('cleaned')),
+        *(Mark('configured again'), configure, pause, Look('configured again')),
+        *(Mark('active anew'), activate, work),
+    ]
+    exam = Exam(
+        'managed_beacon',
+        title='The managed beacon',
+        assignment='06_managed_lifecycle',
+        part=2,
+        cells=('managed_beacon',),
+        requires=('managed_beacon.py',),
+        scenario=Scenario(
+            file='managed_beacon.py',
+            arguments=('-r', f'__ns:={namespace}') if namespace else (),
+            watch={topic: TYPE},
+            steps=steps,
+        ),
+        read='Part 2: A publisher with a switch',
+        facts={'namespace': namespace, 'active_s': seconds},
+    )
+    exam.check(points=1)(starts_its_node)
+    exam.check(points=1, needs=['starts_its_node'])(is_managed)
+    exam.check(points=2, needs=['is_managed'])(takes_every_transition)
+    exam.check(points=2, needs=['is_managed'])(creates_its_publisher)
+    exam.check(points=2, needs=['takes_every_transition'])(publishes_while_active)
+    exam.check(points=1, needs=['publishes_while_active'])(is_silent_otherwise)
+    exam.check(points=1, needs=['publishes_while_active'])(cleans_up)
+    return exam
+
+
+exam = build()

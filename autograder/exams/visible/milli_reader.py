@@ -1,0 +1,195 @@
+"""
+Lesson 04, part 2: from one message type to another.
+
+The specification, as the lesson gives it: node ``milli_reader`` hears ``temp_monitor_pkg/msg/Num``
+on ``raw`` and publishes, one for one, a ``temp_monitor_pkg/msg/Temperature`` on ``readings``: the
+number divided by 1000, Celsius, the description as sensor, and the time of the node's own clock.
+Simulated time moves between the numbers, so a stamp from any other clock shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import math
+
+from autograder.causes import why_silent
+from autograder.checks import field_of, require_endpoint, require_field, require_node, SECOND
+from autograder.exam import Cause, Exam, Failed, Run
+from autograder.recording import Event
+from autograder.scenario import Advance, Feed, Scenario, Step
+
+NODE = '/milli_reader'
+SOURCE, TARGET = '/raw', '/readings'
+SOURCE_TYPE = 'temp_monitor_pkg/msg/Num'
+TARGET_TYPE = 'temp_monitor_pkg/msg/Temperature'
+BETWEEN_S = 2.0  # simulated time before each number [s]
+CLOSE_S = 0.5  # how far a stamp may be from the moment it was heard [s]
+
+
+def readings(run: Run) -> list[Event]:
+    """Return what came on the target topic, in order."""
+    return [event for event in run.recording.messages(TARGET) if 'data' in event]
+
+
+def starts_its_node(run: Run) -> None:
+    """Your program starts a node called milli_reader."""
+    require_node(run, NODE)
+
+
+def hears_and_publishes(run: Run) -> None:
+    """It subscribes to Num on raw and publishes Temperature on readings."""
+    require_endpoint(run, 'subscription', SOURCE, SOURCE_TYPE)
+    require_endpoint(run, 'publisher', TARGET, TARGET_TYPE)
+
+
+def answers_one_for_one(run: Run) -> None:
+    """For each number it publishes exactly one reading."""
+    for index in range(len(run.facts['numbers'])):
+        found = [event for event in readings(run) if event['after_input'] == index]
+        if len(found) != 1:
+            raise Failed(
+                expected=f'1 message on readings after number {index + 1}',
+                observed=f'{len(found) or "none"}',
+                why=why_silent(run)
+                or (
+                    Cause(
+                        'several_answers',
+                        'More than one reading is published for one number.',
+                        'Publish once in the callback, and from nowhere else.',
+                    )
+                    if found
+                    else Cause(
+                        'no_answer',
+                        'Nothing is published when a number arrives.',
+                        'Publish in the callback of the subscription, for each message.',
+                    )
+                ),
+            )
+
+
+def divides_by_a_thousand(run: Run) -> None:
+    """temperature_value is the number divided by 1000, as a float."""
+    numbers: Sequence[int] = run.facts['numbers']
+    values = [float(field_of(event, 'temperature_value')) for event in readings(run)]
+    for number, value in zip(numbers, values, strict=False):
+        if not math.isclose(value, number / 1000, rel_tol=1e-9, abs_tol=1e-9):
+            raise Failed(
+                expected='the number divided by 1000, with its fraction',
+                observed=f'{value:g}',
+                why=_why_value(numbers, values),
+            )
+
+
+def _why_value(numbers: Sequence[int], values: Sequence[float]) -> Cause | None:
+    pairs = list(zip(numbers, values, strict=False))
+    if all(value in (number // 1000, int(number / 1000)) for number, value in pairs):
+        return Cause(
+            'whole_numbers',
+            'The fraction is lost: // divides whole numbers to whole numbers.',
+            'Divide with / and a float: number.num / 1000.0.',
+        )
+    if all(value == number for number, value in pairs):
+        return Cause('not_divided', 'The number is passed on as it came.', 'Divide it by 1000.0.')
+    if all(abs(value) < 1e-300 for value in values):
+        return Cause(
+            'int_in_float',
+            'A whole number was put into a float64 with field checks off.',
+            'Assign a float.',
+        )
+    return None
+
+
+def names_unit_and_sensor(run: Run) -> None:
+    """The unit is Celsius, and the sensor is the description of the number."""
+    found = readings(run)
+    require_field(found, 'unit', 'Celsius')
+    for event, name in zip(found, run.facts['names'], strict=False):
+        if field_of(event, 'sensor_id') != name:
+            raise Failed(
+                expected='the description of the Num in sensor_id',
+                observed=repr(field_of(event, 'sensor_id'))[:60],
+                why=Cause(
+                    'sensor_id',
+                    'sensor_id is something else than the description that arrived.',
+                    'Set reading.sensor_id = number.description.',
+                ),
+            )
+
+
+def stamps_with_its_own_clock(run: Run) -> None:
+    """The timestamp is the time of the node's own clock when the number arrives."""
+    for event in readings(run):
+        if event['clock_ns'] is None:
+            continue
+        sec, nanosec = (field_of(event, f'timestamp.{part}') for part in ('sec', 'nanosec'))
+        clock = event['clock_ns'] / SECOND
+        if abs(sec + nanosec / SECOND - clock) > CLOSE_S:
+            raise Failed(
+                expected=f'a timestamp near {clock:.2f} s, the time on the ROS clock',
+                # What the computer's clock shows differs from run to run.
+                observed=f'{sec}.{nanosec:09d} s' if sec < 1e9 else 'the time of day',
+                why=_why_stamp(sec, nanosec, clock),
+            )
+
+
+def _why_stamp(sec: int, nanosec: int, clock: float) -> Cause | None:
+    if sec == nanosec == 0:
+        return Cause(
+            'no_stamp',
+            'The stamp was never set.',
+            'Set reading.timestamp = self.get_clock().now().to_msg().',
+        )
+    if sec > clock + 1000:
+        return Cause(
+            'other_clock',
+            "The stamp is from the computer's clock, which does not follow the ROS time.",
+            "Take the node's clock: self.get_clock().now().to_msg().",
+        )
+    return Cause(
+        'old_stamp',
+        'The stamp was taken at another moment, or its parts are wrong.',
+        'Take it in the callback: self.get_clock().now().to_msg().',
+    )
+
+
+def build(numbers: Sequence[int], names: Sequence[str]) -> Exam:
+    """
+    Return the exam for some numbers.
+
+    :param numbers: thousandths of a degree; none of them is a multiple of 1000
+    :param names: the description of each
+    """
+    steps: list[Step] = []
+    for index, (number, name) in enumerate(zip(numbers, names, strict=True)):
+        steps.append(Advance(BETWEEN_S, phase_s=0.25 if index else 0.1))
+        steps.append(Feed(SOURCE, [{'num': number, 'description': name}]))
+    exam = Exam(
+        'milli_reader',
+        title='From one message type to another',
+        assignment='04_messages',
+        part=2,
+        cells=('milli_reader',),
+        requires=('milli_reader.py',),
+        scenario=Scenario(
+            file='milli_reader.py',
+            watch={TARGET: TARGET_TYPE},
+            feed={SOURCE: SOURCE_TYPE},
+            steps=tuple(steps),
+            first_log_s=0.0,
+        ),
+        read='Part 5: The choice',
+        facts={'numbers': tuple(numbers), 'names': tuple(names)},
+    )
+    exam.check(points=1)(starts_its_node)
+    exam.check(points=1, needs=['starts_its_node'])(hears_and_publishes)
+    exam.check(points=2, needs=['hears_and_publishes'])(answers_one_for_one)
+    for points, judge in (
+        (2, divides_by_a_thousand),
+        (2, names_unit_and_sensor),
+        (2, stamps_with_its_own_clock),
+    ):
+        exam.check(points=points, needs=['answers_one_for_one'])(judge)
+    return exam
+
+
+exam = build([21500, -40, 100001], ['oven', 'fridge', 'kettle'])

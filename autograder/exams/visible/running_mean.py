@@ -1,0 +1,238 @@
+"""
+Lesson 03, part 4: the running mean.
+
+The specification, as the lesson gives it: node ``running_mean`` reads ``std_msgs/msg/Float64`` on
+``readings`` and publishes on ``mean``, for each number exactly one message with the mean of all
+numbers so far; NaN is ignored, neither counted nor answered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+import math
+
+from autograder.causes import why_silent
+from autograder.checks import require_endpoint, require_node
+from autograder.exam import Cause, Exam, Failed, Run
+from autograder.scenario import Feed, Scenario
+
+NODE = '/running_mean'
+SOURCE, TARGET = '/readings', '/mean'
+TYPE = 'std_msgs/msg/Float64'
+
+
+def means_of(numbers: Sequence[float]) -> list[float]:
+    """Return the means that are due, one for each number that is not NaN."""
+    total = 0.0
+    found: list[float] = []
+    for number in numbers:
+        if not math.isnan(number):
+            total += number
+            found.append(total / (len(found) + 1))
+    return found
+
+
+def answers(run: Run, numbers: range | None = None) -> list[float]:
+    """
+    Return the means that came, in order.
+
+    :param numbers: only after these inputs; None for all
+    """
+    return [
+        float(event['data']['data'])
+        for event in run.recording.messages(TARGET)
+        if 'data' in event and (numbers is None or event['after_input'] in numbers)
+    ]
+
+
+def first_nan(run: Run) -> int:
+    """Return the index of the first NaN."""
+    numbers: Sequence[float] = (*run.facts['singles'], *run.facts['burst'])
+    return next(index for index, number in enumerate(numbers) if math.isnan(number))
+
+
+def starts_its_node(run: Run) -> None:
+    """Your program starts a node called running_mean."""
+    require_node(run, NODE)
+
+
+def reads_and_writes(run: Run) -> None:
+    """It subscribes to readings and publishes on mean, both Float64."""
+    ends = require_endpoint(run, 'subscription', SOURCE, TYPE)
+    require_endpoint(run, 'publisher', TARGET, TYPE)
+    if run.recording.of('not_connected') or not run.recording.of('input'):
+        qos = ends[0]['qos']
+        raise Failed(
+            expected=f'a subscription on {SOURCE} that receives',
+            observed='a subscription that gets nothing',
+            why=why_silent(run)
+            or Cause(
+                'qos_incompatible',
+                'Your subscription asks for a quality of service that the publisher does not '
+                f'offer ({qos["reliability"]}, {qos["durability"]}).',
+                'Pass the depth 10 as quality of service.',
+            ),
+        )
+
+
+def answers_every_number(run: Run) -> None:
+    """For each number it publishes exactly one message."""
+    before = first_nan(run)
+    for index in range(before):
+        found = answers(run, range(index, index + 1))
+        if len(found) != 1:
+            raise Failed(
+                expected=f'1 message on {TARGET} after number {index + 1}',
+                observed=f'{len(found) or "none"}',
+                why=why_silent(run) or (_REPEATS if found else _SILENT),
+            )
+
+
+_SILENT = Cause(
+    'no_answer',
+    'Nothing is published when a number arrives.',
+    'Publish in the callback of the subscription, for each message.',
+)
+_REPEATS = Cause(
+    'several_answers',
+    'More than one message is published for one number.',
+    'Publish once in the callback, and from nowhere else.',
+)
+
+
+def publishes_the_mean(run: Run) -> None:
+    """Each message is the mean of all numbers so far, the newest included."""
+    before = first_nan(run)
+    found, due = answers(run, range(before)), means_of(run.facts['singles'][:before])
+    _compare(run, found, due)
+
+
+def _compare(run: Run, found: list[float], due: list[float]) -> None:
+    for index, mean in enumerate(due):
+        if index >= len(found):
+            raise Failed(
+                expected=f'{len(due)} means', observed=f'only {len(found)}', why=why_silent(run)
+            )
+        if not math.isclose(found[index], mean, rel_tol=1e-6, abs_tol=1e-6):
+            raise Failed(
+                expected=_value(run, mean, index, 'the mean of all numbers so far'),
+                observed=_value(run, found[index], index, 'something else'),
+                why=_why_value(run, found, index),
+            )
+
+
+def _value(run: Run, value: float, index: int, instead: str) -> str:
+    """Show a value, unless it gives away a hidden input."""
+    shown = instead if run.facts['secret'] else f'{value:g}'
+    return f'{shown} in answer {index + 1}'
+
+
+def _why_value(run: Run, found: list[float], index: int) -> Cause | None:
+    numbers = [number for number in run.facts['singles'] if not math.isnan(number)]
+    shown = found[: index + 1]
+
+    def like(wanted: list[float]) -> bool:
+        return all(map(math.isclose, shown, wanted))
+
+    if like(numbers):
+        return Cause(
+            'passes_on', 'Each number is passed on as it came.', 'Keep a sum and a count.'
+        )
+    totals = [sum(numbers[: size + 1]) for size in range(len(numbers))]
+    if like(totals):
+        return Cause('sum', 'That is the sum.', 'Divide by how many numbers there were.')
+    if like([0.0, *means_of(numbers)]):
+        return Cause('one_behind', 'The newest number is missing in the mean.', 'Add it up first.')
+    if like([float(math.floor(mean)) for mean in means_of(numbers)]):
+        return Cause('cut_off', 'The decimals are cut off.', 'Divide with /, not with //.')
+    pairs = [(a + b) / 2 for a, b in pairwise(numbers)]
+    if like([numbers[0], *pairs]):
+        return Cause('last_two', 'That is the mean of the last two.', 'Keep a sum of all.')
+    return None
+
+
+def ignores_nan(run: Run) -> None:
+    """NaN is ignored: nothing is published for it, and later means are right."""
+    singles: Sequence[float] = run.facts['singles']
+    for index in (i for i, number in enumerate(singles) if math.isnan(number)):
+        if answers(run, range(index, index + 1)):
+            raise Failed(
+                expected='nothing after NaN',
+                observed='a message',
+                why=Cause(
+                    'answers_nan',
+                    'NaN is treated as a number.',
+                    'Return from the callback before anything else if math.isnan(message.data).',
+                ),
+            )
+    inputs = len(run.recording.of('input'))
+    if inputs < len(singles) + len(run.facts['burst']):
+        raise Failed(
+            expected='a node that goes on after NaN',
+            observed='a node that does not',
+            why=why_silent(run),
+        )
+    since = first_nan(run)
+    found = answers(run)[len(means_of(singles[:since])) :]
+    due = means_of((*singles, *run.facts['burst']))[len(means_of(singles[:since])) :]
+    if any(math.isnan(mean) for mean in found):
+        raise Failed(
+            expected='means that are numbers after NaN',
+            observed='means that are NaN',
+            why=Cause(
+                'sum_spoiled',
+                'One NaN in a sum makes the sum NaN for ever.',
+                'Return before you add: if math.isnan(message.data).',
+            ),
+        )
+    if len(found) != len(due) or not all(
+        math.isclose(a, b, rel_tol=1e-6, abs_tol=1e-6) for a, b in zip(found, due, strict=False)
+    ):
+        raise Failed(
+            expected=f'{len(due)} right means after the first NaN',
+            observed=f'{len(found)} means, not all of them right'
+            if len(found) == len(due)
+            else f'{len(found) or "no"} means',
+            why=why_silent(run),
+        )
+
+
+def build(singles: Sequence[float], burst: Sequence[float] = (), secret: bool = False) -> Exam:
+    """
+    Return the exam for some numbers.
+
+    :param singles: sent one by one; the first three are no NaN, a later one is, the last is not
+    :param burst: sent at once at the end, at most five, none of them NaN
+    :param secret: whether the values must not appear in what learners are told
+    """
+    numbers = [{'data': 'nan' if math.isnan(one) else one} for one in (*singles, *burst)]
+    steps = [Feed(SOURCE, numbers[: len(singles)])]
+    if burst:
+        steps.append(Feed(SOURCE, numbers[len(singles) :], burst=True))
+    exam = Exam(
+        'running_mean',
+        title='The running mean',
+        assignment='03_topics',
+        part=3,
+        cells=('running_mean',),
+        requires=('running_mean.py',),
+        scenario=Scenario(
+            file='running_mean.py',
+            watch={TARGET: TYPE},
+            feed={SOURCE: TYPE},
+            steps=tuple(steps),
+            first_log_s=0.0,
+        ),
+        read='Part 4: One topic, one type',
+        facts={'singles': tuple(singles), 'burst': tuple(burst), 'secret': secret},
+    )
+    exam.check(points=1)(starts_its_node)
+    exam.check(points=2)(reads_and_writes)
+    exam.check(points=2, needs=['reads_and_writes'])(answers_every_number)
+    exam.check(points=3, needs=['answers_every_number'])(publishes_the_mean)
+    exam.check(points=2, needs=['publishes_the_mean'])(ignores_nan)
+    return exam
+
+
+exam = build([4.0, 8.0, -2.5, 11.0, math.nan, 2.5, 0.0])

@@ -1,0 +1,209 @@
+"""
+Lesson 05, part 5: a listener that notices silence.
+
+The specification, as the lesson gives it: node ``sensor_watch``; a subscription to
+``std_msgs/msg/Float64`` on ``distance`` that hears a best-effort sensor and requests a deadline of
+0.3 s; one INFO line with the number for each distance, one WARN line for each missed deadline, one
+ERROR line that names the policy when a publisher's offer is too weak.
+
+First comes a publisher that promises no deadline, and goes.  Then one that fits: it sends some
+distances and falls silent.  Deadlines run in wall time, so the silence is waited for: it lasts for
+several periods, and at least one miss must be logged in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+import re
+
+from autograder.causes import why_no_endpoint, why_silent
+from autograder.checks import (
+    own_logs,
+    require_endpoint,
+    require_log,
+    require_node,
+    require_qos,
+    why_not_logged,
+)
+from autograder.exam import Cause, Exam, Failed, Run
+from autograder.recording import ERROR, Event, INFO, WARN
+from autograder.scenario import Await, Feed, Leave, Mark, Offer, Qos, Scenario
+
+TYPE = 'std_msgs/msg/Float64'
+NODE = '/sensor_watch'
+DEADLINE_NS = 300_000_000
+SILENCE_S = 1.5
+MORE_THAN_COME = 1000
+"""So that the whole silence is waited for, however much a program logs."""
+
+
+def numbers_in(text: str) -> list[float]:
+    """Return the decimal numbers in a text."""
+    return [float(number) for number in re.findall(r'\d{1,9}\.\d{1,9}', text)]
+
+
+def during(run: Run, phase: str) -> Run:
+    """Return one phase of the run."""
+    return replace(run, recording=run.recording.phase(phase))
+
+
+def starts_its_node(run: Run) -> None:
+    """Your program starts a node called sensor_watch."""
+    require_node(run, NODE)
+
+
+def asks_for_no_more_than_is_offered(run: Run) -> None:
+    """It subscribes to distance, so that it hears a best-effort sensor."""
+    require_qos(
+        require_endpoint(run, 'subscription', '/distance', TYPE),
+        reliability='BEST_EFFORT',
+        durability='VOLATILE',
+    )
+
+
+def requests_the_deadline(run: Run) -> None:
+    """It requests a deadline of 0.3 s."""
+    ends = require_endpoint(run, 'subscription', '/distance', TYPE)
+    require_qos(ends, deadline_ns=DEADLINE_NS)
+
+
+def logs_each_distance(run: Run) -> None:
+    """Each distance gives one INFO line that contains the number."""
+    lines = own_logs(run, NODE, INFO)
+    for distance in run.facts['distances']:
+        found = [line for line in lines if distance in numbers_in(str(line['text']))]
+        if len(found) != 1:
+            raise Failed(
+                expected=f'one INFO line with {distance:g}',
+                observed=f'{len(found) or "no"} such line{"" if len(found) == 1 else "s"}',
+                why=_why_unheard(run) if not found else None,
+            )
+
+
+def _why_unheard(run: Run) -> Cause | None:
+    if why := why_silent(run):
+        return why
+    offered = run.recording.of('offered', publisher='sensor')
+    if offered and offered[0]['refused']:
+        policy = ' and '.join(offered[0]['refused'])
+        return Cause(
+            'refused',
+            f'Your subscription refuses the sensor: the policy {policy} asks for too much.',
+            'Request best effort, and a deadline of 0.3 s or more.',
+        )
+    if not run.recording.endpoints('subscription', '/distance'):
+        return why_no_endpoint(run, 'subscription', '/distance', TYPE)
+    return why_not_logged(run, own_logs(run, NODE), INFO)
+
+
+def warns_of_silence(run: Run) -> None:
+    """A missed deadline gives a WARN line, and nothing else does."""
+    early = own_logs(during(run, 'weak'), NODE, WARN)
+    if early:
+        raise Failed(
+            expected='no WARN line before the sensor has fallen silent',
+            observed=repr(str(early[0]['text'])[:80]),
+            why=Cause(
+                'warns_of_something_else',
+                'WARN is for missed deadlines; a refused publisher is an ERROR.',
+                'Give incompatible_qos a callback of your own, which logs an error, and pass the '
+                'callbacks on: create_subscription(..., event_callbacks=events).',
+            ),
+        )
+    silence = own_logs(during(run, 'silence'), NODE)
+    if not any(line['level'] == WARN for line in silence):
+        raise Failed(
+            expected=f'at least one WARN line in {SILENCE_S:g} s in which the sensor is silent',
+            observed='no WARN line',
+            why=_why_no_warning(run, silence),
+        )
+
+
+def _why_no_warning(run: Run, silence: Sequence[Event]) -> Cause | None:
+    ends = run.recording.endpoints('subscription', '/distance')
+    if ends and all(end['qos']['deadline_ns'] is None for end in ends):
+        return Cause(
+            'no_deadline',
+            'Your subscription requests no deadline, so none can be missed.',
+            'Give its profile deadline=Duration(seconds=0.3).',
+        )
+    offered = run.recording.of('offered', publisher='sensor')
+    if offered and offered[0]['refused']:
+        return _why_unheard(run)
+    return why_not_logged(run, silence, WARN)
+
+
+def names_the_policy(run: Run) -> None:
+    """A publisher that offers too little gives one ERROR line with the name of the policy."""
+    lazy = run.recording.of('offered', publisher='lazy')
+    if lazy and lazy[0]['matched']:
+        raise Failed(
+            expected='a publisher without a deadline is refused',
+            observed='your subscription takes it',
+            why=Cause(
+                'nothing_refused',
+                'Your subscription requests no deadline, so no publisher offers too little.',
+                'Give its profile deadline=Duration(seconds=0.3).',
+            ),
+        )
+    lines = own_logs(during(run, 'weak'), NODE)
+    require_log(run, lines, ERROR, 1, 'after a publisher that promises no deadline')
+    (error,) = (str(line['text']) for line in lines if line['level'] == ERROR)
+    policies = lazy[0]['refused'] if lazy else ['DEADLINE']
+    if not any(policy in error.upper() for policy in policies):
+        raise Failed(
+            expected=f'the name {" or ".join(policies)} in the ERROR line',
+            observed=repr(error[:80]),
+            why=Cause(
+                'policy_not_named',
+                'The line does not say which policy failed.',
+                'qos_policy_name_from_kind(event.last_policy_kind) is its name.',
+            ),
+        )
+
+
+def build(distances: Sequence[float]) -> Exam:
+    """
+    Return the exam with some distances.
+
+    :param distances: different numbers with decimals [m]
+    """
+    exam = Exam(
+        'sensor_watch',
+        title='A listener that notices silence',
+        assignment='05_quality_of_service',
+        part=2,
+        cells=('sensor_watch',),
+        requires=('sensor_watch.py',),
+        scenario=Scenario(
+            file='sensor_watch.py',
+            steps=(
+                Mark('weak'),
+                Offer('lazy', '/distance', TYPE, Qos('BEST_EFFORT')),
+                Await(logs=1),
+                Leave('lazy'),
+                Mark('speaking'),
+                Offer('sensor', '/distance', TYPE, Qos('BEST_EFFORT', deadline_s=0.3)),
+                Feed('sensor', [{'data': distance} for distance in distances], optional=True),
+                Await(logs=len(distances)),
+                Mark('silence'),
+                Await(logs=MORE_THAN_COME, seconds=SILENCE_S),
+            ),
+        ),
+        read='Part 5: Promises over time',
+        facts={'distances': list(distances)},
+    )
+    exam.check(points=1)(starts_its_node)
+    for points, judge in (
+        (2, asks_for_no_more_than_is_offered),
+        (2, requests_the_deadline),
+        (2, logs_each_distance),
+        (3, warns_of_silence),
+        (2, names_the_policy),
+    ):
+        exam.check(points=points, needs=['starts_its_node'])(judge)
+    return exam
+
+
+exam = build([1.25, 3.75, 2.25])

@@ -1,0 +1,194 @@
+"""
+Confine a program with Landlock, and end everything that it started.
+
+Usage: confine.py RULES COMMAND...  where RULES is JSON::
+
+    {"uid": 1000000001, "read": [paths], "list": [folders], "write": [folders], "filter": file}
+
+For machines on which no namespace can be made.  This process stays outside as the supervisor: what
+the program leaves behind becomes its child, so that nothing outlives the run.  On SIGTERM, or when
+the grader dies, it ends them all.  The program itself runs as its own child behind the rules: it
+may read, execute and write what they name and nothing else, opens no TCP connection (from Landlock
+4 on), signals nobody outside (from 6 on), and passes the same system-call filter as in a sandbox.
+
+There is a library for this on PyPI, whose latest release is a development version that knows files
+only; the three system calls are quickly written down.  See landlock(7).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import signal
+import stat
+import struct
+import sys
+from typing import Any, NoReturn
+
+CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446  # the same on all processors
+ASK_VERSION, PATH_BENEATH = 1, 1
+PR_SET_PDEATHSIG, PR_SET_SECCOMP, PR_SET_CHILD_SUBREAPER, PR_SET_NO_NEW_PRIVS = 1, 22, 36, 38
+SECCOMP_MODE_FILTER = 2
+EXECUTE, WRITE_FILE, READ_FILE, READ_DIR = 1, 2, 4, 8
+TRUNCATE, IOCTL_DEV = 1 << 14, 1 << 15
+OF_FILES = EXECUTE | WRITE_FILE | READ_FILE | TRUNCATE | IOCTL_DEV
+# How many rights to files each version knows, beginning with 1.
+KNOWN_RIGHTS = (13, 14, 15, 15, 16)
+TCP_FROM, SCOPE_FROM = 4, 6
+TCP, SCOPE = 0b11, 0b11  # bind and connect; abstract sockets and signals
+
+_libc = ctypes.CDLL(None, use_errno=True)
+_libc.syscall.restype = ctypes.c_long
+
+
+def _call(number: int, *arguments: Any) -> int:
+    result = int(_libc.syscall(number, *arguments))
+    if result < 0:
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+    return result
+
+
+def _prctl(option: int, *arguments: Any) -> None:
+    values = [ctypes.c_ulong(value) if isinstance(value, int) else value for value in arguments]
+    if _libc.prctl(option, *values, *[ctypes.c_ulong(0)] * (4 - len(values))) != 0:
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+
+
+def version() -> int:
+    """
+    Return which version of Landlock the kernel has.
+
+    :raises OSError: ENOSYS if it was built without, EOPNOTSUPP if it is switched off
+    """
+    return _call(CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint(ASK_VERSION))
+
+
+def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
+    """
+    Give up for ever all rights to files but those that the rules name.
+
+    :param descriptors: the paths of the rules, opened before the uid changed
+    """
+    known = version()
+    everything = (1 << KNOWN_RIGHTS[min(known, len(KNOWN_RIGHTS)) - 1]) - 1
+    attributes = [everything]
+    attributes += [TCP] if known >= TCP_FROM else []
+    attributes += [SCOPE] if known >= SCOPE_FROM else []
+    packed = struct.pack(f'={len(attributes)}Q', *attributes)
+    ruleset = _call(CREATE_RULESET, packed, ctypes.c_size_t(len(packed)), ctypes.c_uint(0))
+    reading = EXECUTE | READ_FILE | READ_DIR
+    for name, rights in (('read', reading), ('list', READ_DIR), ('write', everything & ~EXECUTE)):
+        for path in rules[name]:
+            if path not in descriptors:
+                continue
+            folder = stat.S_ISDIR(os.fstat(descriptors[path]).st_mode)
+            wanted = rights & everything & (everything if folder else OF_FILES)
+            rule = struct.pack('=Qi', wanted, descriptors[path])
+            where = ctypes.c_int(ruleset), ctypes.c_int(PATH_BENEATH)
+            _call(ADD_RULE, *where, rule, ctypes.c_uint(0))
+    _call(RESTRICT_SELF, ctypes.c_int(ruleset), ctypes.c_uint(0))
+
+
+def filter_calls(code: bytes) -> None:
+    """Load the system-call filter: a sock_fprog, eight bytes an instruction."""
+    held = ctypes.create_string_buffer(code, len(code))
+    program = struct.pack('HxxxxxxP', len(code) // 8, ctypes.addressof(held))
+    _prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, ctypes.c_char_p(program))
+
+
+def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
+    """Confine this process and become the program."""
+    os.setsid()
+    descriptors = {}
+    for path in (*rules['read'], *rules['list'], *rules['write']):
+        if os.path.exists(path):
+            descriptors[path] = os.open(path, os.O_PATH | os.O_CLOEXEC)
+    with open(rules['filter'], 'rb') as file:
+        code = file.read()
+    if rules['uid']:
+        os.setgroups([])
+        os.setresgid(rules['uid'], rules['uid'], rules['uid'])
+        os.setresuid(rules['uid'], rules['uid'], rules['uid'])
+    _prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))
+    _prctl(PR_SET_NO_NEW_PRIVS, 1)
+    restrict(rules, descriptors)
+    filter_calls(code)
+    os.closerange(3, 1024)
+    os.execvp(command[0], command)
+
+
+def descendants() -> list[int]:
+    """Return the pids of everything below this process."""
+    found, waiting = [], [os.getpid()]
+    while waiting:
+        pid = waiting.pop()
+        try:
+            for task in os.listdir(f'/proc/{pid}/task'):
+                with open(f'/proc/{pid}/task/{task}/children', encoding='ascii') as file:
+                    children = [int(word) for word in file.read().split()]
+                found += children
+                waiting += children
+        except OSError:
+            continue  # it has just ended
+    return found
+
+
+def end_all() -> None:
+    """End everything below this process; new ones may come while it happens."""
+    while left := descendants():
+        for pid in left:
+            try:
+                os.kill(pid, signal.SIGKILL)
+            except ProcessLookupError:
+                continue
+        reap()
+    reap()
+
+
+def reap() -> dict[int, int]:
+    """Take note of ended children and return their exit codes by pid."""
+    ended: dict[int, int] = {}
+    while True:
+        try:
+            pid, status = os.waitpid(-1, os.WNOHANG)
+        except ChildProcessError:
+            return ended
+        if pid == 0:
+            return ended
+        code = os.waitstatus_to_exitcode(status)
+        ended[pid] = code if code >= 0 else 128 - code
+
+
+def main() -> None:
+    """Start the program and stay until it, and all it started, has ended."""
+    rules, command = json.loads(sys.argv[1]), sys.argv[2:]
+    grader = os.getppid()
+    _prctl(PR_SET_CHILD_SUBREAPER, 1)
+    _prctl(PR_SET_PDEATHSIG, int(signal.SIGTERM))
+    wanted = {signal.SIGTERM, signal.SIGCHLD}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, wanted)
+    if os.getppid() != grader:
+        sys.exit('the grader is gone')
+    child = os.fork()
+    if child == 0:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        try:
+            become(rules, command)
+        except OSError as error:
+            sys.exit(f'confine: {error}')
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for descriptor in (0, 1, 2):
+        os.dup2(nothing, descriptor)
+    code: int | None = None
+    while code is None:
+        if signal.sigwait(wanted) == signal.SIGTERM:
+            code = 128 + int(signal.SIGTERM)
+        else:
+            code = reap().get(child)
+    end_all()
+    os._exit(code)
+
+
+if __name__ == '__main__':
+    main()

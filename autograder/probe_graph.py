@@ -1,0 +1,88 @@
+"""
+The graph as the probe sees it: whose nodes and endpoints there are beside its own.
+
+News of the graph comes from the student's side and can be forged, so names are any text here, and
+nothing is told apart by name: the probe's endpoints are known by the id of its own participant,
+and its node by there being one of that name when nobody else was there.
+
+This file imports nothing of this project: only its text enters the probe's sandbox.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from probe_wire import qos_json  # type: ignore[import-not-found]  # beside this file
+from rclpy.node import Node
+
+# Subscriptions on these are nobody's business: they come with a node.
+HIDDEN_TOPICS = ('/parameter_events', '/rosout', '/clock')
+MOST_NODES, MOST_ENDPOINTS = 200, 500  # that are listed; all are counted
+LONGEST_NAME = 256
+# What rcl accepts as a node's full name; to ask it about another one is an error.
+NODE_NAME = re.compile(r'(?:/[A-Za-z_][A-Za-z0-9_]*)+')
+
+
+class Graph:
+    """
+    The graph around the probe's node.
+
+    :param node: which has a publisher on ``/clock``; nobody else is there yet under its name
+    """
+
+    def __init__(self, node: Node) -> None:
+        """Learn how the ids of our own endpoints begin."""
+        self.node = node
+        self.own_name = node.get_fully_qualified_name()
+        infos = node.get_publishers_info_by_topic('/clock')
+        own = next(info for info in infos if info.node_name == node.get_name())
+        self.own_prefix = bytes(own.endpoint_gid[:12])
+
+    def names(self) -> list[str]:
+        """Return the full name of every node but ours; one that imitates our name is in it."""
+        found = sorted(
+            f'{namespace.rstrip("/")}/{name}'[:LONGEST_NAME]
+            for name, namespace in self.node.get_node_names_and_namespaces()
+            if name != '_NODE_NAME_UNKNOWN_'
+        )
+        if self.own_name in found:
+            found.remove(self.own_name)
+        return found
+
+    def askable(self) -> list[str]:
+        """Return the names of nodes that can be asked something, without repeats."""
+        return sorted({name for name in self.names() if NODE_NAME.fullmatch(name)})
+
+    def facts(self) -> dict[str, Any]:
+        """Return all nodes, and all endpoints that are not ours, with type and QoS."""
+        endpoints = []
+        for topic, _ in self.node.get_topic_names_and_types():
+            endpoints += self._endpoints(topic, 'publisher')
+            if topic not in HIDDEN_TOPICS:
+                endpoints += self._endpoints(topic, 'subscription')
+        endpoints.sort(key=lambda e: (e['topic'], e['kind'], e['node'], e['type']))
+        names = self.names()
+        return {
+            'nodes': names[:MOST_NODES],
+            'endpoints': endpoints[:MOST_ENDPOINTS],
+            'count': len(endpoints),
+        }
+
+    def _endpoints(self, topic: str, kind: str) -> list[dict[str, Any]]:
+        ask = {
+            'publisher': self.node.get_publishers_info_by_topic,
+            'subscription': self.node.get_subscriptions_info_by_topic,
+        }[kind]
+        return [
+            {
+                'topic': topic[:LONGEST_NAME],
+                'kind': kind,
+                'node': f'{info.node_namespace.rstrip("/")}/{info.node_name}'[:LONGEST_NAME],
+                'type': info.topic_type[:LONGEST_NAME],
+                'type_hash': str(info.topic_type_hash),
+                'qos': qos_json(info.qos_profile),
+            }
+            for info in ask(topic)
+            if bytes(info.endpoint_gid[:12]) != self.own_prefix
+        ]

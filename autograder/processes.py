@@ -1,0 +1,165 @@
+"""
+What a program does, seen from outside through ``/proc``: threads, memory, processor, ports.
+
+Everything is asked of the kernel; the program itself is no witness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+import os
+from pathlib import Path
+import select
+import time
+
+# Ports of RTPS: 7400 + 250 x domain, and 10 + 2 x number above that for each participant.
+FIRST_PORT, PORTS_A_DOMAIN, OWN_PORTS, MOST_DOMAIN = 7400, 250, range(10, 240), 232
+CPU_TICKS = os.sysconf('SC_CLK_TCK')
+PAGE = os.sysconf('SC_PAGESIZE')
+
+
+class Threads:
+    """
+    The threads of a program, seen from outside through open files of /proc.
+
+    :param pid: host pid of the first process
+    """
+
+    def __init__(self, pid: int) -> None:
+        """Look for the threads that there are."""
+        self.pid = pid
+        self.processes: tuple[int, ...] = ()
+        # Opening a file is ten times slower than reading it again.
+        self.files: dict[tuple[int, str], int] = {}
+        self.look()
+
+    def look(self) -> None:
+        """Notice new processes, and their threads."""
+        self.processes = tuple(_family(self.pid))
+        self.look_at_threads()
+
+    def look_at_threads(self) -> None:
+        """Notice new threads of the known processes and forget ended ones."""
+        there = set()
+        for process in self.processes:
+            with suppress(OSError):
+                there |= {(process, task) for task in os.listdir(f'/proc/{process}/task')}
+        for gone in set(self.files) - there:
+            os.close(self.files.pop(gone))
+        for process, task in there - set(self.files):
+            with suppress(OSError):
+                path = f'/proc/{process}/task/{task}/stat'
+                self.files[process, task] = os.open(path, os.O_RDONLY)
+
+    def run(self) -> bool:
+        """Tell whether a thread runs or waits for a processor."""
+        for file in self.files.values():
+            with suppress(OSError):  # it has ended
+                if os.pread(file, 512, 0).rpartition(b')')[2][1:2] == b'R':
+                    return True
+        return False
+
+    def wait_until_quiet(self, patience_s: float = 0.05) -> bool:
+        """
+        Wait until no thread runs.
+
+        A thread in a callback runs, or waits for another thread that runs; so when all of them
+        sleep, every callback is over or sleeps too.
+
+        :param patience_s: wall seconds after which a program that always computes is left alone
+        :returns: whether it was quiet
+        """
+        deadline = time.monotonic() + patience_s
+        while True:
+            self.look_at_threads()
+            if not self.run():
+                return True
+            if time.monotonic() > deadline:
+                return False
+            # There is no event for it; a tenth of a millisecond is short beside a round trip.
+            select.select((), (), (), 0.0001)
+
+    def close(self) -> None:
+        """Close the files."""
+        while self.files:
+            os.close(self.files.popitem()[1])
+
+
+def ports(pid: int) -> set[int]:
+    """
+    Return the UDP ports that are in use in the network of a process.
+
+    :param pid: host pid
+    """
+    found = set()
+    for name in ('udp', 'udp6'):
+        with suppress(OSError, ValueError, IndexError):  # it has ended
+            lines = Path(f'/proc/{pid}/net/{name}').read_text('ascii').splitlines()[1:]
+            found |= {int(line.split()[1].rpartition(':')[2], 16) for line in lines}
+    return found
+
+
+def other_domains(used: set[int]) -> list[int]:
+    """
+    Return the ROS domains besides 0 in which somebody takes part, by the ports in use.
+
+    :param used: UDP ports; a single one of them may be anything, two that fit are no chance
+    """
+    found = []
+    for domain in range(1, MOST_DOMAIN + 1):
+        first = FIRST_PORT + PORTS_A_DOMAIN * domain
+        if first in used and any(first + port in used for port in OWN_PORTS):
+            found.append(domain)
+    return found
+
+
+def proportional(pid: int) -> int:
+    """
+    Return the memory of a process and its descendants, with shared pages counted once [bytes].
+
+    Slower than :func:`usage`, so it is asked only when that sum is over a limit.
+    """
+    total = 0
+    for current in _family(pid):
+        try:
+            text = Path(f'/proc/{current}/smaps_rollup').read_text('ascii', 'replace')
+            total += int(text.partition('\nPss:')[2].split()[0]) * 1024
+        except (OSError, ValueError, IndexError):
+            continue  # it ended while we looked
+    return total
+
+
+def _family(pid: int) -> Iterator[int]:
+    pids = [pid]
+    while pids:
+        current = pids.pop()
+        yield current
+        try:
+            for task in os.listdir(f'/proc/{current}/task'):
+                children = Path(f'/proc/{current}/task/{task}/children').read_text('ascii')
+                pids += map(int, children.split())
+        except (OSError, ValueError):
+            continue
+
+
+def usage(pid: int) -> tuple[int, float]:
+    """
+    Return what a process and all its descendants use.
+
+    In a sandbox every process descends from the first one, daemons too.
+
+    :param pid: host pid of the first process
+    :returns: resident memory [bytes], processor time [s]
+    """
+    resident, ticks = 0, 0
+    for current in _family(pid):
+        try:
+            stat = Path(f'/proc/{current}/stat').read_text('ascii', 'replace')
+        except OSError:
+            continue  # it ended while we looked
+        fields = stat.rpartition(')')[2].split()
+        # utime, stime and those of waited-for children, then the resident pages: proc(5)
+        ticks += sum(int(fields[number]) for number in (11, 12, 13, 14))
+        resident += int(fields[21]) * PAGE
+    return resident, ticks / CPU_TICKS

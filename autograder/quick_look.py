@@ -1,0 +1,165 @@
+"""
+An instructor's quick look: the exams of the course on one submission, whatever its form.
+
+A script, a package folder, a zip of one, or a notebook.  The same exams, the same sandbox and the
+same words as for a class; nothing goes into a gradebook.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from autograder import exams
+from autograder.errors import GraderError
+from autograder.exam import Exam
+from autograder.examine import examine
+from autograder.feedback import exam_text, number, printable
+from autograder.intake import NotTakenInError, read_handed_in, with_node_files
+from autograder.layout import Layout
+from autograder.package import name_missing, what_is_there
+from autograder.pipeline import THREADS
+from autograder.results import ExamResult, Problem
+
+if TYPE_CHECKING:
+    from autograder.recording import Event
+    from autograder.sandbox import Sandbox
+
+
+@dataclass(frozen=True)
+class Look:
+    """
+    One exam and what it will look at.
+
+    :param files: relative path to text
+    :param problems: what is wrong with the cells of a notebook
+    """
+
+    exam: Exam
+    files: Mapping[str, str]
+    problems: tuple[Problem, ...] = ()
+
+
+def short_name(assignment: str) -> str:
+    """Return an assignment's folder without its number."""
+    return assignment.partition('_')[2] if assignment[:1].isdigit() else assignment
+
+
+def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
+    """
+    Return one exam, or all exams of an assignment.
+
+    :param name: of an exam, or of an assignment with or without its number
+    :raises GraderError: if there is neither, with a near name
+    """
+    examined = {one: exams.for_assignment(one, hidden) for one in layout.assignments()}
+    by_exam = {exam.name: exam for found in examined.values() for exam in found}
+    if name in by_exam:
+        return (by_exam[name],)
+    for assignment, found in examined.items():
+        if name in (assignment, short_name(assignment)) and found:
+            return found
+    known = [*by_exam, *(short_name(one) for one, found in examined.items() if found)]
+    close = get_close_matches(name, known, n=1, cutoff=0.4)
+    hint = f'Did you mean {close[0]}?' if close else f'Known: {", ".join(sorted(set(known)))}.'
+    raise GraderError(f'--exam {name}: there is no such exam or assignment.', hint)
+
+
+def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
+    """
+    Return what each exam looks at in a submission.
+
+    :param path: a script, a package folder, a zip file or a notebook
+    :raises NotTakenInError: if nothing in it is for these exams
+    """
+    if path.suffix == '.ipynb':
+        return list(_in_notebook(path, chosen, layout))
+    if not path.exists():
+        raise NotTakenInError(f'{path}: expected a submission, got nothing of that name.')
+    files = read_handed_in(path)
+    found = []
+    for exam in chosen:
+        wanted = [name for name in {exam.scenario.file, *exam.requires} if name]
+        theirs = with_node_files(files, wanted)
+        nodes = [name for name in wanted if name.endswith('.py')]
+        if len(chosen) == 1 and path.suffix == '.py' and len(nodes) == 1:
+            theirs = {nodes[0]: files[path.name]}  # a script may have any name
+        if len(chosen) == 1 or any(name in theirs for name in exam.requires):
+            found.append(Look(exam, theirs))
+    if not found:
+        wanted = sorted({name for exam in chosen for name in exam.requires})
+        raise NotTakenInError(
+            f'{path}: expected one of {", ".join(wanted)}, got {what_is_there(files)}.',
+            'Try: name the one exam with --exam; then a script may have any name.',
+        )
+    return found
+
+
+def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator[Look]:
+    from autograder.extract import extract
+    from autograder.inbox import read_file
+    from autograder.submission import open_submission, read_release
+
+    data, problems = read_file(path, path.name)
+    for assignment in dict.fromkeys(exam.assignment for exam in chosen):
+        release = read_release(layout.release(assignment))
+        theirs = [exam for exam in chosen if exam.assignment == assignment]
+        opened = open_submission(data, release, path.name, problems)
+        files = extract(opened, theirs, release, path.name)
+        for exam in theirs:
+            said = (*opened.problems, *files[exam.name].problems)
+            yield Look(exam, files[exam.name].files, said)
+
+
+def quick_look(
+    found: Sequence[Look],
+    sandbox: Sandbox,
+    recordings: Path | None,
+    *,
+    fresh: bool = False,
+    told: Callable[[Event], None] | None = None,
+) -> Iterator[tuple[Look, ExamResult]]:
+    """
+    Run the exams, at the same time, or one after the other if somebody watches.
+
+    :param told: called with each event of a run as it happens
+    :returns: in the order of the exams
+    :raises GraderError: if there is no verdict, through no fault of the files
+    """
+
+    def run(look: Look) -> ExamResult:
+        result = examine(
+            look.exam,
+            look.files,
+            sandbox=sandbox,
+            recordings=recordings,
+            fresh=fresh or told is not None,
+            told=told,
+        )
+        return result if look.problems else name_missing(result, look.files)
+
+    workers = 1 if told else len(found)
+    pool = ThreadPoolExecutor(max_workers=workers, thread_name_prefix=THREADS)
+    try:
+        yield from zip(found, pool.map(run, found))
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)  # after Ctrl-C, main ends what runs
+
+
+def text_of(look: Look, result: ExamResult) -> str:
+    """Return what the terminal shows of one exam."""
+    head = f'{look.exam.title} ({look.exam.name}): '
+    return printable(head) + exam_text(result, look.problems)
+
+
+def summary(results: Sequence[ExamResult], visible: bool) -> str:
+    """Return the last line."""
+    points = number(sum(one.points for one in results))
+    most = number(sum(one.max_points for one in results))
+    modes = ', '.join(sorted({one.mode for one in results if one.mode})) or 'nothing was run'
+    kind = 'visible checks' if visible else 'full exams'
+    return f'Together {points} of {most} points; {kind}; isolation: {modes}.'
