@@ -19,9 +19,10 @@ from typing import Any
 
 from autograder import exams
 from autograder import observe as observing
+from autograder.confined import Confined, Limits, Program
 from autograder.exam import Advance, Exam, Scenario
 from autograder.examine import examine
-from autograder.sandbox import Confined, Limits, Program, Sandbox, strongest
+from autograder.sandbox import Sandbox, strongest
 from benchmarks import report
 from benchmarks.submissions import EXAM, publishers, REFERENCE
 

@@ -43,7 +43,7 @@ def main() -> int:
     facts = report.machine()
     outcomes: list[Outcome] = []
     walls: list[float] = []
-    with tempfile.TemporaryDirectory(prefix='benchmark_') as folder, _busy(chosen.busy):
+    with tempfile.TemporaryDirectory(prefix='benchmark_') as folder, busy(chosen.busy):
         submitted = Path(folder, 'submitted')
         write_sample_class(Layout.here(), submitted)
         try:
@@ -79,7 +79,7 @@ def _arguments() -> argparse.Namespace:
 
 
 @contextmanager
-def _busy(count: int) -> Iterator[None]:
+def busy(count: int) -> Iterator[None]:
     """Keep some processors busy."""
     burners = [
         subprocess.Popen([sys.executable, '-S', '-c', 'while True: pass']) for _ in range(count)

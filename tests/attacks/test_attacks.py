@@ -1,9 +1,8 @@
 """
 Hostile programs get what their honest part deserves, and nothing leaves the sandbox.
 
-Each file beside this one says in its docstring what it tries, the points it deserves, and the flag
-an instructor must see where there is one.  All of them run once, side by side; every property is
-then a test of its own.
+What each tries and deserves is in its docstring, see :mod:`tests.attacks.corpus`.  All of them run
+once, side by side; every property is then a test of its own.
 """
 
 from __future__ import annotations
@@ -11,89 +10,84 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 import os
 from pathlib import Path
-import re
+import time
 
 import pytest
 
-from autograder import exams
-from autograder.examine import examine
-from autograder.recording import Recording
 from autograder.report import write_reports
 from autograder.results import SubmissionResult
 from autograder.sandbox import strongest
+from tests.attacks.corpus import Attack, CANARY, early_limits, grade, programs
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros, pytest.mark.slow]
 
-FOLDER = Path(__file__).parent
-ATTACKS = sorted(FOLDER.glob('temperature_*/*.py'))
-CANARY = 'CANARY-7f3a9c'
+ATTACKS = programs()
 SLEEPER = b'86397'
+LOOT = ('FOUND', 'WROTE', 'ESCAPED', 'REACHED')
+"""What a program prints when it got something."""
+WORKERS = 3
 
 
-def names(path: Path) -> str:
+def names(attack: Attack) -> str:
     """Return a test id."""
-    return path.stem
+    return f'{attack.kind}-{attack.name}'
 
 
 @pytest.fixture(scope='session')
 def graded(tmp_path_factory):
-    """Run every attack and return results and recordings by file."""
+    """Run every attack; return what came of them by file, and how long each took [s]."""
     kept = tmp_path_factory.mktemp('recordings')
-    # A grader with a secret in its environment and a file beside it, to be looked for.
-    secrets = tmp_path_factory.mktemp('hidden')
-    (secrets / 'gradebook.json').write_text(f'{{"{CANARY}": 1}}', encoding='utf-8')
+    # A grader with a secret in its environment and in an open file, to be looked for.
+    secret = tmp_path_factory.mktemp('hidden') / 'gradebook.json'
+    secret.write_text(f'{{"{CANARY}": 1}}', encoding='utf-8')
     os.environ['COURSE_SECRET_CANARY'] = CANARY
     sandbox = strongest()
 
-    def run(path: Path):
-        exam = exams.load(path.parent.name)
-        folder = kept / path.stem
-        files = {exam.requires[0]: path.read_text(encoding='utf-8')}
-        result = examine(exam, files, sandbox=sandbox, recordings=folder)
-        return result, Recording.load(next(folder.rglob('*.jsonl')))
+    def run(attack: Attack):
+        began = time.monotonic()
+        outcome = grade(attack, sandbox, kept)
+        print(f'{time.monotonic() - began:5.1f} s  {names(attack)}')
+        return outcome
 
-    with ThreadPoolExecutor(3) as pool:
-        return dict(zip(ATTACKS, pool.map(run, ATTACKS)))
-
-
-def deserved(path: Path) -> tuple[float, bool]:
-    """Return the points in the docstring, and whether they are only an upper bound."""
-    found = re.search(r'^Deserves: (\d+)( at most)?$', path.read_text(encoding='utf-8'), re.M)
-    assert found, f'{path}: expected a line "Deserves: N" in the docstring'
-    return float(found[1]), bool(found[2])
+    with secret.open() as file, early_limits(), ThreadPoolExecutor(WORKERS) as pool:
+        os.set_inheritable(file.fileno(), True)
+        outcomes = dict(zip([one.path for one in ATTACKS], pool.map(run, ATTACKS)))
+    return outcomes
 
 
-@pytest.mark.parametrize('path', ATTACKS, ids=names)
-def test_attack_gains_nothing(graded, path):
+@pytest.mark.parametrize('attack', ATTACKS, ids=names)
+def test_attack_gains_nothing(graded, attack):
     """The score is what the honest part of the program deserves."""
-    points, at_most = deserved(path)
-    result, _ = graded[path]
+    outcome = graded[attack.path]
 
-    if at_most:
-        assert result.points <= points
+    if outcome.result is None:
+        assert attack.review, outcome.fault
+    elif attack.at_most or attack.review:
+        assert outcome.result.points <= attack.points
     else:
-        assert result.points == points
+        assert outcome.result.points == attack.points
 
 
-@pytest.mark.parametrize('path', ATTACKS, ids=names)
-def test_attack_finds_and_reaches_nothing(graded, path):
-    """What the program itself reports about its loot is nothing."""
-    _, recording = graded[path]
-    text = '\n'.join(recording.lines())
+@pytest.mark.parametrize('attack', ATTACKS, ids=names)
+def test_attack_finds_and_reaches_nothing(graded, attack):
+    """No secret is in anything the program could emit, and it reports no loot."""
+    outcome = graded[attack.path]
 
-    assert CANARY not in text
-    for word in ('FOUND', 'WROTE', 'ESCAPED', 'REACHED'):
-        assert word not in str(recording.process['stdout'])
+    if outcome.recording is not None:
+        text = '\n'.join(outcome.recording.lines())
+        assert CANARY not in text
+        for word in LOOT:
+            assert word not in str(outcome.recording.process.get('stdout', ''))
 
 
-@pytest.mark.parametrize('path', ATTACKS, ids=names)
-def test_attack_that_names_a_flag_is_flagged(graded, path):
+@pytest.mark.parametrize('attack', ATTACKS, ids=names)
+def test_attack_that_names_a_flag_is_flagged(graded, attack):
     """The instructor sees what was noticed."""
-    wanted = re.findall(r'^Flag: (.+)$', path.read_text(encoding='utf-8'), re.M)
-    result, _ = graded[path]
+    outcome = graded[attack.path]
+    seen = outcome.result.flags if outcome.result else (outcome.fault,)
 
-    for flag in wanted:
-        assert any(flag in seen for seen in result.flags), result.flags
+    for flag in attack.flags:
+        assert any(flag in one for one in seen), seen
 
 
 def test_no_process_is_left_behind(graded):
@@ -109,14 +103,17 @@ def test_no_process_is_left_behind(graded):
     assert left == []
 
 
-def test_hostile_text_is_harmless_in_the_report(graded, tmp_path):
-    """Markup from a submission is text in the page, and control characters are gone."""
-    path = FOLDER / 'temperature_publisher' / 'hostile_text.py'
-    result, _ = graded[path]
-    submission = SubmissionResult('s', '07_temperature_monitor', (result,))
-    write_reports(tmp_path, '07_temperature_monitor', [submission])
-    page = ''.join(file.read_text(encoding='utf-8') for file in tmp_path.rglob('*.html'))
+def test_report_of_all_attacks_is_harmless(graded, tmp_path):
+    """No page has markup, control characters or secrets of a program in it."""
+    results = [
+        SubmissionResult(attack.name, attack.kind, (outcome.result,), fault=outcome.fault)
+        for attack in ATTACKS
+        if (outcome := graded[attack.path]).result
+    ]
+    write_reports(tmp_path, '07_temperature_monitor', results)
+    pages = ''.join(file.read_text(encoding='utf-8') for file in tmp_path.rglob('*.html'))
 
-    assert '<script>alert' not in page
-    assert '&lt;script&gt;' in page
-    assert '\x1b' not in page
+    assert '&lt;script&gt;' in pages
+    assert '<script' not in pages
+    assert '\x1b' not in pages
+    assert CANARY not in pages

@@ -12,16 +12,19 @@ import sys
 import pytest
 
 from autograder import exams
+from autograder.confined import Limits, Program
 from autograder.examine import examine
-from autograder.observe import INSIDE, laid_out, usage
-from autograder.sandbox import Limits, plain, Program, strongest
+from autograder.observe import INSIDE, laid_out
+from autograder.processes import usage
+from autograder.sandbox import plain, strongest
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros]
 
 LAUNCHER = """
 import sys
 from pathlib import Path
-from autograder.sandbox import Limits, Program, strongest
+from autograder.confined import Limits, Program
+from autograder.sandbox import strongest
 box = strongest()
 argv = (box.ros.python, '/grader/inside/run_node.py', '/submission/x.py')
 program = Program(argv, {sys.argv[1]: '/grader/inside', sys.argv[2]: '/submission'})
@@ -97,5 +100,5 @@ def test_visible_checks_run_without_a_sandbox_and_say_so():
     exam = exams.load('temperature_publisher', hidden=False)
     result = examine(exam, {'temp_publisher.py': code}, sandbox=plain())
 
-    assert result.mode == 'plain'
+    assert result.mode == 'none'
     assert [check.check for check in result.checks if check.points] == ['starts_its_node']

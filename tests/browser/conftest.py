@@ -50,8 +50,8 @@ class Lab:
     course: Path
 
     def url(self, path: str = '') -> str:
-        """Return the address at which JupyterLab opens a file of the course."""
-        return f'{self.address}lab/{f"tree/{path}" if path else ""}?token={self.token}'
+        """Return the address at which JupyterLab opens a file of the course, and no other one."""
+        return f'{self.address}lab/{f"tree/{path}" if path else ""}?token={self.token}&reset'
 
 
 @pytest.hookimpl(wrapper=True)

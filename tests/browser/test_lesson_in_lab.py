@@ -11,26 +11,29 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-import re
 from typing import Any
 
 from conftest import ASSIGNMENT, Lab
+from lab_page import (
+    CELL_MS,
+    cell_with,
+    choose,
+    OPEN_MS,
+    open_notebook,
+    TROUBLE,
+    wait_until_run,
+    WITHOUT_WORDS,
+)
 import pytest
 
 pytestmark = [pytest.mark.browser, pytest.mark.ros, pytest.mark.slow]
 
 NOTEBOOK = 'temperature_monitor.ipynb'
-OPEN_MS = 60_000
-CELL_MS = 120_000
-"""The longest wait for one thing to happen: the first build on a busy machine."""
-
 CHECKS = (
     ('temperature_message', 10),
     ('temperature_publisher', 15),
     ('temperature_subscriber', 15),
 )
-TROUBLE = '[data-mime-type$="jupyter.error"], [data-mime-type$="jupyter.stderr"]'
-"""Pink boxes."""
 RUNS_AND_SHOWS = """
 ([cell, words, trouble]) => document.querySelector(trouble) !== null
     || cell.querySelector('.jp-InputPrompt').textContent.includes('*')
@@ -38,31 +41,11 @@ RUNS_AND_SHOWS = """
 """
 
 
-def choose(page: Any, *labels: str) -> None:
-    """Choose an entry of the menu bar."""
-    page.locator(f'.lm-MenuBar-itemLabel:text-is("{labels[0]}")').click()
-    for label in labels[1:]:
-        page.locator(f'.lm-Menu-itemLabel:text-is("{label}")').click()
-
-
-def cell_with(page: Any, *words: str) -> Any:
-    """Return the code cell whose source has these words."""
-    found = page.locator('.jp-CodeCell')
-    for word in words:
-        found = found.filter(has=page.locator('.jp-InputArea', has_text=word))
-    assert found.count() == 1, words
-    return found
-
-
 def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shots: Path) -> None:
     """Every cell runs, readings appear while their cell is busy, and the tables are green."""
     from playwright.sync_api import expect
 
-    page.goto(lab.url(f'lesson/{NOTEBOOK}'))
-    expect(page.locator('.jp-CodeCell')).to_have_count(29, timeout=OPEN_MS)
-    # Without a kernel, Run All Cells does nothing and says nothing.
-    ready = page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle')
-    expect(ready).to_be_visible(timeout=OPEN_MS)
+    open_notebook(lab, page, f'lesson/{NOTEBOOK}')
     choose(page, 'Run', 'Run All Cells')
     live = cell_with(page, 'start(TemperaturePublisher)', 'readings.wait')
     live.scroll_into_view_if_needed()
@@ -73,14 +56,15 @@ def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shot
     )
     assert page.locator(TROUBLE).all_inner_texts() == []
     live.screenshot(path=shots / 'live.png')
-    finished = re.compile(r'^\[\d+\]:$')
-    last = page.locator('.jp-CodeCell').last
-    expect(last.locator('.jp-InputPrompt')).to_have_text(finished, timeout=CELL_MS)
+    wait_until_run(page.locator('.jp-CodeCell').last)
 
     # Each line is with the cell that caused it, also when cells follow one another at once.
     for fed, warnings in (('feed([(29.9', 2), ('feed([(300.0', 1)):
         output = cell_with(page, fed).locator('.jp-Cell-outputArea')
         assert output.inner_text().count('[WARN] [temperature_subscriber]') == warnings
+    for title in ('Plot of /temperature_topic temperature_value', 'ROS graph'):
+        pictures = page.get_by_role('img', name=title)
+        expect(pictures).to_have_count(1)
     for exam, points in CHECKS:
         shown = cell_with(page, f"check('{exam}')").locator('.jp-Cell-outputArea')
         shown.scroll_into_view_if_needed()
@@ -91,6 +75,7 @@ def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shot
         marks = shown.locator('tr td:first-child').all_inner_texts()
         assert len(marks) > 3
         assert set(marks) == {'✓'}
+    assert page.evaluate(WITHOUT_WORDS) == []
     assert page.locator(TROUBLE).all_inner_texts() == []
     assert page.errors == []
 

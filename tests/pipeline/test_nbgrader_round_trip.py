@@ -82,7 +82,7 @@ def class_of_five(course: Layout) -> None:
     """Hand in good, bad, broken and hostile work."""
     hand_in(course, 'ann', solved(course))
     hand_in(course, 'bob', (course.notebooks / ASSIGNMENT / NOTEBOOK).read_bytes())
-    hand_in(course, 'cut', solved(course)[:9000])
+    hand_in(course, 'cut', solved(course)[:9000].rpartition(b'":')[0])  # never behind a brace
     hand_in(course, 'fay', solved(course, sensor_id='GRADER_FAULT'))
     hand_in(course, 'mal', hostile(course))
 

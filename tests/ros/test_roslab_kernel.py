@@ -40,6 +40,13 @@ class Talker(Node):
 """
 
 
+def variables():
+    """Return the variables of a kernel that nobody else hears."""
+    env = {**os.environ, 'ROS_DOMAIN_ID': str(random.randrange(1, 101))}
+    env.pop('PYTEST_CURRENT_TEST', None)  # with it, ipykernel would not read its own stdout
+    return env
+
+
 class Outputs:
     """What one cell produced."""
 
@@ -56,20 +63,24 @@ class Outputs:
     @property
     def value(self):
         """The text form of the cell's value or display."""
-        return self.data[-1]['text/plain']
+        return next(data['text/plain'] for data in reversed(self.data) if data['text/plain'])
 
 
 class Kernel:
     """A running kernel, its messages waited for with a deadline."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, *arguments, terminal=None):
         self.manager = jupyter_client.KernelManager(kernel_name=KERNEL)
-        env = {**os.environ, 'ROS_DOMAIN_ID': str(random.randrange(1, 101))}
-        self.manager.start_kernel(cwd=str(folder), env=env)
+        env = variables()
+        options = {'extra_arguments': list(arguments)} if arguments else {}
+        self.manager.start_kernel(
+            cwd=str(folder), env=env, stdout=terminal, stderr=terminal, **options
+        )
         self.client = self.manager.client()
         self.client.start_channels()
         self.client.wait_for_ready(timeout=DEADLINE_S)
         self.other_cells = ''
+        self.blocks = {}
 
     @property
     def pid(self):
@@ -95,6 +106,8 @@ class Kernel:
             kind, content = message['msg_type'], message['content']
             if message['parent_header'].get('msg_id') != message_id:
                 self.other_cells += content.get('text', '') if kind == 'stream' else ''
+                if kind in ('display_data', 'update_display_data'):
+                    self.blocks[content['transient']['display_id']] = content['data']['text/plain']
                 continue
             if kind == 'stream':
                 outputs.streams[content['name']] += content['text']
@@ -164,7 +177,7 @@ def execute(cells, folder):
         resources={'metadata': {'path': str(folder)}},
         allow_error_names=['NotImplementedError', 'NameRefusedError', 'NodeSyntaxError'],
     )
-    client.execute(env={**os.environ, 'ROS_DOMAIN_ID': str(random.randrange(1, 101))})
+    client.execute(env=variables())
     return notebook
 
 
@@ -191,6 +204,16 @@ def test_notebook_with_live_cells_executes_without_stderr(tmp_path):
     assert not [cell.source for cell in notebook.cells if streams(cell, 'stderr')]
 
 
+def test_kernel_loads_the_guide_and_does_without(kernel, tmp_path):
+    """The kernel's extension is there from its start; one that is missing stops nothing."""
+    loaded = kernel.run('"roslab.guide" in get_ipython().extension_manager.loaded')
+    assert loaded.value == 'True'
+
+    without = Kernel(tmp_path, '--ext=roslab.no_such_guide')
+    assert without.run('1 + 1').value == '2'
+    without.shut_down()
+
+
 def test_node_cell_is_saved_run_and_exported(tmp_path):
     """%%node keeps the cell as a file and defines its names in the notebook."""
     body = TALKER.replace('from roslab import *', '').replace('import rclpy\n', 'import sys\n')
@@ -203,7 +226,7 @@ def test_node_cell_is_saved_run_and_exported(tmp_path):
     assert saved.read_text().strip() == body.strip()
     assert 'temp_monitor_pkg/talker.py' in streams(notebook.cells[1])
     assert 'defined Talker' in streams(notebook.cells[1])
-    assert notebook.cells[2].outputs[-1].data['text/plain'] == "'talker'"
+    assert notebook.cells[2].outputs[0].data['text/plain'] == "'talker'"
 
 
 def test_bare_main_call_does_not_block_the_cell(tmp_path):
@@ -211,7 +234,7 @@ def test_bare_main_call_does_not_block_the_cell(tmp_path):
     body = 'def main():\n    import time\n    time.sleep(1e6)\n\nmain()'
     notebook = execute(['import roslab', f'%%node talker\n{body}'], tmp_path)
 
-    assert 'Line 5 calls main()' in streams(notebook.cells[1])
+    assert 'Line 6 of the cell calls main()' in streams(notebook.cells[1])
 
 
 @pytest.mark.parametrize(
@@ -314,6 +337,25 @@ wait_until(lambda: False, 60)
     assert outputs.streams['stderr'] == ''
 
 
+def test_interrupt_while_an_error_is_shown_leaves_the_guide_in_place(kernel):
+    """IPython gives up a guide that raises, and an interrupt may fall into it."""
+    awkward = kernel.run(
+        """
+import os, signal
+class Awkward(Exception):
+    def _render_traceback_(self):
+        os.kill(os.getpid(), signal.SIGINT)
+        return ['Awkward: shown']
+raise Awkward
+"""
+    )
+    guided = kernel.run('raise KeyboardInterrupt')
+
+    assert awkward.error['traceback'] == ['Awkward: shown']
+    assert awkward.streams['stderr'] == ''
+    assert 'ROS 2 and the nodes' in guided.error['traceback'][0]
+
+
 def test_interrupts_anywhere_leave_no_node_behind(kernel):
     """Interrupted while nodes come and go, the kernel knows every node that there is."""
     kernel.run(TALKER)
@@ -377,10 +419,167 @@ def test_callback_exception_appears_beside_the_cell_that_started_the_node(kernel
     kernel.run('go = False\nclass Bad(Talker):\n    def on_timer(self):\n        if go: 1 / 0')
     kernel.run('node = start(Bad, name="bad")', cell_id='first')
     outputs = kernel.run('go = True; wait_until(lambda: "bad" not in nodes())', cell_id='second')
-    kernel.run('1')
+    kernel.run('import time; time.sleep(0.5)')
 
     assert 'bad stopped' not in outputs.text
-    assert 'bad stopped' in kernel.other_cells
+    assert 'bad stopped' in ''.join(kernel.blocks.values())
+
+
+LOUD = """
+class Loud(Talker):
+    def on_timer(self):
+        super().on_timer()
+        self.get_logger().warning(f'logged {self.count}')
+        print('printed', self.count)
+"""
+
+
+@pytest.mark.claim('J3', 'J4')
+def test_lines_of_a_node_stay_with_the_cell_that_started_it(tmp_path):
+    """An executed notebook keeps what a node says later below the cell that started it."""
+    start, later = (
+        'node = start(Loud); n = wait_until(lambda: node.count > 1)',
+        ('n = wait_until(lambda: node.count > 20)'),
+    )
+    notebook = execute([TALKER + LOUD, start, later], tmp_path)
+    block = notebook.cells[1].outputs[-1]
+
+    assert re.search(r'WARN.* \[talker\]: logged 1\b.*\nprinted 1\n', streams(notebook.cells[1]))
+    assert streams(notebook.cells[2]) == ''
+    assert block.output_type == 'display_data'
+    assert 'printed 20' in block.data['text/plain']
+    assert re.match(r'\.\.\. \d+ more, see logs\(\)', block.data['text/plain'])
+    assert len(block.data['text/plain'].splitlines()) <= 14
+
+
+def test_lines_of_a_node_are_shown_once(kernel):
+    """What rclpy sends through C code does not come back as a second line."""
+    kernel.run(TALKER + LOUD)
+    outputs = kernel.run('node = start(Loud); wait_until(lambda: node.count > 3); stop_all()')
+    logged = re.findall(r'logged (\d+)', outputs.text)
+
+    assert len(logged) == len(set(logged)) >= 4
+    assert re.findall(r'printed (\d+)', outputs.text) == logged
+
+
+def test_nothing_is_written_to_the_terminal_of_the_server(tmp_path):
+    """The kernel copies there what C code prints, which would be every line of every node."""
+    with (tmp_path / 'terminal.txt').open('w') as terminal:
+        kernel = Kernel(tmp_path, terminal=terminal)
+    kernel.run(TALKER + LOUD)
+    kernel.run('node = start(Loud); wait_until(lambda: node.count > 3)')
+    kernel.run('twin = rclpy.create_node("talker"); import os; os.system("echo from a child")')
+    kernel.shut_down()
+    written = (tmp_path / 'terminal.txt').read_text().splitlines()
+
+    assert [line for line in written if not line.startswith('[IPKernelApp]')] == []
+
+
+def test_lines_of_c_code_are_shown_like_others(kernel):
+    """A warning that ROS itself writes reaches the cell without the marks around it."""
+    kernel.run(TALKER)
+    outputs = kernel.run('stop_all(); start(Talker); twin = rclpy.create_node("talker")')
+
+    assert re.search(r'WARN.* \[rcl.logging_rosout\]: Publisher already reg', outputs.text)
+    assert '\x1e' not in outputs.text
+    assert outputs.streams['stderr'] == ''
+
+
+BLOCKING = {
+    'spin': 'rclpy.spin(idle)',
+    'spin_once': 'rclpy.spin_once(idle)',
+    'spin_until_future_complete': 'rclpy.spin_until_future_complete(idle, rclpy.Future())',
+    'a loop of spin_once': 'while True: rclpy.spin_once(idle, timeout_sec=0.1)',
+    'executor.spin': 'one = SingleThreadedExecutor(); one.add_node(idle); one.spin()',
+    'threads': 'many = MultiThreadedExecutor(2); many.add_node(idle); many.spin()',
+    'wait_for_message': 'wait_for_message(String, idle, "silence")',
+    'wait_until': 'wait_until(lambda: False, 60)',
+    'Listener.wait': 'heard = listen("silence", String); heard.wait(1, timeout=60)',
+    'plain Python': 'while True: pass',
+    'a command': '!sleep 60\nwait_until(lambda: False, 60)',
+    'output of a command': 'said = !sleep 60\nwait_until(lambda: False, 60)',
+}
+
+
+@pytest.mark.claim('J2')
+@pytest.mark.parametrize('code', BLOCKING.values(), ids=BLOCKING.keys())
+def test_interrupt_ends_whatever_blocks(kernel_with_node, code):
+    """Each way to block a cell can be interrupted, also with an idle node; ROS survives it."""
+    outputs = kernel_with_node.interrupt_at(f'print("now", flush=True)\n{code}', 'now')
+
+    assert outputs.error['ename'] == 'KeyboardInterrupt'
+    assert len(outputs.error['traceback']) == 1
+    assert outputs.streams['stderr'] == ''
+    after = kernel_with_node.run(
+        'n = node.count; wait_until(lambda: node.count > n, 5); rclpy.ok()'
+    )
+    assert after.value == 'True'
+
+
+@pytest.fixture(scope='module')
+def kernel_with_node(tmp_path_factory):
+    """Return one kernel in which a node runs, and another node is idle."""
+    try:
+        kernel = Kernel(tmp_path_factory.mktemp('interrupts'))
+    except NoSuchKernel:
+        pytest.skip(f'kernel {KERNEL} is not installed: make prepare')
+    kernel.run(
+        'from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor\n'
+        f'from rclpy.wait_for_message import wait_for_message\n{TALKER}'
+    )
+    kernel.run('node = start(Talker); idle = rclpy.create_node("idle")')
+    yield kernel
+    kernel.shut_down()
+
+
+def test_interrupt_in_the_cell_that_calls_init_keeps_the_context(kernel):
+    """rclpy.init() and spin() in one cell, as in a program: ROS is still up afterwards."""
+    code = TALKER + 'rclpy.init()\nidle = rclpy.create_node("idle")\nprint("now", flush=True)\n'
+    outputs = kernel.interrupt_at(f'{code}rclpy.spin(idle)', 'now')
+
+    assert outputs.error['ename'] == 'KeyboardInterrupt'
+    assert kernel.run('rclpy.ok(), rclpy.create_node("next").get_name()').value == "(True, 'next')"
+
+
+@pytest.mark.parametrize(
+    ('code', 'said'),
+    [
+        ('rclpy.init()', 'ROS 2 runs in this notebook already'),
+        ('def main():\n    rclpy.init()\nmain()', 'ROS 2 runs in this notebook already'),
+        ('rclpy.spin(node)', 'start(...) spins it in the background'),
+        ('rclpy.spin_once(node)', 'start(...) spins it in the background'),
+    ],
+)
+def test_code_of_a_program_typed_in_a_cell_is_answered_in_one_line(kernel_with_node, code, said):
+    """What would start ROS twice, or take the node away, says so; the node goes on."""
+    outputs = kernel_with_node.run(code)
+
+    assert said in outputs.error['traceback'][0]
+    assert len(outputs.error['traceback']) == 1
+    after = kernel_with_node.run('n = node.count; wait_until(lambda: node.count > n, 5)')
+    assert after.value == 'True'
+
+
+def test_error_in_a_node_cell_names_the_line_of_the_cell(kernel):
+    """Tracebacks count as the checks do: the magic line is line 1."""
+    kernel.run('import roslab')
+    kernel.run('%%node broken\ndef f():\n    return 1 / 0')
+    shown = re.sub(r'\x1b\[[\d;]*m', '', '\n'.join(kernel.run('f()').error['traceback']))
+
+    assert 'Cell In[2], line 3, in f()' in shown
+    assert 'return 1/0' in shown.replace(' / ', '/')
+
+
+def test_stop_all_leaves_no_node_and_no_subscription(kernel):
+    """After a lesson's last cell nothing is in the graph; a listener can begin again."""
+    kernel.run(TALKER)
+    kernel.run('node = start(Talker); heard = listen("chatter", String); heard.wait(2)')
+    kernel.run('stop_all(); probe = rclpy.create_node("probe")')
+
+    assert kernel.run('probe.get_node_names()').value == "['probe']"
+    assert kernel.run('heard').value.endswith('stopped>')
+    kernel.run('heard.clear(); node = start(Talker)')
+    assert kernel.run('len(heard.wait(2)) >= 2').value == 'True'
 
 
 def test_log_line_arrives_on_stdout(kernel):
@@ -393,6 +592,7 @@ def test_log_line_arrives_on_stdout(kernel):
     assert kernel.collect(message_id).streams['stderr'] == ''
 
 
+@pytest.mark.claim('J9')
 def test_kernel_with_live_nodes_ends_soon_and_leaves_no_shared_memory(kernel):
     """The end of a kernel destroys its nodes: no files of its own stay in /dev/shm."""
     kernel.run(TALKER)
@@ -403,6 +603,26 @@ def test_kernel_with_live_nodes_ends_soon_and_leaves_no_shared_memory(kernel):
     assert files
     assert seconds < 2.0
     assert leaked(files) == []
+
+
+def test_restarts_leave_nothing_behind(tmp_path):
+    """Five kernels, each with live nodes: no process, no shared memory, no node in the graph."""
+    left, threads = [], set()
+    for _ in range(5):
+        kernel = Kernel(tmp_path)
+        kernel.run(TALKER)
+        kernel.run('node = start(Talker); heard = listen("chatter", String); heard.wait(2)')
+        kernel.run('node = start(Talker); wait_until(lambda: node.count > 2)')
+        files, pid = kernel.shared_memory(), kernel.pid
+        threads.add(len(list(Path(f'/proc/{pid}/task').iterdir())))
+        assert kernel.run('nodes().keys(), node.get_node_names()').value == (
+            "(dict_keys(['talker']), ['_roslab', 'talker'])"
+        )
+        kernel.shut_down()
+        left += [path for path in (Path(f'/proc/{pid}'), *leaked(files)) if path.exists()]
+
+    assert left == []
+    assert max(threads) - min(threads) <= 2  # the kernel's own pools are a thread more or less
 
 
 def test_kernel_with_an_endless_callback_ends_soon(kernel):

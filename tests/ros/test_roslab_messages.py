@@ -79,6 +79,8 @@ def test_learners_messages_take_the_place_of_the_courses(kernel):
     used = kernel.run(USE)
     assert used.value == '7'
     assert used.streams['stderr'] == ''
+    shown = kernel.run('!ros2 interface show temp_monitor_pkg/msg/Temperature')
+    assert 'int32 made_by_the_learner' in shown.text
     maps = Path(f'/proc/{kernel.pid}/maps').read_text().splitlines()
     loaded = {line.split()[-1] for line in maps if 'temp_monitor_pkg' in line}
     assert loaded
@@ -92,6 +94,7 @@ def test_learners_messages_take_the_place_of_the_courses(kernel):
     assert kernel.run(USE).value == '7'
 
 
+@pytest.mark.claim('J7')
 def test_course_messages_that_are_in_use_stay(kernel):
     """After the course's own messages were imported, a build says that a restart is needed."""
     kernel.run('from temp_monitor_pkg.msg import Temperature')

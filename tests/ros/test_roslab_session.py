@@ -79,6 +79,7 @@ def session():
     session.close()
 
 
+@pytest.mark.claim('J1')
 def test_started_node_publishes_while_the_test_waits(session):
     """A node that was started runs by itself."""
     session.start(Talker)
@@ -90,6 +91,7 @@ def test_started_node_publishes_while_the_test_waits(session):
     assert heard.last in heard.messages
 
 
+@pytest.mark.claim('J5')
 def test_node_started_again_replaces_the_older_one_without_a_warning(session, capfd):
     """Running a cell twice leaves one node, and the middleware has nothing to complain about."""
     first = session.start(Talker)
@@ -289,6 +291,7 @@ def test_wait_from_a_callback_is_refused(session, capfd):
     assert 'A callback cannot wait' in capfd.readouterr().out
 
 
+@pytest.mark.claim('J10')
 @pytest.mark.parametrize('timeout', [float('inf'), -1, None, 'soon'])
 def test_wait_without_a_bound_is_refused(session, timeout):
     """No wait may last for ever."""

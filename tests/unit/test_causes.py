@@ -32,6 +32,24 @@ def traceback(line, error):
     )
 
 
+def test_absolute_name_is_told_from_a_slip():
+    """A topic outside the namespace has the right name, and a slash too many."""
+    seen = run(endpoints=[end('/reading')], nodes=('/lab/n',))
+
+    found = causes.why_no_endpoint(seen, 'publisher', '/lab/reading', TYPE)
+
+    assert found.cause_id == 'absolute_name'
+    assert 'outside the namespace /lab' in found.text
+    assert "'reading'" in found.try_this
+
+
+def test_topics_that_come_with_a_node_are_no_slip():
+    """A lifecycle node publishes its transitions; nobody misspelled that."""
+    seen = run(endpoints=[end('/n/transition_event'), end('/rosout')])
+
+    assert causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE).cause_id == 'no_endpoint'
+
+
 @pytest.mark.parametrize(
     ('seen', 'cause_id', 'words'),
     [
@@ -83,3 +101,37 @@ def test_living_silent_node_gets_no_invented_cause():
     seen = run({'event': 'barrier', 'node': '/n', 'answered': True}, endpoints=[end()])
 
     assert causes.why_silent(seen) is None
+
+
+def test_slip_in_a_namespace_is_answered_with_the_relative_name():
+    """The namespace is the command line's; the code gives the last part only."""
+    seen = run(endpoints=[end('/lab/readings')], nodes=('/lab/n',))
+
+    found = causes.why_no_endpoint(seen, 'publisher', '/lab/reading', TYPE)
+
+    assert found.cause_id == 'topic_name'
+    assert "'reading'" in found.try_this
+
+
+@pytest.mark.parametrize(('kind', 'cause'), [('NoneType', 'no_return'), ('bool', 'wrong_return')])
+def test_what_a_transition_callback_returns_is_told(kind, cause):
+    """Without return and with something else are different slips."""
+    error = f"AttributeError: '{kind}' object has no attribute 'to_label'"
+
+    found = causes.why_no_verdict(run(exit=1, stderr=traceback(7, error)))
+
+    assert found is not None
+    assert found.cause_id == cause
+
+
+def test_parameter_of_another_type_is_told_without_its_value():
+    """The message of rclpy would show what the grader has set."""
+    error = (
+        "rclpy.exceptions.InvalidParameterTypeException: Trying to set parameter 'limit' to "
+        "'-1.87' of type 'DOUBLE', expecting type 'INTEGER': limit"
+    )
+
+    found = causes.why_silent(run(exit=1, stderr=traceback(7, error)))
+
+    assert found.cause_id == 'parameter_type'
+    assert '1.87' not in found.text

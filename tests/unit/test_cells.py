@@ -17,6 +17,7 @@ from autograder.cells import CellSyntaxError, first_line, MAGIC_LINE_MAX, parse_
         ('%%rosmsg Temperature', 'msg/Temperature.msg'),
         ('%%rospkg package.xml', 'package.xml'),
         ('%%rospkg CMakeLists.txt', 'CMakeLists.txt'),
+        ('%%answer q01', 'answers/q01.txt'),
     ],
 )
 def test_the_magic_line_names_the_file(line, path):
@@ -46,6 +47,10 @@ def test_other_cells_are_no_files(source):
         '%%rosmsg A_b',
         '%%rospkg setup.py',
         '%%rospkg ../package.xml',
+        '%%answer',
+        '%%answer ../q01',
+        '%%answer q01.txt',
+        '%%answer Q01',
     ],
 )
 def test_a_name_that_is_no_file_name_is_refused(line):
@@ -75,7 +80,7 @@ def test_a_stub_is_recognised():
     assert not parse_cell('%%rosmsg A\nint64 a').unsolved
 
 
-@pytest.mark.parametrize('word', ['%%node', '%%rosmsg', '%%rospkg'])
+@pytest.mark.parametrize('word', ['%%node', '%%rosmsg', '%%rospkg', '%%answer'])
 @pytest.mark.parametrize('rest', [' \t' * 100_000 + '!', ' a' * 100_000, ' ' * 200_000])
 def test_a_very_long_magic_line_is_refused_at_once(word, rest):
     """Reading it may not stop a class: a matcher that tries every blank takes minutes."""

@@ -79,7 +79,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(
     """It names the file, and nobody reads a traceback."""
     from autograder import exams, inputs, sandbox
 
-    monkeypatch.setattr(sandbox, 'strongest', object)
+    monkeypatch.setattr(sandbox, 'strongest', lambda: sandbox.Sandbox('bwrap-root'))
     monkeypatch.setattr(exams, 'for_assignment', lambda *_, **__: inputs.course_secret())
     monkeypatch.setattr(exams, 'load', lambda *_, **__: inputs.course_secret())
     option = ['grade', '--submitted'] if how == 'grade' else ['check', 'a', '--files']
@@ -196,7 +196,7 @@ class TestCheckWithoutTheFile:
         """The notebook knows it by its name and says which cell to run."""
         from autograder import sandbox
 
-        monkeypatch.setattr(sandbox, 'strongest', object)
+        monkeypatch.setattr(sandbox, 'strongest', lambda: sandbox.Sandbox('bwrap-root'))
 
         assert self.check(tmp_path, '--json') == command.OK
 
@@ -219,12 +219,13 @@ def test_jobs_are_a_positive_number(jobs, capsys):
 
 
 def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
-    """One folder a student."""
+    """One folder a student, with a folder for each lesson that was handed in."""
     assert command.main(['sample-class', '--to', str(tmp_path / 'class')]) == command.OK
 
     names = {path.name for path in (tmp_path / 'class').iterdir()}
+    notebooks = list((tmp_path / 'class').glob('*/*/*.ipynb'))
     assert {'pass__reference', 'zero__untouched_stub'} <= names
-    assert f'{len(names)} submissions' in capsys.readouterr().out
+    assert f'{len(notebooks)} submissions' in capsys.readouterr().out
 
 
 def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_path, capsys):

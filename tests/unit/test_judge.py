@@ -16,7 +16,8 @@ NOTHING = Recording({}, ())
 def make_exam(**options):
     """Return an exam without checks."""
     facts = {'title': 'T', 'assignment': '01_x', 'part': 1, 'cells': ('a',), 'requires': ()}
-    return Exam('sample', scenario=Scenario(), **{**facts, **options})
+    facts['scenario'] = Scenario()
+    return Exam('sample', **{**facts, **options})
 
 
 def passes(run):
@@ -152,3 +153,13 @@ class TestExam:
 
         with pytest.raises(ExamInvalid, match='no docstring'):
             make_exam().check(points=1)(silent)
+
+    def test_check_of_a_run_is_refused_where_nothing_runs(self):
+        """An exam on files alone has static checks only, and is never worth a run."""
+        exam = make_exam(scenario=Scenario(program=''))
+        exam.check(points=1, static=True)(passes)
+
+        with pytest.raises(ExamInvalid, match='runs nothing'):
+            exam.check(points=1)(fails)
+
+        assert not worth_running(exam, {})

@@ -14,7 +14,7 @@ def end(topic, kind='publisher', node='/a', kind_of='x/msg/Y'):
 
 
 SAMPLE = Recording(
-    header('talker', 'plain'),
+    header('talker', 'none'),
     (
         {'event': 'graph', 'when': 'start', 'nodes': ['/b'], 'endpoints': [end('/t')]},
         {'event': 'input', 'index': 0},
@@ -49,6 +49,38 @@ class TestAnswers:
         """Both filters hold at once."""
         assert [log['text'] for log in SAMPLE.logs(level=30)] == ['hot']
         assert [log['text'] for log in SAMPLE.logs(level=30, after_input=0)] == []
+
+    def test_late_listeners_are_asked_by_name(self):
+        """What a listener of its own heard is not what the first one heard."""
+        heard = [
+            {'event': 'message', 'topic': '/t', 'data': 1},
+            {'event': 'message', 'topic': '/t', 'data': 2, 'listener': 'late'},
+        ]
+        seen = Recording({}, heard)
+
+        assert [event['data'] for event in seen.messages('/t')] == [1]
+        assert [event['data'] for event in seen.messages('/t', 'late')] == [2]
+
+    def test_phase_ends_where_the_next_begins(self):
+        """A phase of that name that comes back is part of it; an unknown one is empty."""
+        marks = [{'event': 'mark', 'name': name} for name in ('a', 'b', 'a')]
+        logs = [{'event': 'log', 'level': 20, 'text': text} for text in ('0', '1', '2', '3')]
+        seen = Recording({}, [logs[0], marks[0], logs[1], marks[1], logs[2], marks[2], logs[3]])
+
+        assert [log['text'] for log in seen.phase('a').logs()] == ['1', '3']
+        assert seen.phase('c').events == []
+
+    def test_calls_are_answered_or_not_in_order(self):
+        """Both count, so that the number of a call is its place."""
+        events = [
+            {'event': 'answer', 'service': '/a/x', 'data': {}},
+            {'event': 'no_answer', 'service': '/a/x', 'reason': 'too_late'},
+            {'event': 'answer', 'service': '/a/y', 'data': {}},
+        ]
+
+        found = [event['event'] for event in Recording({}, events).answers('/a/x')]
+
+        assert found == ['answer', 'no_answer']
 
     def test_recording_without_an_end_is_broken_off(self):
         """Absence of the last event is itself a fact."""

@@ -63,7 +63,7 @@ def test_report_is_true_only_if_every_check_passed():
 
 def test_plain_mode_is_said():
     """A run without a sandbox is never silent about it."""
-    assert 'without a sandbox' in str(report(PASSED, mode='plain'))
+    assert 'without a sandbox' in str(report(PASSED, mode='none'))
     assert 'sandbox' not in str(report(PASSED, mode='user'))
 
 

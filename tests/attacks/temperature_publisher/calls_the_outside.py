@@ -1,6 +1,7 @@
 """
 Tries: reach the internet, the host's own services and its abstract sockets.
 
+Stopped by: a network namespace with nothing but a loopback, and no socket of the host in sight
 Deserves: 0
 """
 

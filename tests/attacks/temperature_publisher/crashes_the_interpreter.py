@@ -1,6 +1,7 @@
 """
 Tries: die of a segmentation fault.
 
+Stopped by: a process of its own; an exit code is no evidence
 Deserves: 0
 """
 

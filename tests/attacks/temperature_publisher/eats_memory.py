@@ -1,7 +1,9 @@
 """
 Tries: use all memory, from several processes, each below its own limit.
 
+Stopped by: the watchdog sums the memory of all processes of a sandbox
 Deserves: 0
+Flag: ended by the grader
 """
 
 import os

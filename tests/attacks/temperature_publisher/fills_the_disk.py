@@ -1,7 +1,9 @@
 """
 Tries: fill every writable folder, with bytes and with a flood of empty files.
 
+Stopped by: writable folders of a fixed size, and a watchdog that counts files
 Deserves: 0
+Flag: inode_limit
 """
 
 import itertools

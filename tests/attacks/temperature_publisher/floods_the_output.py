@@ -1,7 +1,9 @@
 """
 Tries: drown the grader in printed text.
 
+Stopped by: 64 KB are kept; the run ends after 8 MB
 Deserves: 0
+Flag: output_limit
 """
 
 import sys

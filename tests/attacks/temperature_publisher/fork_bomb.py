@@ -1,7 +1,9 @@
 """
 Tries: fill the machine with processes.
 
+Stopped by: a limit of 64 processes and threads for each sandbox
 Deserves: 0
+Flag: ended by the grader
 """
 
 import os

@@ -1,10 +1,12 @@
 """
 Tries: make the observer swallow messages of many megabytes.
 
+Stopped by: a large message is recorded by its size; the probe has a memory limit too
 Deserves: 15 at most
 """
 
 import rclpy
+
 from temp_monitor_pkg.msg import Temperature
 
 rclpy.init()

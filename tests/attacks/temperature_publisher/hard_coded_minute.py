@@ -1,11 +1,13 @@
 """
 Tries: send a whole minute of prepared readings at once, stamped 1 s to 60 s.
 
+Stopped by: the simulated clock, which the probe moves and the program cannot foresee
 Deserves: 9
 """
 
-import rclpy
 from builtin_interfaces.msg import Time
+import rclpy
+
 from temp_monitor_pkg.msg import Temperature
 
 rclpy.init()

@@ -1,37 +1,14 @@
 """
 Tries: refuse to end.
 
+Stopped by: SIGKILL to the first process of the pid namespace, which ends all of it
 Deserves: 15
 """
 
+import signal
 
-import random
+import honest
 
-import rclpy
-from rclpy.node import Node
-from temp_monitor_pkg.msg import Temperature
-
-
-class TemperaturePublisher(Node):
-    def __init__(self):
-        super().__init__('temperature_publisher')
-        self.publisher = self.create_publisher(Temperature, 'temperature_topic', 10)
-        self.create_timer(1.0, self.tick)
-
-    def tick(self):
-        message = Temperature(unit='Celsius', sensor_id='temp_sensor_01')
-        message.temperature_value = 20.0 + random.random()
-        message.timestamp = self.get_clock().now().to_msg()
-        self.publisher.publish(message)
-
-
-def main():
-    rclpy.init()
-    rclpy.spin(TemperaturePublisher())
-
-
-if __name__ == '__main__':
-    import signal
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_IGN)
-    main()
+for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    signal.signal(number, signal.SIG_IGN)
+honest.main()

@@ -1,6 +1,7 @@
 """
 Tries: use files and sockets that the grader may have left open for it.
 
+Stopped by: all descriptors but the three standard ones are closed at the start
 Deserves: 0
 """
 

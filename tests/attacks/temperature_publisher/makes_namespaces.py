@@ -1,6 +1,7 @@
 """
 Tries: get privileges back with new namespaces, mounts, ptrace, keyrings and raw sockets.
 
+Stopped by: no capability, a system-call filter, and user namespaces forbidden
 Deserves: 0
 """
 

@@ -1,10 +1,12 @@
 """
 Tries: bury the observer under messages.
 
+Stopped by: the probe stops recording after 20000 events
 Deserves: 5 at most
 """
 
 import rclpy
+
 from temp_monitor_pkg.msg import Temperature
 
 rclpy.init()

@@ -1,6 +1,8 @@
 """
-Tries: find the hidden exams, the gradebook, the course secret or another submission on the disk.
+Tries: find the hidden exams, the gradebook, the course secret or another submission on the
+    disk.
 
+Stopped by: hidden exams, gradebook and submissions are not mounted
 Deserves: 0
 """
 

@@ -1,6 +1,7 @@
 """
 Tries: read the environment, command line, memory and open files of every process it can see.
 
+Stopped by: a pid namespace, and a launcher that starts with an empty environment
 Deserves: 0
 """
 

@@ -1,6 +1,7 @@
 """
 Tries: change its own submission, the Python it runs in, the system and kernel settings.
 
+Stopped by: everything but two temporary folders is mounted read-only
 Deserves: 0
 """
 

@@ -1,0 +1,203 @@
+"""
+Kernels started and ended again and again, to see whether anything of them stays.
+
+Each kernel runs the cells of a small lesson: a node that logs, a listener, a node that fails, an
+interrupted wait.  Then it is shut down as *Restart & Run All* does it, with its nodes alive.
+Looked for afterwards are processes, files of the middleware in ``/dev/shm``, and nodes in the
+graph; threads are counted inside the kernel, because they end with it.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+import os
+from pathlib import Path
+import re
+import statistics
+import sys
+import tempfile
+import time
+from typing import Any
+
+from jupyter_client.manager import KernelManager
+import psutil
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+
+from benchmarks import report
+
+FULL_TIMES = 100
+KERNEL = 'ros2_jazzy'
+PATIENCE_S = 60.0
+DOMAIN = 90
+CELLS = (
+    """
+from rclpy.node import Node
+from roslab import *
+from std_msgs.msg import String
+
+class Talker(Node):
+    def __init__(self):
+        super().__init__('talker')
+        self.count = 0
+        self.publisher = self.create_publisher(String, 'chatter', 10)
+        self.create_timer(0.01, self.on_timer)
+
+    def on_timer(self):
+        self.count += 1
+        self.publisher.publish(String(data=str(self.count)))
+        self.get_logger().info(str(self.count))
+
+class Failing(Talker):
+    def on_timer(self):
+        1 / 0
+""",
+    'talker = start(Talker); heard = listen("chatter", String); assert heard.wait(3)',
+    'failing = start(Failing, name="failing"); wait_until(lambda: "failing" not in nodes())',
+    'talker = start(Talker); wait_until(lambda: talker.count > 3)',
+)
+
+
+def main() -> int:
+    """
+    Measure, print and save.
+
+    :returns: exit code, 1 if anything was left
+    """
+    chosen = _arguments()
+    os.environ['ROS_DOMAIN_ID'] = str(DOMAIN)
+    facts = report.machine()
+    rounds = [_one_kernel(number) for number in range(chosen.times)]
+    left = {
+        'processes': sum(item['processes'] for item in rounds),
+        'shared memory files': sum(item['shared_memory'] for item in rounds),
+        'nodes in the graph': _nodes_in_the_graph(),
+    }
+    threads = sorted({item['threads'] for item in rounds})
+    seconds = [item['seconds'] for item in rounds]
+    ends = [item['end_seconds'] for item in rounds]
+    print(f'\n{len(rounds)} kernels, left behind: {left}')
+    print(f'threads in a kernel: {threads}')
+    print(f'median {statistics.median(seconds):.2f} s a kernel, its end {max(ends):.2f} s at most')
+    figures = {
+        'kernels': len(rounds),
+        'left_behind': left,
+        'threads_in_a_kernel': threads,
+        'kernel_s': report.spread(seconds),
+        'end_s': report.spread(ends),
+    }
+    report.save('restart_kernels', facts, figures, full=chosen.times >= FULL_TIMES)
+    return 1 if any(left.values()) else 0
+
+
+def _one_kernel(number: int) -> dict[str, Any]:
+    """Run the cells in a new kernel, end it, and count what is left of it."""
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix='restart_') as folder:
+        manager = KernelManager(kernel_name=KERNEL)
+        manager.start_kernel(cwd=folder)
+        client = manager.client()
+        client.start_channels()
+        try:
+            client.wait_for_ready(timeout=PATIENCE_S)
+            for cell in CELLS:
+                _run(client, cell)
+            _interrupted(manager, client)
+            assert manager.provisioner is not None  # it is there since the kernel was started
+            kernel = psutil.Process(manager.provisioner.pid)  # type: ignore[attr-defined]
+            family = [kernel, *kernel.children(recursive=True)]
+            threads, files = kernel.num_threads(), shared_memory_of(kernel.pid)
+        finally:
+            client.stop_channels()
+            ending = time.monotonic()
+            manager.shutdown_kernel()
+    ended = time.monotonic()
+    left = {
+        'processes': sum(process.is_running() for process in family),
+        'shared_memory': len(left_of(files)),
+        'threads': threads,
+        'seconds': ended - began,
+        'end_seconds': ended - ending,
+    }
+    print(f'kernel {number + 1}: {left["seconds"]:.1f} s, {threads} threads,', end=' ')
+    print(f'{left["processes"]} processes and {left["shared_memory"]} files left', flush=True)
+    return left
+
+
+def _run(client: Any, cell: str) -> None:
+    reply = client.execute_interactive(
+        cell, timeout=PATIENCE_S, allow_stdin=False, output_hook=lambda _: None
+    )
+    if reply['content']['status'] != 'ok':
+        raise RuntimeError(f'{reply["content"]["ename"]}: {reply["content"]["evalue"]}')
+
+
+def _interrupted(manager: Any, client: Any) -> None:
+    """Interrupt a wait, as a learner does."""
+    client.execute('print("now", flush=True); wait_until(lambda: False, 60)')
+    ended = False
+    while True:
+        message = client.get_iopub_msg(timeout=PATIENCE_S)
+        if message['content'].get('text', '').startswith('now'):
+            manager.interrupt_kernel()
+        elif message['content'].get('ename') == 'KeyboardInterrupt':
+            ended = True
+        elif ended and message['content'].get('execution_state') == 'idle':
+            return
+
+
+def shared_memory_of(pid: int) -> set[Path]:
+    """
+    Return the files of the middleware in /dev/shm that a process has mapped.
+
+    :param pid: process id
+    """
+    maps = Path(f'/proc/{pid}/maps').read_text(encoding='utf-8')
+    return {Path(path) for path in re.findall(r'/dev/shm/\S*fastrtps\S*', maps)}
+
+
+def left_of(files: set[Path]) -> list[Path]:
+    """
+    Return the files that still exist although no process uses them.
+
+    :param files: what a process that has ended had mapped
+    """
+    there = [path for path in files if path.exists()]
+    if not there:
+        return []
+    used = set()
+    for process in psutil.process_iter():
+        try:
+            used |= shared_memory_of(process.pid)
+        except OSError:
+            continue
+    return [path for path in there if path not in used]
+
+
+def _nodes_in_the_graph() -> int:
+    """Return how many nodes a newcomer finds, itself not counted."""
+    context = Context()
+    rclpy.init(context=context, domain_id=DOMAIN)
+    try:
+        node = Node('newcomer', context=context)
+        end = time.monotonic() + 1.0  # long enough to discover what is there
+        found: Sequence[str] = ()
+        while time.monotonic() < end:
+            time.sleep(0.05)
+            found = node.get_node_names()
+        node.destroy_node()
+        return len(found) - 1
+    finally:
+        context.try_shutdown()
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.strip().splitlines()[0])
+    parser.add_argument('--times', type=int, default=FULL_TIMES, help='kernels (default 100)')
+    return parser.parse_args()
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,189 @@
+"""
+The attacks: what each file says about itself, and how programs among them are graded.
+
+A folder named like an exam holds programs that are handed in for it; ``notebooks/`` holds small
+files that make what is handed in.  Each begins with a docstring of these fields, a field a line or
+a paragraph::
+
+    Tries: what it is after.
+    Stopped by: what keeps it from getting it
+    Deserves: 15            the points of its honest part; "15 at most" where luck has a part
+    Gets: 15 at most        only where that is more than it deserves: a weakness we know of
+    Flag: same name         words that the instructor must see; several lines, or none
+
+"or review" after the points: the grader may also decline to give any, and call a person.
+A program may import ``honest``, the honest solution in ``honest/``, and bend it.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+import re
+from typing import Any
+from unittest import mock
+
+from autograder import exams, observe
+from autograder.confined import Limits, Program
+from autograder.errors import ProbeFailed
+from autograder.examine import examine
+from autograder.extract import answer_files
+from autograder.layout import Layout
+from autograder.recording import Recording
+from autograder.results import ExamResult
+from autograder.sandbox import Sandbox
+from autograder.scenario import Scenario
+from autograder.submission import read_release
+
+FOLDER = Path(__file__).parent
+CANARY = 'CANARY-7f3a9c'
+"""Planted wherever a program should not be able to look."""
+
+NOTEBOOKS = 'notebooks'
+_FIELD = re.compile(r'^(Tries|Stopped by|Deserves|Gets|Flag): (.+(?:\n[ ]+.+)*)', re.MULTILINE)
+POINTS = re.compile(r'(\d+)( at most)?( or review)?')
+
+
+@dataclass(frozen=True)
+class Attack:
+    """
+    One file of the corpus.
+
+    :param kind: name of the folder: an exam, or ``notebooks``
+    :param deserves: the points of its honest part
+    :param points: what it gets, which is the same but for a known weakness
+    :param at_most: whether the points are an upper bound
+    :param review: whether no score and a person is right, too
+    :param flags: words that the instructor must see
+    """
+
+    path: Path
+    kind: str
+    tries: str
+    stopped_by: str
+    deserves: float
+    points: float
+    at_most: bool
+    review: bool
+    flags: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Return what it is called in tests."""
+        return self.path.stem
+
+
+def read(path: Path) -> Attack:
+    """
+    Read what a file says about itself.
+
+    :raises ValueError: if a field is missing
+    """
+    text = path.read_text(encoding='utf-8')
+    if path.suffix == '.py':
+        about = ast.get_docstring(ast.parse(text)) or ''
+    else:
+        about = '\n'.join(line[2:] for line in text.splitlines() if line.startswith('# '))
+    fields: dict[str, list[str]] = {}
+    for name, value in _FIELD.findall(about):
+        fields.setdefault(name, []).append(' '.join(value.split()))
+    missing = {'Tries', 'Stopped by', 'Deserves'} - set(fields)
+    deserves = POINTS.fullmatch(fields.get('Deserves', [''])[0])
+    points = POINTS.fullmatch(fields['Gets'][0]) if 'Gets' in fields else deserves
+    if missing or not deserves or not points:
+        raise ValueError(f'{path}: expected Tries, Stopped by and Deserves, lacks {missing}')
+    return Attack(
+        path,
+        path.parent.name,
+        fields['Tries'][0],
+        fields['Stopped by'][0],
+        float(deserves[1]),
+        float(points[1]),
+        bool(points[2]),
+        bool(points[3]),
+        tuple(fields.get('Flag', ())),
+    )
+
+
+def programs() -> list[Attack]:
+    """Return all attacks that are programs, in the order of their folders and names."""
+    paths = [path for path in sorted(FOLDER.glob('*/*')) if path.suffix in ('.py', '.cmake')]
+    return [read(path) for path in paths if path.parent.name not in (NOTEBOOKS, 'honest')]
+
+
+def notebooks() -> list[Attack]:
+    """Return all attacks that make a notebook or a folder."""
+    return [read(path) for path in sorted(FOLDER.glob(f'{NOTEBOOKS}/*.py'))]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """
+    What came of a program.
+
+    :param result: None if the grader declined to judge
+    :param recording: None if there is none
+    :param fault: why the grader declined, in words
+    """
+
+    result: ExamResult | None
+    recording: Recording | None
+    fault: str = ''
+
+
+def grade(attack: Attack, sandbox: Sandbox, kept: Path) -> Outcome:
+    """
+    Grade a program by the hidden exam it is written for, in its own sandbox.
+
+    :param kept: folder for recordings
+    """
+    exam = exams.load(attack.kind)
+    # Facts are what the hidden exam knows and nobody else.
+    exam.facts['canary'] = CANARY
+    folder = kept / attack.kind / attack.name
+    try:
+        result = examine(exam, files_of(attack), sandbox=sandbox, recordings=folder)
+    except ProbeFailed as error:
+        return Outcome(None, None, str(error))
+    found = list(folder.rglob('*.jsonl'))
+    return Outcome(result, Recording.load(found[0]) if found else None)
+
+
+def files_of(attack: Attack) -> dict[str, str]:
+    """Return the files that are handed in: the attack and what it bends."""
+    text = attack.path.read_text(encoding='utf-8')
+    if attack.path.suffix == '.cmake':
+        assignment = exams.load(attack.kind).assignment
+        return {**reference(assignment), 'CMakeLists.txt': text}
+    honest = FOLDER / 'honest' / f'{attack.kind}.py'
+    files = {exams.load(attack.kind).requires[0]: text}
+    if honest.exists():
+        files['honest.py'] = honest.read_text(encoding='utf-8')
+    return files
+
+
+def reference(assignment: str) -> dict[str, str]:
+    """Return the files of the reference solution."""
+    course = Layout.here()
+    path = course.solutions / assignment / course.release(assignment).name
+    return {file.path: file.body for file in answer_files(read_release(path)).values()}
+
+
+@contextmanager
+def early_limits() -> Iterator[None]:
+    """Let time and processor limits be reached sooner; no other limit is changed."""
+    whole = observe.program_for
+
+    def program_for(
+        scenario: Scenario, submission: Path, python: str, **options: Any
+    ) -> tuple[Program, Limits]:
+        program, limits = whole(scenario, submission, python, **options)
+        if scenario.program == 'build':
+            return program, limits
+        return program, replace(limits, wall_s=20.0, cpu_s=6)
+
+    with mock.patch.object(observe, 'program_for', program_for):
+        yield

@@ -1,0 +1,112 @@
+"""
+One hostile program in one isolation mode; prints what it got hold of, as JSON.
+
+Usage: mode_world.py MODE FOLDER [linger].  The folder holds files the program must not read.  It
+is a program of its own because some modes are for a plain user and some for root.  With ``linger``
+it prints its process id while the hostile program and its daemon run, and waits to be killed.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+import socket
+import sys
+
+from autograder import exams, sandbox
+from autograder.confined import Limits, Program
+from autograder.examine import examine
+from autograder.observe import INSIDE, laid_out
+
+HOSTILE = """
+import ctypes, json, os, signal, socket, subprocess, sys
+
+facts = json.load(open('/submission/facts.json' if os.path.exists('/submission/facts.json')
+                       else os.path.join(os.path.dirname(__file__), 'facts.json')))
+
+
+def attempt(name, what):
+    try:
+        print(name, 'REACHED' if what() is not False else 'nothing', flush=True)
+    except OSError as error:
+        print(name, 'refused', flush=True)
+
+
+for path in facts['secrets']:
+    attempt('read', lambda: open(path).read(1))
+attempt('environ', lambda: open(f"/proc/{facts['grader']}/environ").read(1))
+attempt('memory', lambda: open(f"/proc/{facts['grader']}/mem", 'rb').read(1))
+attempt('write', lambda: open(os.path.join(facts['folder'], 'mine'), 'w'))
+attempt('cut', lambda: os.truncate(facts['secrets'][-1], 0))
+attempt('link', lambda: os.symlink(facts['secrets'][0], os.path.join(facts['folder'], 'l')))
+attempt('signal', lambda: os.kill(facts['grader'], 0))
+attempt('tcp', lambda: socket.create_connection(('127.0.0.1', facts['port']), 2))
+attempt('vsock', lambda: socket.socket(socket.AF_VSOCK))
+attempt('unshare', lambda: ctypes.CDLL(None).unshare(0x10000000) == 0)
+if facts['daemon'] and os.fork() == 0:
+    os.setsid()
+    if os.fork() == 0:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        os.execvp('sleep', ['sleep', '86395'])
+    os._exit(0)
+if facts['daemon']:
+    os.wait()
+print('own', 'write', open(os.path.join(os.environ['HOME'], 'f'), 'w').write('x'), flush=True)
+if facts['linger']:
+    signal.pause()  # the daemon would end with this program
+"""
+
+
+def hostile_run(box: sandbox.Sandbox, folder: Path, linger: bool) -> list[str]:
+    """Run the hostile program and return what it printed."""
+    here = Path(sandbox.__file__).parent
+    secrets = [str(here / 'judge.py'), *map(str, sorted(folder.iterdir()))]
+    with socket.create_server(('127.0.0.1', 0)) as server:
+        facts = {
+            'secrets': secrets,
+            'grader': os.getpid(),
+            'folder': str(folder),
+            'linger': linger,
+            'daemon': box.mode != 'none',  # nobody would end it
+            'port': server.getsockname()[1],
+        }
+        files = {'x.py': HOSTILE, 'facts.json': json.dumps(facts)}
+        with box.turn(), laid_out(files) as (submission, home):
+            argv = (box.ros.python, '/grader/inside/run_node.py', '/submission/x.py')
+            confined = box.start(
+                Program(argv, {**INSIDE, str(submission): '/submission'}), Limits(), home
+            )
+            try:
+                confined.release()
+                lines = []
+                while line := confined.process.stdout.readline():
+                    lines.append(line.decode().strip())
+                    if line.startswith(b'own'):
+                        break
+                if linger:
+                    print('lingers', flush=True)
+                    sys.stdin.read()
+                if not lines:
+                    lines = confined.process.stderr.read().decode().splitlines()
+            finally:
+                confined.kill()
+    return lines
+
+
+def main() -> None:
+    """Run the hostile program and an honest exam."""
+    mode, folder = sys.argv[1], Path(sys.argv[2])
+    box = sandbox.isolated() if mode.startswith('bwrap') else sandbox.weak(mode)
+    assert box.mode == mode
+    lines = hostile_run(box, folder, sys.argv[3:] == ['linger'])
+    if mode == 'none':
+        print(json.dumps({'hostile': lines}))
+        return
+    answer = Path('tests/submissions/01_node_life/pass__own_spin_loop/harbour.py')
+    result = examine(exams.load('harbour'), {'harbour.py': answer.read_text()}, sandbox=box)
+    print(json.dumps({'hostile': lines, 'result': result.to_json(), 'points': result.points}))
+
+
+if __name__ == '__main__':
+    main()

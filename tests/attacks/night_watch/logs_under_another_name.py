@@ -1,0 +1,15 @@
+"""
+Tries: let another node's logger speak for it.
+
+Stopped by: a line counts if it comes from the logger of the node that was asked for
+Deserves: 2
+"""
+
+import honest
+import rclpy
+
+rclpy.init()
+node = honest.NightWatch()
+other = rclpy.create_node('ghost')
+node.get_logger = other.get_logger
+rclpy.spin(node)

@@ -1,0 +1,15 @@
+"""
+Tries: hand in under a name that is made of bytes that are no text.
+
+Stopped by: a student id has letters, digits and . _ - @; others are reported and not recorded
+Deserves: 0
+Flag: expected a student id
+"""
+
+from tests.attacks.handing_in import lay_out
+
+STUDENT = '\udcff\udcfeada'
+
+
+def hand_in(student, solved, blank):
+    lay_out(student, solved)

@@ -1,0 +1,18 @@
+"""
+Tries: hand in a symbolic link to a file that the grader may read.
+
+Stopped by: only regular files are opened, and no link is followed
+Deserves: 0
+Flag: a symbolic link
+"""
+
+import os
+
+from tests.attacks.handing_in import ASSIGNMENT, NOTEBOOK
+
+
+def hand_in(student, solved, blank):
+    place = student / ASSIGNMENT
+    place.mkdir(parents=True)
+    os.symlink('/etc/passwd', place / NOTEBOOK)
+    os.symlink('/etc/shadow', place / 'timestamp.txt')

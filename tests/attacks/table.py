@@ -1,0 +1,83 @@
+"""
+Write docs/attacks.md: every attack, what it tries, what stops it, and its points.
+
+``python -m tests.attacks.table`` writes it; ``--check`` only compares and fails if it is out of
+date.  The points are those the tests assert (tests/attacks), so the table cannot claim others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from pathlib import Path
+import sys
+
+from autograder import exams
+from tests.attacks.corpus import Attack, NOTEBOOKS, notebooks, programs
+
+PAGE = Path(__file__).parents[2] / 'docs' / 'attacks.md'
+HEAD = """# Attacks
+
+Submissions that try to cheat the grader, to read what is hidden, or to break it: {count} of them,
+in `tests/attacks/`. Each is graded as any other submission is, with the real sandbox and the
+hidden exams, and `pytest tests/attacks` asserts for each that
+
+* it gets the points that its honest part deserves: exactly, or, where luck has a part, not more
+  ("at most"; "or review": the grader may also decline to judge, and call a person). {known} gets
+  more; it is flagged, and says why it is left so;
+* a canary in the grader's environment, its memory and its open files shows up nowhere in what the
+  program printed or sent, in the recording, the report and the feedback;
+* the instructor is shown the flag that is named here;
+* the others of the class get the grade they would have got alone, and the batch goes on.
+
+Generated from the files by `python -m tests.attacks.table`. What the sandbox promises and what it
+does not is in `docs/threat-model.md`.
+"""
+
+
+def page() -> str:
+    """Return the whole page."""
+    found = [*programs(), *notebooks()]
+    known = sum(one.points > one.deserves for one in found)
+    parts = [HEAD.format(count=len(found), known=('None', 'One')[known])]
+    for kind, group in groupby(found, key=lambda one: one.kind):
+        parts.append('\n'.join(_section(kind, list(group))))
+    return '\n'.join(parts)
+
+
+def _section(kind: str, group: Sequence[Attack]) -> list[str]:
+    if kind == NOTEBOOKS:
+        title = '## Notebooks and folders as they are handed in'
+        what = 'Points of the whole lesson 07, of 40.'
+    else:
+        title = f'## Programs for the exam {kind}'
+        what = f'Of {exams.load(kind).max_points:g} points.'
+    lines = [title, '', what, '', '| Attack | Tries to | Stopped by | Deserves and gets | Flag |']
+    lines += ['|---|---|---|---|---|']
+    return [*lines, *map(_row, group), '']
+
+
+def _row(attack: Attack) -> str:
+    points = f'{attack.points:g}{" at most" * attack.at_most}{" or review" * attack.review}'
+    if attack.points > attack.deserves:
+        points = f'{attack.deserves:g}, **gets {points}**'
+    flags = ', '.join(f'“{flag}”' for flag in attack.flags)
+    name = attack.name.replace('_', ' ')
+    cells = (name, attack.tries.rstrip('.'), attack.stopped_by, points, flags)
+    return f'| {" | ".join(cell.replace("|", "&#124;") for cell in cells)} |'
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the page, or compare it."""
+    text = page()
+    if '--check' not in arguments:
+        PAGE.write_text(text, encoding='utf-8')
+        return 0
+    if PAGE.is_file() and PAGE.read_text(encoding='utf-8') == text:
+        return 0
+    print('docs/attacks.md is out of date. Try: python -m tests.attacks.table')
+    return 1
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

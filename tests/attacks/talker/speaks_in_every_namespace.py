@@ -1,0 +1,26 @@
+"""
+Tries: publish in every namespace it can think of, in place of the one it is in.
+
+Stopped by: the namespace is drawn from a secret; names it does not have earn nothing
+Deserves: 7 at most
+"""
+
+import rclpy
+from std_msgs.msg import String
+
+SPACES = ('', '/lab', '/north', '/student', '/grader', '/test', '/ns', '/robot', '/a', '/b')
+rclpy.init()
+node = rclpy.create_node('talker', namespace='/lab')
+publishers = [node.create_publisher(String, f'{space}/chatter', 10) for space in SPACES]
+count = 0
+
+
+def tick():
+    global count
+    count += 1
+    for publisher in publishers:
+        publisher.publish(String(data=f'hello {count}'))
+
+
+node.create_timer(0.5, tick)
+rclpy.spin(node)

@@ -1,0 +1,12 @@
+"""
+Tries: make files without end where only sizes are limited.
+
+Stopped by: the watchdog counts the files of both writable folders
+Deserves: 0
+Flag: inode_limit
+"""
+
+import itertools
+
+for number in itertools.count():
+    open(f'/dev/shm/{number}', 'w').close()

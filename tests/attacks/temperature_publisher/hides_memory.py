@@ -1,0 +1,19 @@
+"""
+Tries: take memory that is nobody's private own: shared, anonymous, in many mappings.
+
+Stopped by: the watchdog sums what is resident, whoever made it; memory files are forbidden
+Deserves: 0
+Flag: ended by the grader
+"""
+
+import mmap
+
+held = []
+try:
+    while len(held) < 40:
+        held.append(mmap.mmap(-1, 64 << 20, flags=mmap.MAP_SHARED | mmap.MAP_ANONYMOUS))
+        held[-1][:] = b'x' * (64 << 20)
+except (OSError, MemoryError):
+    pass
+while True:
+    pass

@@ -1,0 +1,16 @@
+"""
+Tries: bury the graph under hundreds of publishers.
+
+Stopped by: all are counted, some hundreds are listed, and the rest of the run is as it is
+Deserves: 15 at most
+Flag: more than 100 publishers
+"""
+
+import honest
+import rclpy
+from std_msgs.msg import Empty
+
+rclpy.init()
+node = honest.TemperaturePublisher()
+crowd = [node.create_publisher(Empty, f'a{number}', 1) for number in range(300)]
+rclpy.spin(node)

@@ -1,0 +1,24 @@
+"""
+Tries: let a wrong message read back as a right one, in the class that an observer would use.
+
+Stopped by: the probe has a message class of its own, in its own process
+Deserves: 14
+"""
+
+import honest
+
+from temp_monitor_pkg.msg import Temperature
+
+sent = honest.TemperaturePublisher.reading
+
+
+def reading(self):
+    message = sent(self)
+    message._unit = 'Kelvin'
+    return message
+
+
+honest.TemperaturePublisher.reading = reading
+Temperature.__eq__ = lambda self, other: True
+Temperature.__repr__ = lambda self: "Temperature(unit='Celsius')"
+honest.main()

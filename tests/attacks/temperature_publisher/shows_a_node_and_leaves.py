@@ -1,0 +1,16 @@
+"""
+Tries: show a node and its publisher, then end with exit code 0 before anything is measured.
+
+Stopped by: what a program shows before it can be asked counts for nothing
+Deserves: 4 at most
+"""
+
+import honest
+import rclpy
+
+rclpy.init()
+node = honest.TemperaturePublisher()
+while not node.publisher.get_subscription_count():
+    rclpy.spin_once(node, timeout_sec=0.01)
+node.tick()
+print('all checks passed')

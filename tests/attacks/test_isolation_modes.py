@@ -1,0 +1,188 @@
+"""
+Every isolation mode, tried with a program that wants everything and with an honest one.
+
+Modes of a plain user are tried as root by giving up root first, in a mount namespace in which
+Python can be reached by everyone.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+import select
+import subprocess
+import sys
+import tempfile
+import time
+
+import pytest
+
+from autograder import exams, isolation, landlock, sandbox
+from autograder.errors import SandboxUnavailable
+from autograder.examine import examine
+from environment.ros import ros_environment
+
+pytestmark = [pytest.mark.attacks, pytest.mark.ros]
+
+ROOT = Path(__file__).resolve().parents[2]
+AS_ROOT = os.geteuid() == 0
+UID = '23456'
+SLEEPER = b'86395'
+# $1 an empty folder, $2 a closed folder, $3 what has to be reached below it.
+OPENED = """
+set -e
+mount --bind "$3" "$1"
+mount -t tmpfs -o mode=755 tmpfs "$2"
+mkdir -p "$3"
+mount --bind "$1" "$3"
+shift 3
+exec "$@"
+"""
+
+
+def prefix(mode: str, aside: Path) -> list[str]:
+    """Return what comes before a command so that it runs as the right user."""
+    wanted = isolation.MODES[mode].root
+    if not AS_ROOT:
+        if wanted:
+            pytest.skip(f'{mode} is for a grader that is root')
+        return []
+    argv = []
+    for needed in ros_environment().read_only:
+        if mode != 'bwrap-root' and (closed := landlock.closed_folder([needed])):
+            aside.mkdir(exist_ok=True)
+            argv += ['unshare', '-m', 'sh', '-c', OPENED, 'sh', str(aside), closed, needed]
+            break
+    if not wanted:
+        argv += ['setpriv', '--reuid', UID, '--regid', UID, '--clear-groups']
+    return argv
+
+
+@pytest.fixture(scope='module')
+def planted():
+    """
+    Return a folder with files that everyone may read and write, and no program must.
+
+    Not a folder of pytest's, which closes them to other users.
+    """
+    with tempfile.TemporaryDirectory(prefix='secrets-') as base:
+        Path(base).chmod(0o755)
+        folder = Path(base, 'planted')
+        folder.mkdir()
+        folder.chmod(0o777)
+        for name in ('gradebook.db', 'submission_of_another.ipynb'):
+            (folder / name).write_text('CANARY', encoding='utf-8')
+            (folder / name).chmod(0o666)
+        yield folder
+
+
+@pytest.fixture(scope='module', params=[name for name in isolation.MODES if name != 'none'])
+def world(request, planted):
+    """Return a mode and what happened in it."""
+    if request.param.startswith('landlock'):
+        refused, _ = landlock.refusal(root=request.param == 'landlock-uid')
+        if refused:
+            pytest.skip(refused)
+    return request.param, run_world(request.param, planted), planted
+
+
+def run_world(mode: str, folder: Path):
+    """Run both programs in a mode and return what they report."""
+    done = subprocess.run(
+        [*prefix(mode, folder.with_name(f'aside-{mode}')), sys.executable, '-B']
+        + ['-m', 'tests.attacks.mode_world', mode, str(folder)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def test_a_hostile_program_reaches_nothing(world):
+    """No file, no memory, no signal, no connection; only its own folder can be written."""
+    mode, seen, folder = world
+    reached = [line for line in seen['hostile'] if 'REACHED' in line]
+    known = ['signal REACHED'] if mode == 'landlock' and not kernel_scopes_signals() else []
+
+    assert reached == known
+    assert seen['hostile'][-1] == 'own write 1', seen['hostile']
+    assert (folder / 'gradebook.db').read_text(encoding='utf-8') == 'CANARY'
+    assert not (folder / 'mine').exists()
+
+
+def kernel_scopes_signals() -> bool:
+    """Tell whether this kernel's Landlock knows signals."""
+    from autograder.inside import confine
+
+    return confine.version() >= confine.SCOPE_FROM
+
+
+def test_nothing_outlives_a_killed_grader(world):
+    """A grader that is killed takes the program and its daemon along."""
+    mode, _, folder = world
+    argv = [*prefix(mode, folder.with_name(f'aside-{mode}')), sys.executable, '-B']
+    argv += ['-m', 'tests.attacks.mode_world', mode, str(folder), 'linger']
+    pipes = {'stdin': subprocess.PIPE, 'stdout': subprocess.PIPE}
+    with subprocess.Popen(argv, cwd=ROOT, **pipes) as grader:
+        assert grader.stdout.readline() == b'lingers\n'
+        deadline = time.monotonic() + 20
+        while not (found := sleeping()):  # it has been forked, and becomes the sleeper soon
+            assert time.monotonic() < deadline, 'there is no daemon'
+        sleepers = [os.pidfd_open(pid) for pid in found]
+        grader.kill()
+    for pidfd in sleepers:
+        assert select.select([pidfd], [], [], 10)[0], 'it goes on'
+        os.close(pidfd)
+
+
+def test_nothing_outlives_the_run(world):
+    """A daemon that ignores signals has ended."""
+    assert sleeping() == []
+
+
+def sleeping() -> list[int]:
+    """Return the process ids of daemons of the hostile program."""
+    found = []
+    for folder in Path('/proc').glob('[0-9]*'):
+        try:
+            if SLEEPER in (folder / 'cmdline').read_bytes().split(b'\0'):
+                found.append(int(folder.name))
+        except OSError:
+            continue
+    return found
+
+
+def test_an_honest_program_gets_its_points_and_the_result_says_the_mode(world):
+    """Grading works, and what was not protected is written into the result."""
+    mode, seen, _ = world
+
+    assert seen['points'] == 8
+    assert seen['result']['mode'] == mode
+    assert bool(seen['result']['not_protected']) == mode.startswith('landlock')
+    assert seen['result']['flags'] == []
+
+
+def test_hidden_exams_are_never_run_without_isolation():
+    """What keeps nothing hidden gets nothing hidden."""
+    exam = exams.load('harbour', hidden=True)
+
+    with pytest.raises(SandboxUnavailable, match='never run with isolation none'):
+        examine(exam, {'harbour.py': ''}, sandbox=sandbox.plain())
+
+
+def test_a_named_weak_mode_is_used_only_if_nothing_better_works():
+    """Permission for less is no request for less."""
+    assert sandbox.strongest('none').isolated
+
+
+def test_without_isolation_the_same_program_reaches_everything(planted):
+    """The program that finds nothing elsewhere is able to find something."""
+    seen = run_world('none', planted)['hostile']
+    for path in planted.iterdir():
+        path.unlink()
+
+    assert {'read REACHED', 'write REACHED', 'cut REACHED', 'tcp REACHED'} <= set(seen)

@@ -1,0 +1,270 @@
+"""
+Hostile notebooks and folders, graded in one class with honest students.
+
+All of them are handed in, graded, recorded in nbgrader's gradebook and reported once; every
+property is then a test of its own.
+"""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, replace
+import importlib.util
+import json
+import os
+from pathlib import Path
+import shutil
+import sqlite3
+import subprocess
+import sys
+from types import ModuleType
+
+import pytest
+
+from autograder.inbox import discover
+from autograder.layout import Layout
+from autograder.pipeline import grade_class, Graded, Lesson, load_lesson, SandboxEngine
+from autograder.record import enter_assignment, record
+from autograder.report import page_name, write_reports
+from autograder.results import SubmissionResult
+from autograder.sandbox import strongest
+from autograder.submission import read_release
+from tests.attacks.corpus import Attack, CANARY, notebooks
+from tests.attacks.handing_in import ASSIGNMENT, cell, lay_out, PAYLOAD
+
+pytestmark = [pytest.mark.attacks, pytest.mark.ros, pytest.mark.slow, pytest.mark.nbgrader]
+
+ROOT = Path(__file__).parents[2]
+ATTACKS = notebooks()
+# One before, one between and one behind all others; the last has nothing right.
+HONEST = {'ada': 40.0, 'has_a_pen': 40.0, 'zoe': 0.0}
+HTML = ('<script>alert', '<img src=x', '<svg/', 'href="javascript:', '<iframe', '<b onmouse')
+
+
+@dataclass(frozen=True)
+class ClassRun:
+    """
+    A class after it was graded.
+
+    :param graded: by name of the student
+    :param students: name of the student by attack
+    """
+
+    layout: Layout
+    lesson: Lesson
+    graded: dict[str, Graded]
+    students: dict[str, str]
+
+    def of(self, attack: Attack) -> SubmissionResult:
+        """Return what an attack got."""
+        return self.graded[self.students[attack.name]].result
+
+
+def load(attack: Attack) -> ModuleType:
+    """Import an attack's file."""
+    spec = importlib.util.spec_from_file_location(f'attack_{attack.name}', attack.path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def hand_in(attack: Attack, submitted: Path, solved, blank) -> Path:
+    """Lay out what an attack hands in; return the student's folder."""
+    module = load(attack)
+    student = submitted / getattr(module, 'STUDENT', attack.name)
+    solved, blank = copy.deepcopy(solved), copy.deepcopy(blank)
+    if hasattr(module, 'hand_in'):
+        module.hand_in(student, solved, blank)
+    else:
+        lay_out(student, module.notebook(solved, blank))
+    return student
+
+
+@pytest.fixture(scope='session')
+def course(tmp_path_factory) -> Layout:
+    """Return a course with one lesson, released and entered in a gradebook."""
+    from autograder import converters
+
+    layout = Layout(tmp_path_factory.mktemp('course'))
+    source = ROOT / 'solutions' / ASSIGNMENT
+    ignore = shutil.ignore_patterns('ros_ws', '.ipynb_checkpoints')
+    shutil.copytree(source, layout.solutions / ASSIGNMENT, ignore=ignore)
+    shutil.copy(ROOT / 'nbgrader_config.py', layout.root)
+    converters.generate(layout, ASSIGNMENT, layout.notebooks, database=False)
+    enter_assignment(layout, ASSIGNMENT)
+    return layout
+
+
+@pytest.fixture(scope='session')
+def graded(course) -> ClassRun:
+    """Hand in, grade, record and report everything, in one class."""
+    PAYLOAD.unlink(missing_ok=True)
+    os.environ['COURSE_SECRET_CANARY'] = CANARY
+    release = course.release(ASSIGNMENT)
+    solved = read_release(course.solutions / ASSIGNMENT / release.name)
+    blank = read_release(release)
+    for name, points in HONEST.items():
+        lay_out(course.submitted / name, secretive(solved) if points else blank)
+    folders = {one.name: hand_in(one, course.submitted, solved, blank) for one in ATTACKS}
+    lesson = load_lesson(course, ASSIGNMENT, engine(course))
+    for exam in lesson.exams:
+        exam.facts['canary'] = CANARY
+    found = discover(course.submitted, ASSIGNMENT, release.name, (ASSIGNMENT,))
+    results = grade_class(found, lesson, engine(course), jobs=2)
+    record(course, lesson, results)
+    write_reports(course.reports, ASSIGNMENT, [one.result for one in results])
+    names = {str(one.submission.folder): one.result.student for one in results}
+    students = {name: _student(folder, names) for name, folder in folders.items()}
+    return ClassRun(course, lesson, {one.result.student: one for one in results}, students)
+
+
+def secretive(solved):
+    """Return a right solution with a secret in a comment, for which others may look."""
+    mine = copy.deepcopy(solved)
+    cell(mine, 'temperature_publisher')['source'] += f'\n# {CANARY}\n'
+    return mine
+
+
+def _student(folder: Path, names: dict[str, str]) -> str:
+    """Return under which name a folder was graded; odd names are shown as something else."""
+    return next(names[path] for path in (str(folder), str(folder / ASSIGNMENT)) if path in names)
+
+
+def engine(course: Layout) -> SandboxEngine:
+    """Return the engine that grades a class, with its recordings kept."""
+    return SandboxEngine(strongest(), course.recordings)
+
+
+def names(attack: Attack) -> str:
+    """Return a test id."""
+    return attack.name
+
+
+@pytest.mark.parametrize('attack', ATTACKS, ids=names)
+def test_notebook_gains_nothing(graded, attack):
+    """The points are those that its answers deserve, and nothing is for review."""
+    result = graded.of(attack)
+
+    assert not result.fault
+    if attack.at_most:
+        assert result.points <= attack.points
+    else:
+        assert result.points == attack.points
+
+
+@pytest.mark.parametrize('attack', ATTACKS, ids=names)
+def test_notebook_that_names_a_flag_is_flagged(graded, attack):
+    """The instructor reads what is wrong, on the student's page."""
+    result = graded.of(attack)
+    seen = [*result.flags, *(problem.line() for problem in result.problems)]
+
+    for flag in attack.flags:
+        assert any(flag in one for one in seen), seen
+
+
+@pytest.mark.parametrize('attack', ATTACKS, ids=names)
+def test_page_of_a_notebook_is_harmless(graded, attack):
+    """The page shows text as text, without control characters and without secrets."""
+    path = graded.layout.reports / ASSIGNMENT / page_name(graded.students[attack.name])
+    page = path.read_text(encoding='utf-8')
+
+    assert CANARY not in page
+    assert '\x1b' not in page
+    assert [sign for sign in HTML if sign in page] == []
+
+
+def test_honest_students_get_what_they_got_alone(graded):
+    """Nobody's grade depends on who else is in the class."""
+    alone = grade_class(
+        [graded.graded[name].submission for name in HONEST],
+        graded.lesson,
+        engine(graded.layout),
+        jobs=2,
+    )
+
+    for one in alone:
+        together = graded.graded[one.result.student].result
+        assert one.result.points == HONEST[one.result.student]
+        assert untimed(together) == untimed(one.result)
+
+
+def untimed(result: SubmissionResult) -> dict:
+    """Return a result without its wall-clock facts."""
+    plain = replace(result, exams=tuple(replace(exam, timing={}) for exam in result.exams))
+    return plain.to_json()
+
+
+def test_honest_students_are_not_flagged(graded):
+    """An untouched release and a solved one raise no false alarm."""
+    for name in HONEST:
+        assert graded.graded[name].result.flags == ()
+        assert graded.graded[name].result.problems == ()
+
+
+def test_gradebook_has_everybody_once_with_their_own_points(graded):
+    """What nbgrader stores is what was given, also for those beside an attack."""
+    query = """
+        select submitted_assignment.student_id, sum(grade.auto_score)
+        from grade
+        join submitted_notebook on grade.notebook_id = submitted_notebook.id
+        join submitted_assignment on submitted_notebook.assignment_id = submitted_assignment.id
+        group by submitted_assignment.student_id
+    """
+    with sqlite3.connect(graded.layout.work / 'gradebook.db') as gradebook:
+        stored = dict(gradebook.execute(query).fetchall())
+    given = {
+        name: one.result.points for name, one in graded.graded.items() if one.submission.recordable
+    }
+
+    assert stored == given
+
+
+def test_no_recording_has_a_secret_of_others(graded):
+    """What a program printed or sent holds nothing of the exams, the grader or the class."""
+    recordings = list(graded.layout.recordings.rglob('*.jsonl'))
+
+    assert len(recordings) > len(HONEST)
+    for path in recordings:
+        text = path.read_text(encoding='utf-8')
+        assert CANARY not in text
+        assert 'FOUND' not in text
+
+
+def test_no_payload_was_executed(graded):
+    """Nothing that was hidden in a notebook or beside it ran anywhere on the host."""
+    assert not PAYLOAD.exists()
+    assert not list(Path.cwd().glob('an-attack*'))
+
+
+def test_class_list_and_results_are_harmless(graded):
+    """The index has everybody, as text."""
+    folder = graded.layout.reports / ASSIGNMENT
+    index = (folder / 'index.html').read_text(encoding='utf-8')
+    data = json.loads((folder / 'results.json').read_text(encoding='utf-8'))
+
+    assert len(data) == len(ATTACKS) + len(HONEST)
+    assert CANARY not in json.dumps(data)
+    assert [sign for sign in (*HTML, '\x1b') if sign in index] == []
+
+
+def test_feedback_and_export_are_harmless(graded):
+    """Nbgrader's own feedback page and table show nothing that a browser would act on."""
+    for command in (['generate_feedback', ASSIGNMENT, '--student=injects_markup'], ['export']):
+        done = subprocess.run(
+            [sys.executable, '-m', 'nbgrader', *command],
+            cwd=graded.layout.root,
+            env={**os.environ, 'PYTHONPATH': str(ROOT)},
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
+        assert done.returncode == 0, done.stderr
+    pages = list((graded.layout.work / 'feedback' / 'injects_markup').rglob('*.html'))
+    page = pages[0].read_text(encoding='utf-8')
+    table = (graded.layout.root / 'grades.csv').read_text(encoding='utf-8')
+
+    for sign in (*HTML, '\x1b[', '<form', '<base', '<style>body'):
+        assert sign not in page, sign
+    assert CANARY not in page
+    cells = table.replace('\n', ',').split(',')
+    assert not [one for one in cells if one.startswith(('=', '+', '@'))]

@@ -1,0 +1,194 @@
+"""
+Lessons worked through as a student does, in JupyterLab in a headless Chromium.
+
+    make test-browser ARGS='-k lessons_live'
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+import json
+from pathlib import Path
+import re
+from typing import Any
+from urllib.request import Request, urlopen
+
+from conftest import Lab
+from lab_page import (
+    CELL_MS,
+    cell_with,
+    choose,
+    open_notebook,
+    run_all,
+    solved,
+    wait_until_run,
+    WITHOUT_WORDS,
+)
+import pytest
+
+from roslab.quiz import find
+
+pytestmark = [pytest.mark.browser, pytest.mark.ros, pytest.mark.slow]
+
+MOST_KEYS = 60
+SHORT_MS = 10_000
+
+POINTS = 'polyline => polyline.getAttribute("points")'
+NOTHING_RUNS = """() => ![...document.querySelectorAll('.jp-InputPrompt')]
+    .some(prompt => prompt.textContent.includes('*'))"""
+MOVED = """([cell, before]) =>
+    cell.querySelector('polyline').getAttribute('points') !== before"""
+GROUPS = 'inputs => inputs.map(input => input.name)'
+NUMBER_OF_FOCUS = """() => {
+    const one = document.activeElement;
+    return one.type === 'radio' ? Number(one.value) : -1;
+}"""
+
+
+@pytest.fixture(autouse=True)
+def own_kernel(lab: Lab) -> Iterator[None]:
+    """End the kernels after each test: their nodes would be in the next one's pictures."""
+    yield
+    token = {'Authorization': f'token {lab.token}'}
+    with urlopen(Request(f'{lab.address}api/sessions', headers=token)) as answer:
+        sessions = json.load(answer)
+    for session in sessions:
+        address = f'{lab.address}api/sessions/{session["id"]}'
+        urlopen(Request(address, headers=token, method='DELETE')).close()
+
+
+def picture(inside: Any, words: str) -> Any:
+    """
+    Return the picture whose accessible name matches.
+
+    :param words: a regular expression; Playwright would take a slash in it for its end
+    """
+    return inside.get_by_role('img', name=re.compile(words.replace('/', '.')))
+
+
+def answer_by_keyboard(page: Any, key: str) -> None:
+    """Go up to the cell of a question, choose a wrong and the right option, without a mouse."""
+    from playwright.sync_api import expect
+
+    question, cell = find(key), cell_with(page, f"quiz('{key}')")
+    page.keyboard.press('Escape')
+    for _ in range(MOST_KEYS):
+        if 'jp-mod-active' in cell.get_attribute('class'):
+            break
+        page.keyboard.press('ArrowUp')
+    number = -1
+    for _ in range(MOST_KEYS):
+        if number >= 0:
+            break
+        page.keyboard.press('Tab')
+        number = page.evaluate(NUMBER_OF_FOCUS)
+    right = [option.right for option in question.options].index(True)
+    status = cell.get_by_role('status')
+    for wanted, begin in (
+        ((right + 1) % len(question.options), 'Not right. '),
+        (right, 'Right. '),
+    ):
+        for _ in question.options:
+            if page.evaluate(NUMBER_OF_FOCUS) != wanted:
+                page.keyboard.press('ArrowDown')
+        page.keyboard.press('Enter')
+        why = question.options[wanted].why.replace('`', '')
+        expect(status).to_contain_text(f'{begin}{why}', timeout=SHORT_MS)
+
+
+def test_quick_tour_moves_warns_and_asks(lab: Lab, page: Any, shots: Path) -> None:
+    """The curve goes on while no cell runs, and the warnings are with the monitor's cell."""
+    from playwright.sync_api import expect
+
+    open_notebook(lab, page, solved(lab, '00_quick_tour'))
+    after = cell_with(page, "echo('/temperature_topic')")
+    after.locator('.jp-InputArea-editor').click()
+    choose(page, 'Run', 'Run All Above Selected Cell')
+    drawn = cell_with(page, 'curve = plot(')
+    wait_until_run(drawn)
+    page.wait_for_function(NOTHING_RUNS, timeout=SHORT_MS)
+    before = drawn.locator('polyline').first.evaluate(POINTS)
+    page.wait_for_function(MOVED, arg=[drawn.element_handle(), before], timeout=SHORT_MS)
+    drawn.screenshot(path=shots / 'plot.png')
+    told = 'Plot of /temperature_topic .* above the threshold 30'
+    expect(picture(drawn, told)).to_be_visible()
+
+    monitor = cell_with(page, 'start(TemperatureSubscriber)')
+    warned = re.compile(r'\[WARN\] \[temperature_subscriber\]: .*above the threshold of 30')
+    expect(monitor.locator('.jp-Cell-outputArea')).to_contain_text(warned)
+    expect(picture(monitor, 'ROS graph .*nobody publishes')).to_be_visible()
+    monitor.screenshot(path=shots / 'monitor.png')
+    both = '/temperature_publisher --> /temperature_topic .* --> /temperature_subscriber'
+    graph = cell_with(page, 'start(TemperaturePublisher')
+    expect(picture(graph, both)).to_be_visible()
+
+    run_all(page)
+    questions = page.locator('.roslab-quiz').count()
+    assert len(set(page.get_by_role('radio').evaluate_all(GROUPS))) == questions > 1
+    answer_by_keyboard(page, '00-alive')
+    cell_with(page, "quiz('00-alive')").screenshot(path=shots / 'quiz.png')
+    assert page.evaluate(WITHOUT_WORDS) == []
+    assert page.errors == []
+
+
+def test_topics_are_drawn_and_what_is_not_connected_says_why(
+    lab: Lab, page: Any, shots: Path
+) -> None:
+    """All cells run; a dashed line has its reason in words, for the eye and for the ear."""
+    from playwright.sync_api import expect
+
+    open_notebook(lab, page, solved(lab, '03_topics'))
+    run_all(page)
+    lonely = picture(page, 'ROS graph .*/desk - -> /requests .*nobody subscribes')
+    expect(lonely.locator('text', has_text='nobody subscribes')).to_have_count(2)
+    expect(lonely.locator('path[stroke-dasharray]')).to_have_count(3)
+    lonely.screenshot(path=shots / 'lonely.png')
+    many = cell_with(page, "graph('chatter')")
+    connected = picture(many, '/parleur --> /chatter .* --> /second')
+    expect(connected).to_be_visible()
+    assert connected.locator('path[stroke-dasharray]').count() == 0
+    assert page.evaluate(WITHOUT_WORDS) == []
+    assert page.errors == []
+
+
+def test_laboratory_shows_a_table_with_headers_and_a_timeline(
+    lab: Lab, page: Any, shots: Path
+) -> None:
+    """The compatibility table can be read by row and column, the timeline has words."""
+    from playwright.sync_api import expect
+
+    open_notebook(lab, page, solved(lab, '05_quality_of_service'))
+    run_all(page)
+    shown = page.get_by_role('table', name=re.compile('^Reliability and durability: 16 pairs'))
+    table = shown.first
+    assert table.get_by_role('columnheader').count() == 5
+    offered = table.get_by_role('rowheader').all_inner_texts()
+    assert len(offered) == 4
+    row = table.get_by_role('row', name=re.compile('^BEST_EFFORT, VOLATILE'))
+    expect(row.get_by_role('cell')).to_have_text(
+        ['match', 'no: DURABILITY', 'no: RELIABILITY', 'no: RELIABILITY']
+    )
+    table.screenshot(path=shots / 'table.png')
+    timeline = picture(page, r'Timeline of .* pulse: 8 messages.* deadline missed: \d+ marks')
+    expect(timeline).to_be_visible()
+    timeline.screenshot(path=shots / 'timeline.png')
+    assert page.evaluate(WITHOUT_WORDS) == []
+    assert page.errors == []
+
+
+def test_cell_that_is_run_too_early_names_the_cell_to_run_first(
+    lab: Lab, page: Any, shots: Path
+) -> None:
+    """Who begins in the middle is told where to begin."""
+    from playwright.sync_api import expect
+
+    open_notebook(lab, page, solved(lab, '00_quick_tour'))
+    cell = cell_with(page, 'curve = plot(')
+    cell.locator('.jp-InputArea-editor').click()
+    page.keyboard.press('Control+Enter')
+    shown = cell.locator('.jp-Cell-outputArea')
+    expect(shown).to_contain_text('NameError: plot is not there yet.', timeout=CELL_MS)
+    expect(shown).to_contain_text('Run first: ')
+    expect(shown).to_contain_text('the cell that begins with: from roslab import')
+    cell.screenshot(path=shots / 'too_early.png')
+    assert page.errors == []

@@ -1,0 +1,73 @@
+"""
+What the claims are tried with: real nodes in a ROS world of their own.
+
+``world`` is a private context on a domain that no other test process uses; nodes made with it are
+destroyed at the end.  ``world.spin_until`` is the only way to wait: on a condition, with a bound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+import os
+import time
+
+import pytest
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+DOMAIN = 1 + os.getpid() % 100
+
+
+class World:
+    """A context, an executor and the nodes in it."""
+
+    def __init__(self, domain: int = DOMAIN) -> None:
+        self.context = Context()
+        self.context.init(args=[], domain_id=domain)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.nodes: list[Node] = []
+
+    def node(self, name: str = 'subject', cls: type[Node] = Node, **options: object) -> Node:
+        """Make a node and let the executor serve it."""
+        node = cls(name, context=self.context, **options)
+        self.nodes.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def spin_until(
+        self, condition: Callable[[], object], timeout: float = 10.0, what: str = 'a condition'
+    ) -> None:
+        """Serve callbacks until something holds; fail after a bound that no claim depends on."""
+        deadline = time.monotonic() + timeout
+        while not condition():
+            assert time.monotonic() < deadline, f'waited {timeout:g} s for {what}'
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def drain(self) -> None:
+        """Serve what is ready, and nothing that is still to come."""
+        for _ in range(200):
+            self.executor.spin_once(timeout_sec=0)
+
+    def close(self) -> None:
+        """Destroy everything."""
+        self.executor.shutdown()
+        for node in self.nodes:
+            node.destroy_node()
+        self.context.try_shutdown()
+
+
+@pytest.fixture
+def world() -> Iterator[World]:
+    """Return a ROS world of this test alone."""
+    made = World()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def other_world() -> Iterator[World]:
+    """Return a second participant in the same domain, as another process would be."""
+    made = World()
+    yield made
+    made.close()

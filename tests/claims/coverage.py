@@ -1,0 +1,152 @@
+"""
+What the course claims, where it teaches it, and what proves it: ``docs/coverage.md``.
+
+Three sources meet here: the claims in ``points.yaml`` and ``corrections.yaml``, the cells of
+``solutions/`` that name claims in their metadata (``"covers": ["N1"]``), and tests
+that are marked ``@pytest.mark.claim('N1')``.  Nothing is imported or executed, so this is quick::
+
+    python -m tests.claims.coverage            write the table
+    python -m tests.claims.coverage --check    say what is missing, or out of date
+"""
+
+from __future__ import annotations
+
+import ast
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+import json
+from pathlib import Path
+import sys
+from typing import Any
+
+import yaml
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+TABLE = ROOT / 'docs' / 'coverage.md'
+GROUPS = {
+    'N': 'The node and the graph',
+    'E': 'The life of a node',
+    'X': 'Executors, timers and callbacks',
+    'J': 'rclpy in Jupyter',
+    'T': 'Topics and discovery',
+    'M': 'Messages',
+    'Q': 'Quality of service',
+    'L': 'Managed nodes',
+    'P': 'Logging, parameters, testing',
+}
+Places = Mapping[str, Sequence[str]]
+
+
+def claims(name: str) -> dict[str, dict[str, Any]]:
+    """Return the claims of one of the two files, by id."""
+    found = yaml.safe_load((HERE / name).read_text(encoding='utf-8'))
+    assert isinstance(found, dict)
+    return found
+
+
+def cells() -> dict[str, list[str]]:
+    """Return where each claim is taught, as ``lesson/notebook.ipynb#cell-id``."""
+    found = defaultdict(list)
+    for path in sorted(ROOT.glob('solutions/*/*.ipynb')):
+        for cell in json.loads(path.read_text(encoding='utf-8'))['cells']:
+            for claim in cell['metadata'].get('covers', ()):
+                found[claim].append(f'{path.parent.name}#{cell["id"]}')
+    return found
+
+
+def tests() -> dict[str, list[str]]:
+    """Return the tests that assert each claim, as ``file::function``."""
+    found = defaultdict(list)
+    for path in sorted((ROOT / 'tests').rglob('test_*.py')):
+        for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                for claim in _marks(node):
+                    found[claim].append(f'{path.relative_to(ROOT / "tests")}::{node.name}')
+    return found
+
+
+def _marks(test: ast.FunctionDef | ast.AsyncFunctionDef) -> Iterator[str]:
+    for mark in test.decorator_list:
+        if isinstance(mark, ast.Call) and ast.unparse(mark.func).endswith('claim'):
+            yield from (word.value for word in mark.args if isinstance(word, ast.Constant))
+
+
+def problems(taught: Places, proven: Places) -> Iterator[str]:
+    """Yield what is missing, one line each; a claim may go untested only with a reason."""
+    points, corrections = claims('points.yaml'), claims('corrections.yaml')
+    known = points.keys() | corrections.keys()
+    for claim, point in points.items():
+        if claim not in taught:
+            yield f'{claim} is taught in no cell: {point["claim"]}'
+        if claim not in proven and 'told' not in point:
+            yield f'{claim} is asserted by no test and has no reason (told) why: {point["claim"]}'
+    for claim, correction in corrections.items():
+        if claim not in taught:
+            yield f'{claim} is taught in no cell: {correction["right"]}'
+        if claim not in proven and not any(other in proven for other in correction['see']):
+            yield f'{claim} is asserted by no test: {correction["right"]}'
+    for claim in sorted((taught.keys() | proven.keys()) - known):
+        where = [*taught.get(claim, ()), *proven.get(claim, ())]
+        yield f'{claim} is no known claim, but {", ".join(where)} names it.'
+
+
+def table(taught: Places, proven: Places) -> str:
+    """Return the page."""
+    points, corrections = claims('points.yaml'), claims('corrections.yaml')
+    tested = sum(claim in proven for claim in points)
+    lines = [
+        '# What the course claims, where it teaches it, and what proves it',
+        '',
+        'Written by `python -m tests.claims.coverage`; `make check` compares. A place is a lesson '
+        'and the id of a cell; a proof is a test under `tests/` that runs real ROS 2.',
+        '',
+        f'{len(points)} claims, {tested} of them asserted by a test; '
+        f'{len(corrections)} corrections of what is often said.',
+    ]
+    for letter, title in GROUPS.items():
+        lines += ['', f'## {title}', '', '| | claim | taught in | proven by |']
+        lines += ['|---|---|---|---|']
+        for claim, point in points.items():
+            if claim[0] == letter:
+                proof = _listed(proven.get(claim)) or f'not executed: {point.get("told", "?")}'
+                lines.append(
+                    f'| {claim} | {_plain(point["claim"])} | {_listed(taught.get(claim))} '
+                    f'| {proof} |'
+                )
+    lines += ['', '## Often said, and not so', '', '| | often said | what holds | taught in |']
+    lines += ['|---|---|---|---|']
+    for claim, correction in corrections.items():
+        lines.append(
+            f'| {claim} | {_plain(correction["wrong"])} | {_plain(correction["right"])} '
+            f'| {_listed(taught.get(claim))} |'
+        )
+    return '\n'.join(lines) + '\n'
+
+
+def _plain(text: str) -> str:
+    return text.replace('|', r'\|').replace('_', r'\_').replace('*', r'\*')
+
+
+def _listed(places: Sequence[str] | None) -> str:
+    return ', '.join(f'`{place}`' for place in places or ())
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the table, or compare it."""
+    taught, proven = cells(), tests()
+    text = table(taught, proven)
+    found = list(problems(taught, proven))
+    if '--check' in arguments:
+        if not TABLE.is_file() or TABLE.read_text(encoding='utf-8') != text:
+            found.append(f'{TABLE.relative_to(ROOT)} is out of date. Try: make coverage')
+        print('\n'.join(found) or 'Every claim of the course is taught, and proven or explained.')
+        return 1 if found else 0
+    TABLE.parent.mkdir(exist_ok=True)
+    TABLE.write_text(text, encoding='utf-8')
+    print('\n'.join([*found, f'{TABLE.relative_to(ROOT)} is written.']))
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

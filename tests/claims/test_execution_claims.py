@@ -1,0 +1,368 @@
+"""What the course says about executors, timers, callbacks and clocks, tried on the real rclpy."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import threading
+import time
+
+import pytest
+from rcl_interfaces.srv import GetParameters
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.clock import ClockType
+from rclpy.duration import Duration
+from rclpy.executors import (
+    ExternalShutdownException,
+    MultiThreadedExecutor,
+    SingleThreadedExecutor,
+)
+from rclpy.parameter import Parameter
+from rclpy.time import Time
+from rclpy.wait_for_message import wait_for_message
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+
+claim = pytest.mark.claim
+pytestmark = pytest.mark.ros
+
+
+def in_thread(work):
+    """Start a daemon thread, so that a claim that fails cannot hang the tests."""
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    return thread
+
+
+@claim('X1', 'X8')
+def test_spin_blocks_until_its_executor_is_shut_down(world):
+    """The thread that spins is busy with it until somebody ends it."""
+    executor = SingleThreadedExecutor(context=world.context)
+    ticked = threading.Event()
+    world.executor.remove_node(node := world.node())
+    node.create_timer(0.01, ticked.set)
+    executor.add_node(node)
+    thread = in_thread(executor.spin)
+
+    assert ticked.wait(10)
+    assert thread.is_alive()
+    executor.shutdown()
+    thread.join(10)
+    assert not thread.is_alive()
+
+
+@claim('X8')
+def test_shutdown_of_the_context_raises_where_somebody_spins(world):
+    """The exception has a name that a program can expect."""
+    raised = []
+    spinning = threading.Event()
+    world.node().create_timer(0.01, spinning.set)
+
+    def spin():
+        try:
+            world.executor.spin()
+        except ExternalShutdownException as error:
+            raised.append(error)
+
+    thread = in_thread(spin)
+    assert spinning.wait(10)
+    world.context.shutdown()
+    thread.join(10)
+
+    assert len(raised) == 1
+
+
+@claim('X2')
+def test_spin_once_without_time_does_not_wait(world):
+    """With nothing to do it returns at once, and with something it does one thing."""
+    node, ticks = world.node(), []
+    timer = node.create_timer(3600.0, lambda: ticks.append(1))
+    world.drain()
+    began = time.monotonic()
+    world.executor.spin_once(timeout_sec=0)
+
+    assert time.monotonic() - began < 5  # against an hour
+    assert ticks == []
+    assert not timer.is_canceled()
+
+
+@claim('X3')
+def test_waiting_for_one_message_is_bounded(world):
+    """wait_for_message returns what came, or tells that nothing did."""
+    node = world.node()
+    world.executor.remove_node(node)
+
+    assert wait_for_message(String, node, 'silence', time_to_wait=0.05) == (False, None)
+
+
+@claim('X3')
+def test_spinning_until_a_future_is_done(world):
+    """It returns when the answer is there."""
+    node = world.node()
+    node.create_service(GetParameters, 'ping', lambda _, response: response)
+    future = node.create_client(GetParameters, 'ping').call_async(GetParameters.Request())
+    world.executor.spin_until_future_complete(future, timeout_sec=10)
+
+    assert future.done()
+
+
+@claim('X4')
+def test_messages_wait_until_somebody_spins(world):
+    """Connected and sent is not yet received."""
+    node, heard = world.node(), []
+    publisher = node.create_publisher(String, 'chatter', 10)
+    node.create_subscription(String, 'chatter', heard.append, 10)
+    publisher.publish(String(data='waiting'))
+
+    assert publisher.get_subscription_count() == 1
+    assert heard == []
+    world.spin_until(lambda: heard, what='the message')
+
+
+@claim('X5')
+def test_spin_once_takes_the_node_away_from_its_executor(world):
+    """After rclpy.spin_once the other executor serves nobody."""
+    import rclpy
+
+    node = world.node()
+    assert world.executor.get_nodes() == [node]
+    other = SingleThreadedExecutor(context=world.context)
+    rclpy.spin_once(node, executor=other, timeout_sec=0)
+
+    assert world.executor.get_nodes() == []
+
+
+@claim('X7')
+def test_exception_in_a_callback_leaves_spin(world):
+    """Whoever spins gets it, and a thread ends with it."""
+
+    def fail():
+        raise ZeroDivisionError('in a callback')
+
+    world.node().create_timer(0.01, fail)
+
+    with pytest.raises(ZeroDivisionError):
+        world.executor.spin()
+
+
+def most_at_once(world, group) -> int:
+    """Return how many callbacks of a node ran at the same time on four threads."""
+    node, now, most, lock = world.node(), [], [0], threading.Lock()
+    world.executor.remove_node(node)
+    done = threading.Event()
+
+    def busy():
+        with lock:
+            now.append(1)
+            most[0] = max(most[0], len(now))
+        met = both.wait(0.3)
+        with lock:
+            now.pop()
+        if met or len(calls) >= 4:
+            done.set()
+        calls.append(1)
+
+    calls: list[int] = []
+    both = Meeting(2)
+    for _ in range(2):
+        node.create_timer(0.01, busy, callback_group=group)
+    executor = MultiThreadedExecutor(4, context=world.context)
+    executor.add_node(node)
+    in_thread(executor.spin)
+    assert done.wait(20)
+    executor.shutdown()
+    return most[0]
+
+
+class Meeting:
+    """Tells whether so many threads were there at once."""
+
+    def __init__(self, count):
+        self.barrier = threading.Barrier(count)
+
+    def wait(self, seconds):
+        """Wait for the others, at most so long."""
+        try:
+            self.barrier.wait(seconds)
+        except threading.BrokenBarrierError:
+            self.barrier.reset()
+            return False
+        return True
+
+
+@claim('X9')
+def test_callbacks_exclude_each_other_unless_their_group_is_reentrant(world):
+    """Four threads change nothing for the default group."""
+    assert most_at_once(world, None) == 1
+    assert most_at_once(world, ReentrantCallbackGroup()) == 2
+
+
+@claim('X11')
+def test_synchronous_call_in_a_callback_never_returns(world):
+    """The answer needs the thread that waits for it; call_async needs none."""
+    node = world.node()
+    node.create_service(GetParameters, 'ping', lambda _, response: response)
+    client = node.create_client(GetParameters, 'ping')
+    answers, futures = [], []
+
+    def call():
+        timer.cancel()
+        futures.append(client.call_async(GetParameters.Request()))
+        answers.append(client.call(GetParameters.Request(), timeout_sec=0.3))
+
+    timer = node.create_timer(0.01, call)
+    world.spin_until(lambda: answers, what='the end of the synchronous call')
+    assert answers == [None]  # which is how a time-out is told
+    world.spin_until(lambda: futures[0].done(), what='the answer to the other call')
+
+
+@claim('X12')
+def test_one_callback_stops_all_others(world):
+    """While one is at work nothing else happens in its executor."""
+    node, ticks, seen = world.node(), [], []
+    node.create_timer(0.01, lambda: ticks.append(1))
+
+    def long_work():
+        before = len(ticks)
+        time.sleep(0.1)  # ten periods of the other timer: the claim itself
+        seen.append(len(ticks) - before)
+
+    node.create_timer(0.02, long_work)
+    world.spin_until(lambda: seen, what='the long callback')
+
+    assert seen[0] == 0
+
+
+def clock_at(world, nanoseconds):
+    """Publish a simulated time and wait until the node shows it."""
+    world.ticker.publish(Clock(clock=Time(nanoseconds=nanoseconds).to_msg()))
+    world.spin_until(
+        lambda: world.subject.get_clock().now().nanoseconds == nanoseconds, what='the clock'
+    )
+    world.drain()
+
+
+@pytest.fixture
+def simulated(world):
+    """Return a world with a node in simulated time, stepped by clock_at."""
+    world.subject = world.node(
+        'subject', parameter_overrides=[Parameter('use_sim_time', value=True)]
+    )
+    world.ticker = world.node('ticker').create_publisher(Clock, '/clock', 10)
+    world.spin_until(lambda: world.ticker.get_subscription_count() == 1, what='the node')
+    return world
+
+
+@claim('X13', 'X14')
+def test_first_tick_after_a_period_and_missed_ones_are_skipped(simulated):
+    """Half a second brings nothing, a second one tick, and a jump of ten at most two."""
+    clock_at(simulated, 1)
+    ticks = []
+    simulated.subject.create_timer(1.0, lambda: ticks.append(1))
+    clock_at(simulated, 500_000_000)
+    assert ticks == []
+    clock_at(simulated, 1_100_000_000)
+    assert len(ticks) == 1
+    clock_at(simulated, 11_600_000_000)
+    assert len(ticks) <= 3
+
+
+@claim('X16')
+def test_without_a_clock_simulated_time_stands_at_zero(simulated):
+    """No /clock, no time, and a timer of a hundredth of a second stands still."""
+    ticks = []
+    simulated.subject.create_timer(0.01, lambda: ticks.append(1))
+    witness = []
+    simulated.node('witness').create_timer(0.01, lambda: witness.append(1))
+    simulated.spin_until(lambda: len(witness) >= 10, what='ten ticks of a node in real time')
+
+    assert simulated.subject.get_clock().now().nanoseconds == 0
+    assert len(ticks) <= 1
+
+
+@claim('X17')
+def test_timers_are_stopped_and_started(world):
+    """Created stopped, started, cancelled and reset."""
+    node, ticks = world.node(), []
+    timer = node.create_timer(0.01, lambda: ticks.append(1), autostart=False)
+    assert timer.is_canceled()
+    timer.reset()
+    world.spin_until(lambda: ticks, what='a tick after reset')
+    timer.cancel()
+    world.drain()
+    ticks.clear()
+    witness = []
+    node.create_timer(0.01, lambda: witness.append(1))
+    world.spin_until(lambda: len(witness) >= 3, what='three ticks of another timer')
+
+    assert ticks == []
+
+
+@claim('X18')
+def test_rate_in_a_callback_never_wakes(world):
+    """It waits for a timer that only the thread it blocks could serve."""
+    node = world.node()
+    rate = node.create_rate(100.0)
+    woken = threading.Event()
+    entered = threading.Event()
+
+    def sleep_once():
+        rate.sleep()  # may return at once, if the rate's timer fired before
+        entered.set()
+        rate.sleep()
+        woken.set()
+
+    node.create_timer(0.01, sleep_once)
+    thread = in_thread(world.executor.spin)
+    entered.wait(0.5)
+    assert not woken.wait(0.5)  # fifty periods
+    rate.destroy()
+    world.executor.shutdown(timeout_sec=0)
+    thread.join(10)
+
+
+@claim('X19')
+def test_callback_takes_message_and_info(world):
+    """The second parameter carries the moments of sending and receiving."""
+    node, heard = world.node(), []
+    node.create_subscription(String, 'chatter', lambda m, info: heard.append((m, info)), 10)
+    node.create_publisher(String, 'chatter', 10).publish(String(data='x'))
+    world.spin_until(lambda: heard, what='the message')
+    info = heard[0][1]
+
+    assert info['received_timestamp'] >= info['source_timestamp'] > 0
+    with pytest.raises(RuntimeError):
+        node.create_subscription(String, 'chatter', lambda: None, 10)
+
+
+@claim('X20')
+def test_time_of_the_clock_becomes_a_stamp_and_back(world):
+    """A difference of two times is a duration; clocks of two kinds do not mix."""
+    now = world.node().get_clock().now()
+    stamp = now.to_msg()
+
+    assert Time.from_msg(stamp, clock_type=ClockType.ROS_TIME) == now
+    assert now - Time.from_msg(stamp, clock_type=ClockType.ROS_TIME) == Duration()
+
+
+@claim('X21')
+def test_callbacks_run_where_somebody_spins(world):
+    """The thread of a callback is the thread of the executor."""
+    where = []
+    world.node().create_timer(0.01, lambda: where.append(threading.get_ident()))
+    thread = in_thread(lambda: world.spin_until(lambda: where, what='a tick'))
+    thread.join(20)
+
+    assert where[0] == thread.ident
+    assert where[0] != threading.get_ident()
+
+
+@claim('J8')
+def test_variables_of_a_child_shell_end_with_it():
+    """What a line after ! sets is gone when its shell has ended."""
+    said = subprocess.run(
+        ['sh', '-c', 'export TASTE=sweet; echo $TASTE'], capture_output=True, text=True, check=True
+    )
+
+    assert said.stdout == 'sweet\n'
+    assert 'TASTE' not in os.environ

@@ -1,0 +1,192 @@
+"""What the course says about logging, parameters and testing, tried on the real rclpy."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+import subprocess
+import sys
+
+import pytest
+from rcl_interfaces.msg import Log, SetParametersResult
+from rclpy.context import Context
+from rclpy.exceptions import ParameterAlreadyDeclaredException, ParameterNotDeclaredException
+from rclpy.logging import LoggingSeverity
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+claim = pytest.mark.claim
+pytestmark = pytest.mark.ros
+
+
+@pytest.fixture
+def rosout(world):
+    """Return what is logged on /rosout of the world, as it comes."""
+    heard = []
+    profile = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    world.node('ear').create_subscription(Log, '/rosout', heard.append, profile)
+    return heard
+
+
+@claim('P1')
+def test_severities_and_the_default(world):
+    """Ten apart; INFO is the first that is shown."""
+    assert [level.value for level in LoggingSeverity][1:] == [10, 20, 30, 40, 50]
+    log = world.node('quiet').get_logger()
+
+    assert log.get_effective_level() == LoggingSeverity.INFO
+    child = log.get_child('part')
+    log.set_level(LoggingSeverity.ERROR)
+    assert child.get_effective_level() == LoggingSeverity.ERROR
+
+
+@claim('P2', 'P6')
+def test_what_is_logged_is_published_and_debug_is_not(world, rosout):
+    """The line after the silent one arrives."""
+    log = world.node('talker').get_logger()
+    log.debug('not even sent')
+    log.info('sent')
+    world.spin_until(lambda: any(entry.msg == 'sent' for entry in rosout), what='the line')
+
+    assert [entry.msg for entry in rosout if entry.name == 'talker'] == ['sent']
+
+
+@claim('P2')
+def test_what_is_logged_is_kept_in_a_file(tmp_path):
+    """ROS_LOG_DIR says where."""
+    text = 'import rclpy\nrclpy.init(args=[])\nrclpy.create_node("a").get_logger().info("kept")\n'
+    subprocess.run(
+        [sys.executable, '-c', text],
+        env={**os.environ, 'ROS_LOG_DIR': str(tmp_path)},
+        check=True,
+        capture_output=True,
+    )
+
+    assert any('kept' in path.read_text() for path in Path(tmp_path).rglob('*.log'))
+
+
+@claim('P3', 'C20')
+def test_warning_is_the_method(world, rosout):
+    """It has the level WARN."""
+    world.node('talker').get_logger().warning('hot')
+    world.spin_until(lambda: any(e.msg == 'hot' for e in rosout), what='the warning')
+
+    assert [e.level for e in rosout if e.msg == 'hot'] == [30]
+
+
+@claim('P4')
+def test_log_takes_one_text(world):
+    """No arguments to fill in, and no other type."""
+    log = world.node().get_logger()
+
+    with pytest.raises(TypeError):
+        log.info('%s degrees', 5)
+    with pytest.raises(TypeError):
+        log.info(5)
+
+
+@claim('P5', 'P9')
+def test_call_site_can_be_limited(world, rosout):
+    """Once of ten times, all but the first, and one a long while."""
+    log = world.node('talker').get_logger()
+    for number in range(10):
+        log.info(f'once {number}', once=True)
+        log.info(f'skip {number}', skip_first=True)
+        log.info(f'throttle {number}', throttle_duration_sec=3600.0)
+    log.info('end')
+    world.spin_until(lambda: any(e.msg == 'end' for e in rosout), what='the end')
+    said = [e.msg.split()[0] for e in rosout if e.name == 'talker']
+
+    assert [said.count(word) for word in ('once', 'skip', 'throttle')] == [1, 9, 1]
+
+
+@claim('P5')
+def test_call_site_keeps_its_severity(world):
+    """The same line with another level is refused."""
+    log = world.node().get_logger()
+
+    def say(level):
+        getattr(log, level)('the same line')
+
+    say('info')
+    with pytest.raises(ValueError, match='severity'):
+        say('warning')
+
+
+@claim('P7', 'C30')
+def test_parameter_has_one_declaration_and_one_type(world):
+    """Twice, not at all, and another type are refused."""
+    node = world.node(parameter_overrides=[Parameter('threshold', value=28.5)])
+    with pytest.raises(ParameterNotDeclaredException):
+        node.get_parameter('threshold')
+    node.declare_parameter('threshold', 30.0)
+
+    assert node.get_parameter('threshold').value == 28.5
+    with pytest.raises(ParameterAlreadyDeclaredException):
+        node.declare_parameter('threshold', 30.0)
+    (answer,) = node.set_parameters([Parameter('threshold', value=31)])
+    assert not answer.successful
+    assert 'DOUBLE' in answer.reason
+
+
+@claim('P7')
+def test_parameter_is_validated_in_a_callback(world):
+    """A refusal keeps the old value and gives its reason."""
+    node = world.node()
+    node.declare_parameter('threshold', 30.0)
+    node.add_on_set_parameters_callback(
+        lambda new: SetParametersResult(
+            successful=all(math.isfinite(p.value) for p in new), reason='not a number'
+        )
+    )
+    (answer,) = node.set_parameters([Parameter('threshold', value=math.nan)])
+
+    assert (answer.successful, answer.reason) == (False, 'not a number')
+    assert node.get_parameter('threshold').value == 30.0
+
+
+@claim('P8', 'C16', 'C32')
+def test_edges_of_a_threshold():
+    """Equal is not above, NaN is nowhere, and a slow random walk seldom crosses."""
+    assert not 30.0 > 30.0
+    assert not math.nan > 30.0
+    # Steps of at most 0.5 from 20: two minutes can cross 30, and nearly all walks do not.
+    import random
+
+    warm = sum(crosses(random.Random(seed), seconds=120) for seed in range(500))
+    assert warm < 25
+
+
+def crosses(draw, seconds: int) -> bool:
+    """Tell whether a random walk with measuring noise passes 30 degrees."""
+    value = 20.0
+    for _ in range(seconds):
+        value += draw.uniform(-0.5, 0.5)
+        if value + draw.uniform(-2.0, 2.0) > 30.0:
+            return True
+    return False
+
+
+@claim('P10')
+def test_world_of_a_test_is_its_own(world, other_world):
+    """Two contexts on the domain of the test see each other, and nobody of the next domain."""
+    stranger = Context()
+    stranger.init(args=[], domain_id=world.context.get_domain_id() + 1)
+    outside = Node('outside_of_this_test', context=stranger)
+    here, _ = world.node('here'), other_world.node('there')
+    world.spin_until(lambda: 'there' in here.get_node_names(), what='the other')
+
+    assert 'outside_of_this_test' not in here.get_node_names()
+    outside.destroy_node()
+    stranger.try_shutdown()
+
+
+@claim('P11')
+def test_logic_is_tried_without_ros():
+    """The decision of the course's monitor is a function of three numbers and texts."""
+    text = (
+        "import sys\nfrom temp_monitor_pkg.threshold import *\nassert 'rclpy' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, '-c', text], check=True, capture_output=True)

@@ -1,0 +1,57 @@
+"""A lesson in which nothing is graded goes through all stages like the others."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import shutil
+
+from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
+import pytest
+
+from autograder import converters
+from autograder.inbox import discover
+from autograder.layout import Layout
+from autograder.pipeline import grade_class, load_lesson
+from autograder.record import enter_assignment, record
+from autograder.report import write_reports
+
+pytestmark = pytest.mark.nbgrader
+
+ROOT = Path(__file__).resolve().parents[2]
+ASSIGNMENT = '00_tour'
+
+
+class NoExams:
+    """An engine of a course in which nothing is graded."""
+
+    def exams(self, assignment):
+        """Return nothing."""
+        return ()
+
+    def run(self, exam, files):
+        """Never be asked."""
+        raise AssertionError('nothing is to be run')
+
+
+def test_lesson_without_exams_is_released_graded_and_reported(tmp_path):
+    """Whoever hands it in has no points of none, and a page."""
+    layout = Layout(tmp_path)
+    shutil.copy(ROOT / 'nbgrader_config.py', tmp_path)
+    source = layout.solutions / ASSIGNMENT / 'tour.ipynb'
+    source.parent.mkdir(parents=True)
+    notebook = new_notebook(cells=[new_markdown_cell('# Tour'), new_code_cell('1 + 1')])
+    source.write_text(json.dumps(notebook), encoding='utf-8')
+    converters.generate(layout, ASSIGNMENT, layout.notebooks, database=False)
+    handed_in = layout.submitted / 'ann' / ASSIGNMENT
+    shutil.copytree(layout.release(ASSIGNMENT).parent, handed_in)
+
+    lesson = load_lesson(layout, ASSIGNMENT, NoExams())
+    submissions = discover(layout.submitted, ASSIGNMENT, lesson.notebook, layout.assignments())
+    enter_assignment(layout, ASSIGNMENT)
+    (graded,) = grade_class(submissions, lesson, NoExams(), jobs=1)
+    record(layout, lesson, [graded])
+    index = write_reports(layout.reports, ASSIGNMENT, [graded.result], 'one submission')
+
+    assert (graded.result.points, graded.result.max_points, graded.result.fault) == (0, 0, '')
+    assert 'ann' in index.read_text(encoding='utf-8')

@@ -1,0 +1,172 @@
+"""Every limit of a run ends what passes it, and only that; the recording says which it was."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from autograder import observe
+from autograder.confined import Limits
+from autograder.observe import observe as run
+from autograder.sandbox import strongest
+from autograder.scenario import Scenario
+
+pytestmark = [pytest.mark.pipeline, pytest.mark.ros]
+
+SOON = Limits(wall_s=4.0)
+
+BUSY = 'while True:\n    pass\n'
+SLEEPS = 'import time\ntime.sleep(1000)\n'
+CHILDREN = """
+import os, time
+for _ in range(6):
+    if os.fork() == 0:
+        held = bytearray(b'x') * (50 << 20)
+        time.sleep(1000)
+time.sleep(1000)
+"""
+PRINTS = "import sys\nwhile True:\n    sys.stdout.write('x' * 65536)\n"
+FILES = """
+import itertools
+for number in itertools.count():
+    open(f'/tmp/{number}', 'w').close()
+"""
+
+
+def recorded(monkeypatch, text: str, limits: Limits):
+    """Return the recording of a program that runs under some limits."""
+    whole = observe.program_for
+    monkeypatch.setattr(observe, 'program_for', lambda *facts: (whole(*facts)[0], limits))
+    scenario = Scenario(file='x.py', appear_s=30.0)
+    return run('limits', scenario, {'x.py': text}, strongest())[0]
+
+
+@pytest.mark.parametrize(
+    ('text', 'limits', 'reason'),
+    [
+        (SLEEPS, replace(SOON, wall_s=1.0), 'wall_time_limit'),
+        (BUSY, replace(SOON, cpu_s=1, wall_s=30.0), 'cpu_limit'),
+        (BUSY, replace(SOON, wall_s=30.0), 'busy_before_node'),
+        (CHILDREN, replace(SOON, memory=200 << 20, wall_s=30.0), 'memory_limit'),
+        (PRINTS, replace(SOON, output=1 << 20), 'output_limit'),
+        (FILES, replace(SOON, inodes=500, wall_s=30.0), 'inode_limit'),
+    ],
+    ids=['wall', 'processor', 'processor_before_a_node', 'memory_of_all', 'output', 'inodes'],
+)
+def test_a_limit_that_is_watched_ends_the_run(text, limits, reason, monkeypatch):
+    """The grader looks from outside, sums over all processes, and ends the sandbox."""
+    recording = recorded(monkeypatch, text, limits)
+
+    assert recording.process['killed'] == reason
+    assert recording.end_reason == reason
+
+
+FORKS = """
+import os, time
+count = 0
+try:
+    while count < 500:
+        if os.fork() == 0:
+            time.sleep(1000)
+        count += 1
+except BlockingIOError:
+    print('count', count, flush=True)
+"""
+OPENS = """
+held = []
+try:
+    while len(held) < 5000:
+        held.append(open('/dev/null'))
+except OSError:
+    print('count', len(held), flush=True)
+"""
+FILLS = """
+import signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+written = 0
+try:
+    with open('/tmp/big', 'wb', buffering=0) as file:
+        while written < 10 ** 9:
+            written += file.write(bytes(1 << 20))
+except OSError:
+    print('count', written, flush=True)
+"""
+TWO_FOLDERS = """
+written = 0
+for name in ('/tmp/a', '/tmp/b', '/tmp/c'):
+    try:
+        with open(name, 'wb', buffering=0) as file:
+            for _ in range(40):
+                written += file.write(bytes(1 << 20))
+    except OSError:
+        pass
+print('count', written, flush=True)
+"""
+GRABS = """
+import mmap
+held = []
+try:
+    while len(held) < 100:
+        held.append(mmap.mmap(-1, 100 << 20))
+except OSError:
+    print('count', len(held), flush=True)
+"""
+
+
+@pytest.mark.parametrize(
+    ('text', 'least', 'most'),
+    [
+        (FORKS, 30, 64),
+        (OPENS, 100, 256),
+        (FILLS, 32 << 20, 64 << 20),
+        (TWO_FOLDERS, 40 << 20, 64 << 20),
+        (GRABS, 10, 20),
+    ],
+    ids=['processes', 'open_files', 'size_of_a_file', 'size_of_a_folder', 'address_space'],
+)
+def test_a_limit_of_the_kernel_stops_the_program_itself(text, least, most, monkeypatch):
+    """The program gets an error, and can say how far it came."""
+    recording = recorded(monkeypatch, text, SOON)
+    said = str(recording.process['stdout'])
+
+    assert said.startswith('count '), recording.process
+    assert least <= int(said.split()[1]) <= most
+
+
+NODE = """
+import rclpy
+from std_msgs.msg import String
+rclpy.init()
+node = rclpy.create_node('n')
+publisher = node.create_publisher(String, '/chatter', 10)
+def send():
+    for _ in range({count}):
+        publisher.publish(String(data='x' * {size}))
+node.create_timer(0.1, send)
+rclpy.spin(node)
+"""
+
+
+@pytest.mark.parametrize(
+    ('size', 'count', 'reason'), [(200_000, 1, 'complete'), (1, 60, 'too_many_events')]
+)
+def test_the_probe_bounds_the_size_and_the_number_of_messages(size, count, reason, monkeypatch):
+    """What is too large is written down by its size, and what is too much ends the run."""
+    from autograder.scenario import Advance
+
+    scenario = Scenario(
+        file='x.py',
+        watch={'/chatter': 'std_msgs/msg/String'},
+        steps=(Advance(90.0, phase_s=0.05, step_s=0.025),),
+    )
+    files = {'x.py': NODE.format(size=size, count=count)}
+    recording, _ = run('limits', scenario, files, strongest())
+    messages = recording.of('message')
+
+    assert recording.end_reason == reason
+    assert messages
+    if size > 65536:
+        assert all(message['too_large'] > size and 'data' not in message for message in messages)
+    else:
+        assert 10_000 < len(messages) <= 20_000

@@ -1,0 +1,124 @@
+"""
+Nobody else on the machine changes a verdict: no neighbour, no second grader, no foreign talker.
+
+Four submissions that talk on the same topics under the same names are judged alone, then by two
+graders at once, several at a time, while somebody talks on those topics in every ROS domain of the
+machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+import json
+import os
+from pathlib import Path
+import subprocess
+import sys
+
+import pytest
+
+from autograder.observe import HERE
+
+pytestmark = [pytest.mark.pipeline, pytest.mark.slow, pytest.mark.ros]
+
+ROOT = Path(__file__).resolve().parents[2]
+ASSIGNMENT = '03_topics'
+NAMES = ('pass__own_executors', 'fail__absolute_name', 'fail__off_by_one', 'fail__loop_with_sleep')
+DOMAINS = range(102)
+TOGETHER = 4
+GRADER = f"""
+import json, sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from autograder import exams, sandbox
+from autograder.examine import examine
+
+exam, box = exams.load('talker'), sandbox.strongest()
+
+
+def judged(name):
+    path = Path('tests/submissions/{ASSIGNMENT}', name, 'talker.py')
+    result = examine(exam, {{'talker.py': path.read_text('utf-8')}}, sandbox=box).to_json()
+    return {{**result, 'timing': None}}
+
+
+with ThreadPoolExecutor(int(sys.argv[1])) as pool:
+    print(json.dumps(list(pool.map(judged, sys.argv[2:]))))
+"""
+
+
+def begin(together: int) -> subprocess.Popen[str]:
+    """Start a grader that judges the submissions, so many at a time."""
+    argv = [sys.executable, '-c', GRADER, str(together), *NAMES]
+    return subprocess.Popen(argv, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+
+
+def end(grader: subprocess.Popen[str]) -> list[dict]:
+    """Return what a grader has found."""
+    said, _ = grader.communicate(timeout=300)
+    assert grader.returncode == 0
+    return json.loads(said)
+
+
+@contextmanager
+def somebody_talks_everywhere() -> Iterator[None]:
+    """Let a program talk in every domain, in the same way as graded programs do."""
+    variables = {**os.environ, 'FASTRTPS_DEFAULT_PROFILES_FILE': str(HERE / 'fastdds.xml')}
+    script = Path(__file__).with_name('foreign_talker.py')
+    argv = [sys.executable, str(script), *map(str, DOMAINS)]
+    pipes = {'stdin': subprocess.PIPE, 'stdout': subprocess.PIPE}
+    with subprocess.Popen(argv, env=variables, **pipes) as talker:
+        assert talker.stdout.readline() == b'talking\n'
+        yield
+        assert talker.poll() is None, 'it has to talk until the end'
+        talker.stdin.close()
+
+
+@pytest.fixture(scope='module')
+def alone() -> list[dict]:
+    """Return the results of one submission after the other, with nobody else about."""
+    return end(begin(1))
+
+
+def test_two_graders_and_a_talker_in_every_domain_change_nothing(alone):
+    """Verdicts, words and flags are the same to the letter."""
+    with somebody_talks_everywhere():
+        graders = [begin(TOGETHER), begin(TOGETHER)]
+        found = [end(grader) for grader in graders]
+
+    assert found == [alone, alone]
+
+
+def test_the_submissions_differ_among_themselves(alone):
+    """Had they been mixed up, it would have been seen."""
+    points = [sum(check['points'] for check in one['checks']) for one in alone]
+
+    assert len(set(points)) >= 3
+
+
+def test_the_foreign_talker_is_heard_outside_a_sandbox():
+    """It does talk: a program in one of its domains hears it."""
+    code = (
+        'import rclpy\nfrom std_msgs.msg import String\n'
+        'rclpy.init()\nnode = rclpy.create_node("listener")\nheard = []\n'
+        'node.create_subscription(String, "/chatter", heard.append, 10)\n'
+        'while not heard:\n    rclpy.spin_once(node, timeout_sec=0.1)\nprint(heard[0].data)\n'
+    )
+    variables = {
+        **os.environ,
+        'FASTRTPS_DEFAULT_PROFILES_FILE': str(HERE / 'fastdds.xml'),
+        'ROS_DOMAIN_ID': os.environ.get('ROS_DOMAIN_ID', '0'),
+    }
+    variables.pop('ROS_AUTOMATIC_DISCOVERY_RANGE', None)
+    with somebody_talks_everywhere():
+        done = subprocess.run(
+            [sys.executable, '-c', code],
+            env=variables,
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+
+    assert 'foreign' in done.stdout, done.stderr

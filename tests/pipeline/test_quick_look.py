@@ -1,0 +1,204 @@
+"""The same exams on a script, a package folder, a zip of one, and a notebook."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import shutil
+import zipfile
+
+import pytest
+
+from autograder import __main__ as command
+from autograder import quick_look, sample_class
+from autograder.errors import GraderError
+from autograder.intake import NotTakenInError
+from autograder.layout import Layout
+from autograder.sandbox import strongest
+
+ROOT = Path(__file__).resolve().parents[2]
+LAYOUT = Layout.here()
+PUBLISHER = 'tests/submissions/07_temperature_monitor/pass__functions_style/temp_publisher.py'
+NODE = """
+import rclpy
+from rclpy.node import Node
+from temp_monitor_pkg.msg import Temperature
+
+from {package} import values
+
+
+class Thermometer(Node):
+    def __init__(self):
+        super().__init__('temperature_publisher')
+        self.out = self.create_publisher(Temperature, 'temperature_topic', 10)
+        self.create_timer(1.0, self.tick)
+        self.count = 0
+
+    def tick(self):
+        self.count += 1
+        msg = Temperature(unit='Celsius', sensor_id='temp_sensor_01')
+        msg.temperature_value = values.reading(self.count)
+        msg.timestamp = self.get_clock().now().to_msg()
+        self.out.publish(msg)
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Thermometer())
+"""
+VALUES = """
+def reading(count):
+    return 20.0 + count % 7
+"""
+
+
+def package(folder: Path, **changed: str) -> Path:
+    """Write a small package that has helper modules of its own."""
+    files = {
+        'package.xml': '<package format="3"><name>thermo</name></package>',
+        'thermo/__init__.py': '',
+        'thermo/values.py': VALUES,
+        'thermo/temp_publisher.py': NODE.format(package='thermo'),
+        **changed,
+    }
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding='utf-8')
+    return folder
+
+
+class TestWhatIsMeant:
+    """Names of exams and of assignments."""
+
+    def test_an_assignment_stands_for_its_exams(self):
+        """With or without its number, in the lesson's order."""
+        long = quick_look.exams_named('07_temperature_monitor', LAYOUT, hidden=False)
+        short = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
+
+        assert [exam.name for exam in short] == [
+            'temperature_message',
+            'temperature_publisher',
+            'temperature_subscriber',
+        ]
+        assert long == short
+
+    def test_a_name_that_is_neither_is_answered_with_a_near_one(self):
+        """A typo is quickly mended."""
+        with pytest.raises(GraderError, match='Did you mean temperature_monitor'):
+            quick_look.exams_named('temprature_monitor', LAYOUT, hidden=False)
+
+    def test_a_script_is_looked_at_by_the_exam_it_is_named_for(self):
+        """Of an assignment; one exam takes a script of any name."""
+        monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
+        talker = quick_look.exams_named('talker', LAYOUT, hidden=False)
+
+        (look,) = quick_look.looks(ROOT / PUBLISHER, monitor, LAYOUT)
+        assert look.exam.name == 'temperature_publisher'
+        (look,) = quick_look.looks(ROOT / PUBLISHER, talker, LAYOUT)
+        assert list(look.files) == ['talker.py']
+
+    def test_what_is_for_none_of_the_exams_is_said(self, tmp_path):
+        """With what was expected and what is there."""
+        (tmp_path / 'odd.py').write_text('x = 1')
+        monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
+
+        with pytest.raises(NotTakenInError, match=r'temp_subscriber\.py, got only odd\.py'):
+            quick_look.looks(tmp_path / 'odd.py', monitor, LAYOUT)
+
+
+@pytest.mark.pipeline
+@pytest.mark.ros
+@pytest.mark.slow
+class TestRuns:
+    """For real, in the sandbox."""
+
+    def points(self, path, exam='temperature_publisher'):
+        """Return the points of each exam in the visible form, and what failed."""
+        chosen = quick_look.exams_named(exam, LAYOUT, hidden=False)
+        looks = quick_look.looks(path, chosen, LAYOUT)
+        done = quick_look.quick_look(looks, strongest(), None)
+        return {
+            result.exam: (result.points, [check.cause for check in result.failed])
+            for _, result in done
+        }
+
+    def test_the_finished_package_has_full_marks(self):
+        """Its nodes import modules of their own package, which also has the messages."""
+        assert self.points(ROOT / 'temp_monitor_pkg', 'temperature_monitor') == {
+            'temperature_message': (10, []),
+            'temperature_publisher': (15, []),
+            'temperature_subscriber': (15, []),
+        }
+
+    @pytest.mark.parametrize('where', ['thermo', 'temp_monitor_pkg'])
+    def test_modules_are_those_that_were_handed_in(self, tmp_path, where):
+        """Not those of the course's own package where that has the same name."""
+        folder = package(
+            tmp_path / 'a',
+            **{
+                f'{where}/temp_publisher.py': NODE.format(package=where),
+                f'{where}/values.py': VALUES,
+                f'{where}/units.py': 'raise RuntimeError("nobody asked for me")',
+            },
+        )
+        if where != 'thermo':
+            shutil.rmtree(folder / 'thermo')
+
+        assert self.points(folder) == {'temperature_publisher': (15, [])}
+
+    def test_imports_of_ones_own_package_may_be_relative(self, tmp_path):
+        """As where an entry point imports the module; in another file, and at its own name."""
+        node = NODE.format(package='.')
+        setup = "entry_points={'console_scripts': ['temp_publisher = thermo.sensor:main']}"
+        folder = package(tmp_path / 'a', **{'thermo/sensor.py': node, 'setup.py': setup})
+
+        assert self.points(folder) == {'temperature_publisher': (15, [])}
+
+    def test_a_zip_is_what_is_in_it(self, tmp_path):
+        """The folder around it and Mac's own entries do not matter."""
+        folder = package(tmp_path / 'a')
+        with zipfile.ZipFile(tmp_path / 'a.zip', 'w') as archive:
+            for path in sorted(folder.rglob('*.*')):
+                archive.write(path, f'hand-in/{path.relative_to(folder)}')
+            archive.writestr('__MACOSX/._x', 'x')
+
+        assert self.points(tmp_path / 'a.zip') == {'temperature_publisher': (15, [])}
+
+    def test_a_script_is_a_submission(self, tmp_path):
+        """Under any name, if the exam is named."""
+        shutil.copy(ROOT / PUBLISHER, tmp_path / 'my thermometer.py')
+
+        found = self.points(tmp_path / 'my thermometer.py')
+
+        assert found == {'temperature_publisher': (15, [])}
+
+    def test_the_command_prints_every_check_and_shows_what_happens(self, tmp_path, capsys):
+        """Feedback on standard output, the live lines beside it."""
+        arguments = ['run', '--exam', 'temperature_publisher', '--visible', '--live']
+
+        assert command.main([*arguments, str(package(tmp_path / 'a'))]) == command.OK
+
+        said = capsys.readouterr()
+        assert said.out.count('[pass]') == 8
+        assert 'Together 15 of 15 points; visible checks; isolation: ' in said.out
+        times = [line for line in said.err.splitlines() if '/temperature_topic: ' in line]
+        assert len(times) == 10
+        assert times[0].strip().startswith('1.100s  /temperature_topic: temperature_value: 21.0')
+
+    def test_a_notebook_is_one_too_and_json_has_all(self, tmp_path, capsys):
+        """What a student of a class handed in, looked at alone."""
+        sample = LAYOUT.sample_class / '07_temperature_monitor' / 'fail__two_hertz'
+        notebook = tmp_path / 'temperature_monitor.ipynb'
+        notebook.write_bytes(sample_class.compose(LAYOUT, '07_temperature_monitor', sample))
+        arguments = ['run', '--exam', 'temperature_publisher', '--visible', '--json']
+
+        assert command.main([*arguments, str(notebook)]) == command.OK
+
+        (result,) = json.loads(capsys.readouterr().out)
+        failed = {
+            check['check']: check['cause_id']
+            for check in result['checks']
+            if check['verdict'] == 'FAILED'
+        }
+        assert failed == {'publishes_once_per_second': 'wrong_rate'}

@@ -1,0 +1,325 @@
+"""After an exam edit: new verdicts from recordings, and the evidence behind one of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+import json
+import shutil
+import time
+
+from conftest import ASSIGNMENT
+from nbgrader.api import Gradebook
+import pytest
+
+from autograder import __main__ as command
+from autograder import exams, sample_class
+from autograder.errors import GraderError
+from autograder.exam import Exam, Failed
+from autograder.exams.visible.temperature_publisher import build
+from autograder.explain import evidence, evidence_text, MOST_LINES, WIDEST
+from autograder.inbox import discover
+from autograder.layout import Layout
+from autograder.pipeline import grade_class, load_lesson, SandboxEngine
+from autograder.rejudge import NothingRuns, rejudge, rejudge_command
+from autograder.report import write_reports
+from autograder.sandbox import strongest
+
+STUDENTS = (
+    'pass__reference',
+    'fail__two_hertz',
+    'fail__stamps_without_nanoseconds',
+    'fail__crashes_in_mid_run',
+)
+pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow]
+
+
+class OneExam(SandboxEngine):
+    """The publisher's exam alone: no message is built here."""
+
+    def exams(self, assignment):
+        """Return it, as it is just now."""
+        return exams.for_assignment(assignment)
+
+
+@pytest.fixture(scope='module')
+def graded(released, tmp_path_factory):
+    """Return a course in which four students were graded for real."""
+    root = tmp_path_factory.mktemp('graded') / 'course'
+    shutil.copytree(released, root)
+    layout, here = Layout(root), Layout.here()
+    for name in STUDENTS:
+        place = layout.submitted / name / ASSIGNMENT
+        place.mkdir(parents=True)
+        data = sample_class.compose(here, ASSIGNMENT, here.sample_class / ASSIGNMENT / name)
+        (place / here.release(ASSIGNMENT).name).write_bytes(data)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(exams, 'for_assignment', lambda *_, **__: (build(10, 0.1),))
+        engine = OneExam(strongest(), layout.recordings)
+        lesson = load_lesson(layout, ASSIGNMENT, engine)
+        class_ = discover(layout.submitted, ASSIGNMENT, lesson.notebook)
+        results = [one.result for one in grade_class(class_, lesson, engine, jobs=2)]
+    write_reports(layout.reports, ASSIGNMENT, results)
+    return layout
+
+
+@pytest.fixture
+def layout(graded, tmp_path):
+    """Return such a course for each test."""
+    root = tmp_path / 'course'
+    shutil.copytree(graded.root, root)
+    return Layout(root)
+
+
+@pytest.fixture
+def now(monkeypatch):
+    """Return a function that puts another exam in place of the one that was graded."""
+
+    def put(exam: Exam) -> None:
+        monkeypatch.setattr(exams, 'for_assignment', lambda *_, **__: (exam,))
+
+    put(build(10, 0.1))
+    return put
+
+
+def by_student(accounts):
+    """Return what happened to each student."""
+    (account,) = accounts
+    return {one.student: one for one in account.rejudged}
+
+
+class TestRejudge:
+    """Only what an edit of a check changes is different afterwards."""
+
+    def test_it_takes_at_most_twenty_milliseconds_a_submission(self, layout, now):
+        """Of processor time: a busy machine is no reason to fail."""
+        lesson = load_lesson(layout, ASSIGNMENT, NothingRuns())
+        rejudge(layout, lesson, layout.submitted)  # what is imported and read once
+        began = time.process_time()
+
+        account = rejudge(layout, lesson, layout.submitted)
+
+        each = (time.process_time() - began) / len(account.rejudged)
+        assert not account.incomplete
+        assert each <= 0.020
+
+    def test_an_unchanged_exam_changes_nothing(self, layout, now):
+        """And everybody could be judged."""
+        accounts, code = rejudge_command(layout, None, None, write=False)
+
+        assert code == command.OK
+        assert [one.kept for one in accounts[0].rejudged] == [''] * 4
+        assert [one.changed for one in accounts[0].rejudged] == [()] * 4
+        assert '4 of 4 submissions judged again' in accounts[0].text()
+
+    def test_it_is_listed_who_has_other_points_by_which_check_and_why(self, layout, now):
+        """An edited check, one that gives more points, and one that is new."""
+        exam = build(10, 0.1)
+
+        def names_the_unit(run):
+            """Every reading has the unit Kelvin."""
+            raise Failed(expected='the unit Kelvin', observed='the unit Celsius')
+
+        def is_new(run):
+            """It is there."""
+
+        checks = {check.name: check for check in exam.checks}
+        exam.checks = [
+            *(checks[name] for name in ('starts_its_node', 'publishes_readings')),
+            replace(checks['names_the_unit'], judge=names_the_unit),
+            replace(checks['names_the_sensor'], points=4),
+        ]
+        exam.check(points=1)(is_new)
+        now(exam)
+
+        accounts, code = rejudge_command(layout, None, None, write=False)
+        reference = by_student(accounts)['pass__reference']
+        changed = {one.check: one for one in reference.changed}
+
+        assert code == command.OK
+        assert (reference.before.points, reference.after.points) == (15, 9)
+        assert changed['names_the_unit'].points_after == 0
+        assert 'expected the unit Kelvin; observed the unit Celsius' in accounts[0].text()
+        assert changed['names_the_sensor'].why == 'the check gives other points: 1 -> 4'
+        assert changed['is_new'].why == 'the check is new'
+        assert changed['readings_are_plausible'].after == 'no such check'
+        assert 'starts_its_node' not in changed
+
+    def test_another_scenario_needs_another_run(self, layout, now):
+        """Nobody is scored from a recording of other questions."""
+        now(build(11, 0.1))
+
+        accounts, code = rejudge_command(layout, None, None, write=False)
+
+        assert code == command.FOR_REVIEW
+        for one in accounts[0].rejudged:
+            assert 'the scenario of the exam has changed' in one.kept
+            assert one.after == one.before
+
+    def test_who_has_no_recording_is_named_and_keeps_the_points(self, layout, now):
+        """Also who handed in something else since, or nothing any more."""
+        for path in layout.recordings.rglob('*.jsonl'):
+            text = path.read_text(encoding='utf-8')
+            if 'IndexError' in text or 'Traceback' in text:
+                path.unlink()
+        other = layout.submitted / 'pass__reference'
+        shutil.rmtree(layout.submitted / 'fail__two_hertz')
+        shutil.copytree(other, layout.submitted / 'fail__two_hertz')
+        shutil.rmtree(other)
+
+        accounts, code = rejudge_command(layout, None, None, write=False)
+        kept = {name: one.kept for name, one in by_student(accounts).items()}
+
+        assert code == command.FOR_REVIEW
+        assert kept['pass__reference'] == 'no submission any more'
+        assert 'the files are not those that were recorded' in kept['fail__two_hertz']
+        assert 'cannot be read' in kept['fail__crashes_in_mid_run']
+        assert kept['fail__stamps_without_nanoseconds'] == ''
+
+    def test_nothing_is_written_unless_asked(self, layout, now):
+        """Neither reports nor gradebook; with --write both have the new points."""
+        exam = build(10, 0.1)
+
+        def refuse(run):
+            raise Failed(expected='more', observed='less')
+
+        exam.checks = [
+            replace(check, judge=refuse) if check.name == 'offers_reliable_qos' else check
+            for check in exam.checks
+        ]
+        now(exam)
+        results = layout.reports / ASSIGNMENT / 'results.json'
+        before = results.read_text(encoding='utf-8')
+
+        rejudge_command(layout, None, None, write=False)
+        assert results.read_text(encoding='utf-8') == before
+
+        (account,), _ = rejudge_command(layout, None, None, write=True)
+        assert account.written == 'The gradebook and the reports have the new points of 4.'
+        data = {one['student']: one for one in json.loads(results.read_text(encoding='utf-8'))}
+        points = [check['points'] for check in data['pass__reference']['exams'][0]['checks']]
+        assert sum(points) == 14
+        with Gradebook(f'sqlite:///{layout.work}/gradebook.db') as book:
+            entered = book.find_submission(ASSIGNMENT, 'pass__reference')
+            assert entered.score == 14
+
+    def test_what_was_never_graded_cannot_be_judged_again(self, course, now):
+        """The way out is named."""
+        with pytest.raises(GraderError, match='grade the class first'):
+            rejudge_command(course, None, None, write=False)
+
+
+class TestExplain:
+    """The evidence of one verdict, for a person."""
+
+    def test_the_moment_is_marked_and_what_was_said_is_there(self, layout, now):
+        """At most forty lines, none of them wide."""
+        found = evidence(layout, 'fail__stamps_without_nanoseconds', 'stamps_follow_the_clock')
+        text = evidence_text(found)
+        (marked,) = [line for line in text.splitlines() if line.startswith('>')]
+
+        assert '1.100s  /temperature_topic: ' in marked
+        assert 'timestamp: 1.000000000' in marked
+        assert found['check']['verdict'] == 'FAILED'
+        assert found['now'] == 'judged again now from the recording: the same'
+        assert found['recording']['of_these_files']
+        assert found['recording']['name'] in text
+        assert found['versions']['rclpy'] in text
+        assert len(text.splitlines()) <= MOST_LINES
+        assert max(map(len, text.splitlines())) <= WIDEST
+        json.dumps(found)
+
+    def test_a_rate_is_shown_from_the_first_wrong_second(self, layout, now):
+        """The check names the moment, since no single message is wrong."""
+        found = evidence(layout, 'fail__two_hertz', 'publishes_once_per_second')
+
+        assert found['deviation']['how'] == 'the check names this moment'
+        assert found['deviation']['clock_ns'] == 1_100_000_000
+
+    def test_a_program_that_died_is_shown_with_its_last_words(self, layout, now):
+        """They explain, and the end of the run is the moment."""
+        found = evidence(layout, 'fail__crashes_in_mid_run', 'names_the_unit')
+        text = evidence_text(found)
+
+        assert found['deviation']['how'] == 'the run ended early, and this is how'
+        assert 'the program printed last:' in text
+        assert 'Error' in text
+
+    def test_a_verdict_that_passed_has_evidence_too(self, layout, now):
+        """The beginning of the run, and no moment."""
+        text = evidence_text(evidence(layout, 'pass__reference', 'names_the_unit'))
+
+        assert 'PASSED, 1 of 1 points' in text
+        assert not [line for line in text.splitlines() if line.startswith('>')]
+
+    @pytest.mark.parametrize(
+        ('student', 'check', 'said'),
+        [
+            ('nobody', 'names_the_unit', 'Graded: fail__crashes_in_mid_run, fail__stamps'),
+            ('pass__reference', 'nothing', 'There are: temperature_publisher/starts_its_node'),
+            ('pass__reference', 'other/names_the_unit', 'has no such verdict'),
+        ],
+    )
+    def test_who_or_what_is_not_there_is_answered_with_what_is(
+        self, layout, now, student, check, said
+    ):
+        """A typo is quickly mended."""
+        with pytest.raises(GraderError, match=said):
+            evidence(layout, student, check)
+
+    def test_an_edited_exam_says_what_comes_out_now(self, layout, now):
+        """The old verdict stays the one that is explained."""
+        exam = build(10, 0.1)
+        exam.checks = [
+            replace(check, judge=lambda run: None) if check.name == 'names_the_sensor' else check
+            for check in exam.checks
+        ]
+        exam.checks = [
+            replace(check, judge=lambda run: None)
+            if check.name == 'publishes_once_per_second'
+            else check
+            for check in exam.checks
+        ]
+        now(exam)
+
+        found = evidence(layout, 'fail__two_hertz', 'publishes_once_per_second')
+
+        assert found['check']['verdict'] == 'FAILED'
+        assert found['now'] == 'judged again now from the recording: PASSED, 3 of 3 points'
+
+
+class TestCommands:
+    """As typed in a terminal."""
+
+    @pytest.fixture(autouse=True)
+    def here(self, layout, now, monkeypatch):
+        """Let the course be the graded one."""
+        monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
+
+    def test_rejudge_prints_an_account(self, capsys):
+        """Or all of it as JSON."""
+        assert command.main(['rejudge', 'temperature_monitor']) == command.OK
+        said = capsys.readouterr().out
+        assert said.startswith(f'{ASSIGNMENT}: 4 of 4 submissions judged again in ')
+        assert said.endswith('nothing run; 0 changed. Nothing was written; --write does.\n')
+
+        assert command.main(['rejudge', '--json']) == command.OK
+        (account,) = json.loads(capsys.readouterr().out)
+        assert {one['student'] for one in account['submissions']} == set(STUDENTS)
+
+    def test_explain_prints_evidence(self, capsys):
+        """Or all of it as JSON; who is not there is one line."""
+        wanted = ['explain', 'fail__two_hertz', 'temperature_publisher/publishes_once_per_second']
+        assert command.main(wanted) == command.OK
+        assert 'FAILED, 0 of 3 points' in capsys.readouterr().out
+
+        assert command.main([*wanted, '--json']) == command.OK
+        assert json.loads(capsys.readouterr().out)['student'] == 'fail__two_hertz'
+
+        assert command.main(['explain', 'nobody', 'x']) == command.USAGE
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.startswith('autograder: nobody: expected a student with results')
+
+    def test_what_was_not_graded_is_one_line(self, capsys):
+        """Exit code 2."""
+        assert command.main(['rejudge', '03_topics']) == command.USAGE
+        assert 'expected results of 03_topics, got none' in capsys.readouterr().err

@@ -1,0 +1,335 @@
+"""Each step of a scenario, shown with a small program in the sandbox and the probe beside it."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.observe import observe
+from autograder.recording import WARN
+from autograder.sandbox import strongest
+from autograder.scenario import (
+    Advance,
+    Await,
+    Feed,
+    FeedTopic,
+    Join,
+    Leave,
+    Look,
+    Mark,
+    Offer,
+    Qos,
+    Scenario,
+    set_parameter,
+    state,
+    transition,
+)
+
+STRING, INT = 'std_msgs/msg/String', 'std_msgs/msg/Int32'
+PROGRAM = """
+import rclpy
+from rclpy.duration import Duration
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from std_msgs.msg import Int32, String
+
+
+def main():
+    rclpy.init()
+    node = make()
+    rclpy.spin(node)
+
+
+{body}
+
+
+main()
+"""
+
+pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow]
+
+
+@pytest.fixture(scope='module')
+def sandbox():
+    """Return the strongest sandbox of this machine."""
+    return strongest()
+
+
+@pytest.fixture
+def run(sandbox):
+    """Return a function that runs a program, given as the body of ``make``, through steps."""
+
+    def _run(body, *steps, **options):
+        scenario = Scenario(file='program.py', steps=steps, **options)
+        files = {'program.py': PROGRAM.format(body=body)}
+        return observe('steps', scenario, files, sandbox)[0]
+
+    return _run
+
+
+def of_interest(recording, *kinds):
+    """Return the events of some kinds, in order, by kind."""
+    return [event['event'] for event in recording.events if event['event'] in kinds]
+
+
+LATCHED = """
+def make():
+    node = Node('map')
+    qos = QoSProfile(depth=3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    publisher = node.create_publisher(Int32, '/map', qos)
+    for number in range(8):
+        publisher.publish(Int32(data=number))
+    return node
+"""
+
+
+class TestJoin:
+    """A subscription of ours that comes late."""
+
+    def test_late_joiner_hears_the_history(self, run):
+        """A transient-local listener gets as much as the writer's depth keeps."""
+        late = Qos(durability='TRANSIENT_LOCAL')
+
+        seen = run(LATCHED, Join('late', '/map', INT, late))
+
+        heard = [event['data']['data'] for event in seen.messages('/map', 'late')]
+        assert heard == [5, 6, 7]
+        assert seen.of('joined') == seen.of('joined', listener='late', matched=True, refused=[])
+        assert seen.messages('/map') == []
+
+    def test_volatile_listener_hears_nothing_of_the_past(self, run):
+        """It is matched all the same."""
+        seen = run(LATCHED, Join('late', '/map', INT, Qos()))
+
+        assert [event['matched'] for event in seen.of('joined')] == [True]
+        assert seen.messages('/map', 'late') == []
+
+    def test_refused_listener_names_the_policy(self, run):
+        """Best effort does not satisfy who asks for reliable."""
+        body = """
+def make():
+    node = Node('sensor')
+    qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    node.create_publisher(Int32, '/values', qos)
+    return node
+"""
+        seen = run(body, Join('strict', '/values', INT, Qos()))
+
+        (joined,) = seen.of('joined')
+        assert (joined['matched'], joined['refused']) == (False, ['RELIABILITY'])
+
+    def test_leaving_is_noticed_by_the_student(self, run):
+        """Two matched events, one for each change, each in its own phase."""
+        body = """
+from rclpy.event_handler import PublisherEventCallbacks
+
+def make():
+    node = Node('counter')
+    seen = lambda info: node.get_logger().warning(f'{info.current_count} of {info.total_count}')
+    events = PublisherEventCallbacks(matched=seen)
+    node.create_publisher(Int32, '/values', 10, event_callbacks=events)
+    return node
+"""
+        steps = [Mark('in'), Join('one', '/values', INT), Await(logs=1)]
+        steps += [Mark('out'), Leave('one'), Await(logs=1)]
+
+        seen = run(body, *steps)
+
+        texts = {name: [log['text'] for log in seen.phase(name).logs()] for name in ('in', 'out')}
+        assert texts == {'in': ['1 of 1'], 'out': ['0 of 1']}
+        assert [event['enough'] for event in seen.of('awaited')] == [True, True]
+
+
+THERMOMETER = """
+class Thermometer(LifecycleNode):
+    def on_configure(self, state):
+        if self.get_parameter('limit').value < 0:
+            self.get_logger().error('limit below zero')
+            return TransitionCallbackReturn.FAILURE
+        self.publisher = self.create_lifecycle_publisher(String, 'reading', 10)
+        self.timer = self.create_timer(1.0, self.publish)
+        return super().on_configure(state)
+
+    def publish(self):
+        self.publisher.publish(String(data='x'))
+
+
+def make():
+    node = Thermometer('thermometer')
+    node.declare_parameter('limit', 30.0)
+    return node
+"""
+
+
+class TestCall:
+    """Services of the student's node."""
+
+    def test_lifecycle_is_driven_from_outside(self, run):
+        """Only the active phase has messages; the state is asked at the end."""
+        node = '/lab/thermometer'
+        steps = [transition(node, 'configure'), Mark('inactive'), Advance(3)]
+        steps += [transition(node, 'activate'), Mark('active'), Advance(3, phase_s=0.25)]
+        steps += [transition(node, 'deactivate'), Mark('silent'), Advance(3), state(node)]
+
+        seen = run(
+            THERMOMETER,
+            *steps,
+            arguments=('-r', '__ns:=/lab'),
+            watch={'/lab/reading': STRING},
+        )
+
+        counts = {
+            name: len(seen.phase(name).messages('/lab/reading'))
+            for name in ('inactive', 'active', 'silent')
+        }
+        assert counts == {'inactive': 0, 'active': 3, 'silent': 0}
+        changed = seen.answers(f'{node}/change_state')
+        assert [answer['data'] for answer in changed] == [{'success': True}] * 3
+        (asked,) = seen.answers(f'{node}/get_state')
+        assert asked['data']['current_state']['label'] == 'inactive'
+        assert seen.end_reason == 'complete'
+
+    def test_graph_is_looked_at_in_between(self, run):
+        """A publisher that comes with a transition is in the second graph only."""
+        steps = [Look('before'), transition('/thermometer', 'configure'), Look('after')]
+
+        seen = run(THERMOMETER, *steps)
+
+        topics = {
+            graph['when']: [end for end in graph['endpoints'] if end['topic'] == '/reading']
+            for graph in seen.of('graph')
+        }
+        assert [len(topics[when]) for when in ('start', 'before', 'after', 'end')] == [0, 0, 1, 1]
+
+    def test_parameter_is_set_and_from_the_command_line(self, run):
+        """FAILURE leaves the node unconfigured; a mended parameter lets it through."""
+        node = '/thermometer'
+        steps = [Mark('bad'), transition(node, 'configure'), Await(logs=1)]
+        steps += [Mark('good'), set_parameter(node, 'limit', 20.0), transition(node, 'configure')]
+
+        seen = run(THERMOMETER, *steps, arguments=('-p', 'limit:=-1.0'))
+
+        assert [log['text'] for log in seen.phase('bad').logs()] == ['limit below zero']
+        (setting,) = seen.answers(f'{node}/set_parameters')
+        assert setting['data']['results'] == [{'successful': True, 'reason': ''}]
+        changed = seen.answers(f'{node}/change_state')
+        assert [answer['data']['success'] for answer in changed] == [False, True]
+
+    def test_service_that_is_not_there_is_no_answer(self, run):
+        """The run goes on: later steps may still show something."""
+        seen = run(LATCHED, state('/map'), Mark('after'))
+
+        (asked,) = seen.answers('/map/get_state')
+        assert (asked['event'], asked['reason']) == ('no_answer', 'no_service')
+        assert seen.phase('after').of('mark')
+
+    def test_program_that_ends_in_a_call_is_no_answer(self, run):
+        """The reason is told, and the run ends."""
+        body = """
+import os
+
+class Fragile(LifecycleNode):
+    def on_configure(self, state):
+        os._exit(3)
+
+def make():
+    return Fragile('fragile')
+"""
+        seen = run(body, transition('/fragile', 'configure'), Mark('after'))
+
+        (asked,) = seen.answers('/fragile/change_state')
+        assert asked['reason'] == 'student_exited'
+        assert seen.end_reason == 'student_exited'
+        assert seen.process['exit'] == 3
+
+
+LISTENER = """
+def make():
+    node = Node('listener')
+    log = node.get_logger()
+    events = SubscriptionEventCallbacks(
+        deadline=lambda info: log.warning('late'),
+        incompatible_qos=lambda info: log.error('refused'),
+        liveliness=lambda info: log.info(f'alive {info.alive_count}'),
+    )
+    node.create_subscription(
+        String, '/in', lambda message: log.info(message.data), QoSProfile(depth=10{options}),
+        event_callbacks=events,
+    )
+    return node
+"""
+
+
+class TestOffer:
+    """A publisher of ours that comes and goes."""
+
+    def test_missed_deadline_is_awaited(self, run):
+        """A deadline runs in wall time, so it is waited for and not stepped to."""
+        body = LISTENER.replace('{options}', ', deadline=Duration(seconds=0.3)')
+        promise = Qos(deadline_s=0.3)
+        steps = [Offer('sensor', '/in', STRING, promise), Feed('sensor', [{'data': 'a'}])]
+
+        seen = run(body, *steps, Mark('quiet'), Await(logs=5), Leave('sensor'))
+
+        assert [log['text'] for log in seen.phase('quiet').logs(level=WARN)][:1] == ['late']
+        assert of_interest(seen, 'offered', 'left') == ['offered', 'left']
+
+    def test_refused_publisher_names_the_policy(self, run):
+        """Both sides hear of it: our event and the student's log."""
+        body = LISTENER.replace('{options}', '')
+        steps = [Offer('sensor', '/in', STRING, Qos('BEST_EFFORT')), Await(logs=1)]
+
+        seen = run(body, *steps)
+
+        (offered,) = seen.of('offered')
+        assert (offered['matched'], offered['refused']) == (False, ['RELIABILITY'])
+        assert [log['text'] for log in seen.logs()] == ['refused']
+
+    def test_liveliness_changes_when_it_leaves(self, run):
+        """The student's node hears of it; without a lease Fast DDS would not tell."""
+        body = LISTENER.replace('{options}', ', liveliness_lease_duration=Duration(seconds=1)')
+        steps = [Offer('sensor', '/in', STRING, Qos(lease_s=1.0)), Await(logs=1)]
+        steps += [Mark('gone'), Leave('sensor'), Await(logs=1)]
+
+        seen = run(body, *steps)
+
+        assert [log['text'] for log in seen.logs()] == ['alive 1', 'alive 0']
+        assert [log['text'] for log in seen.phase('gone').logs()] == ['alive 0']
+
+    def test_feed_has_its_own_quality_of_service(self, run):
+        """A feed of the scenario may be best effort; then nobody strict is connected."""
+        body = LISTENER.replace('{options}', '')
+        feed = {'/in': FeedTopic(STRING, Qos('BEST_EFFORT'))}
+
+        seen = run(body, Feed('/in', [{'data': 'a'}]), feed=feed)
+
+        assert seen.of('not_connected') != []
+        assert seen.of('input') == []
+
+    def test_optional_feed_goes_on_without_a_listener(self, run):
+        """Whether anybody is there may be just what the exam asks."""
+        seen = run(LATCHED, Feed('/in', [{'data': 'a'}], optional=True), feed={'/in': STRING})
+
+        assert seen.of('not_connected') != []
+        assert seen.end_reason == 'complete'
+
+    def test_node_that_answers_with_messages_needs_no_log(self, run):
+        """With no budget for a first log, a relay is asked at once."""
+        body = """
+def make():
+    node = Node('relay')
+    publisher = node.create_publisher(String, '/out', 10)
+    node.create_subscription(String, '/in', publisher.publish, 10)
+    return node
+"""
+        words = [{'data': word} for word in 'abc']
+
+        seen = run(
+            body, Feed('/in', words), feed={'/in': STRING}, watch={'/out': STRING}, first_log_s=0
+        )
+
+        heard = [(event['after_input'], event['data']) for event in seen.messages('/out')]
+        assert heard == list(enumerate(words))
+        assert seen.of('no_first_log') == []
+        assert {event['clock_ns'] for event in seen.messages('/out')} == {None}

@@ -1,0 +1,146 @@
+"""The instructors' page, followed literally in a copy of the course."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / 'docs' / 'writing-an-exam.md').read_text(encoding='utf-8')
+BLOCKS = re.findall(r'^`([^`\n]+)`\n```\w+\n(.*?)^```$', PAGE, re.MULTILINE | re.DOTALL)
+COMMANDS = [
+    line
+    for block in re.findall(r'^```sh\n(.*?)^```$', PAGE, re.MULTILINE | re.DOTALL)
+    for line in block.splitlines()
+]
+TEXT = 'Count the visitors at a door: see the table. ' * 4
+TEMPORARY = ('__pycache__', '_work', 'ros_ws')
+
+
+def cell(grade_id: str, source: str) -> dict[str, object]:
+    """Return a cell with the marks that the page asks for."""
+    graded = grade_id.startswith('check_')
+    marks = {'grade_id': grade_id, 'grade': graded, 'solution': not graded, 'locked': graded}
+    marks |= {'schema_version': 3, 'task': False, **({'points': 6} if graded else {})}
+    return {
+        'cell_type': 'code',
+        'id': grade_id.replace('_', '-'),
+        'metadata': {'nbgrader': marks},
+        'source': source.rstrip('\n'),
+        'outputs': [],
+        'execution_count': None,
+    }
+
+
+@pytest.fixture(scope='module')
+def course(tmp_path_factory) -> Path:
+    """Return a course that has nothing but the page's exercise."""
+    root = tmp_path_factory.mktemp('new') / 'course'
+    for name in ('autograder', 'environment', 'roslab'):
+        ignored = shutil.ignore_patterns(*TEMPORARY)
+        shutil.copytree(ROOT / name, root / name, ignore=ignored)
+    shutil.copy(ROOT / 'nbgrader_config.py', root)
+    for folder in ('visible', 'hidden'):
+        for path in (root / 'autograder' / 'exams' / folder).glob('[a-z]*'):
+            path.unlink()
+    cells = [{'cell_type': 'markdown', 'id': 'text', 'metadata': {}, 'source': TEXT}]
+    for where, text in BLOCKS:
+        if where.startswith('cell '):
+            cells.append(cell(where.removeprefix('cell '), text))
+        else:
+            (root / where).parent.mkdir(parents=True, exist_ok=True)
+            (root / where).write_text(text, encoding='utf-8')
+    kernel = {'display_name': 'ROS 2 Jazzy', 'language': 'python', 'name': 'ros2_jazzy'}
+    notebook = {
+        'cells': cells,
+        'metadata': {'kernelspec': kernel},
+        'nbformat': 4,
+        'nbformat_minor': 5,
+    }
+    path = root / 'solutions' / '20_doors' / 'doors.ipynb'
+    path.parent.mkdir(parents=True)
+    path.write_text(json.dumps(notebook), encoding='utf-8')
+    return root
+
+
+def follow(course: Path, line: str) -> subprocess.CompletedProcess[str]:
+    """Type a line of the page in a terminal."""
+    words = line.split()
+    assert words[0] == 'python'
+    return subprocess.run(
+        [sys.executable, *words[1:]],
+        cwd=course,
+        env={**os.environ, 'PYTHONPATH': str(course)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+
+
+def test_the_exercise_has_fewer_than_sixty_lines_of_code():
+    """Stub, both exams and a sample together, without the blank lines."""
+    lines = [line for _, text in BLOCKS for line in text.splitlines() if line.strip()]
+
+    assert len(BLOCKS) == 6
+    assert len(lines) < 60
+
+
+@pytest.mark.pipeline
+@pytest.mark.ros
+@pytest.mark.slow
+def test_following_it_literally_works(course):
+    """The release is made, the exam is proven, and the near miss fails for its reason."""
+    release, proof, look = COMMANDS
+
+    done = follow(course, release)
+    assert done.returncode == 0, done.stderr
+    stub = json.loads((course / 'notebooks/20_doors/doors.ipynb').read_text(encoding='utf-8'))
+    assert 'was_open = message.data' not in json.dumps(stub)
+
+    done = follow(course, proof)
+    assert done.stdout.splitlines() == [
+        '20_doors: the reference solution has 6 of 6, as it must.',
+        '20_doors: the untouched release has 0 of 6, as it must.',
+    ], done.stderr
+
+    done = follow(course, look)
+    assert 'The visitor counter (visitor_counter): 2 of 6 points' in done.stdout, done.stderr
+    assert 'A door that stays open counts again.' in done.stdout
+    assert '/visitors: data: ' in done.stderr
+
+
+@pytest.mark.pipeline
+@pytest.mark.ros
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ('wrong', 'right', 'said'),
+    [
+        ("Feed('/door_open'", "Feed('/door'", "did you mean '/door_open'?"),
+        ('std_msgs/msg/Int32', 'std_msgs/msg/Int', 'expected a type of std_msgs, got '),
+        ("[{'data': door}", "[{'date': door}", "got 'date'; did you mean 'data'?"),
+        ('points=4, ', 'points=0, ', 'check counts_each_opening_once: expected points > 0'),
+        ("needs=['answers_", "needs=['answer_", "needs 'answer_every_message', which is no earl"),
+        ('!= number:', '== number:', 'visitor_counter/counts_each_opening_once: FAILED'),
+    ],
+)
+def test_a_mistake_in_it_is_refused_with_its_place(course, tmp_path, wrong, right, said):
+    """Before a class is graded; the last one is a check that the reference fails."""
+    root = tmp_path / 'course'
+    shutil.copytree(course, root)
+    assert follow(root, COMMANDS[0]).returncode == 0
+    path = root / 'autograder' / 'exams' / 'visible' / 'visitor_counter.py'
+    text = path.read_text(encoding='utf-8')
+    assert wrong in text
+    path.write_text(text.replace(wrong, right), encoding='utf-8')
+
+    done = follow(root, COMMANDS[1])
+
+    assert done.returncode != 0
+    assert said in done.stdout + done.stderr

@@ -1,0 +1,121 @@
+"""One sentence in place of a traceback: which cell to run first."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import nbformat
+import pytest
+
+pytest.importorskip('rclpy')
+
+from roslab import guide
+
+pytestmark = pytest.mark.ros
+
+MARKDOWN, CODE = nbformat.v4.new_markdown_cell, nbformat.v4.new_code_cell
+
+
+@pytest.fixture
+def notebook(tmp_path, monkeypatch):
+    """Return a small lesson, the only notebook of the working folder."""
+    cells = [
+        MARKDOWN('# A lesson\n\n## Setup'),
+        CODE('import time\nfrom roslab import *'),
+        MARKDOWN('## Part 1'),
+        CODE('%%node blinker\nimport math\n_hidden = 1\nclass Blinker: pass'),
+        CODE('%%capture noise\nloud = !ls'),
+        CODE(
+            '%matplotlib inline\nwith open("f") as file:\n    for line in file: a, (b, *c) = 1, 2'
+        ),
+    ]
+    path = tmp_path / 'lesson.ipynb'
+    nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv('JPY_SESSION_NAME', raising=False)
+    return path
+
+
+# As much of IPython's shell as the guide looks at.
+SHELL = SimpleNamespace(history_manager=SimpleNamespace(input_hist_raw=('', 'the running cell')))
+
+
+def advice_for(code):
+    """Return what is said about the error that code raises."""
+    try:
+        exec(compile(code, 'cell.py', 'exec'), {})
+    except BaseException as error:
+        return guide.advice(error, SHELL)
+    raise AssertionError('nothing was raised')
+
+
+@pytest.mark.parametrize(
+    ('code', 'section', 'first_line'),
+    [
+        ('start(1)', 'Setup', 'import time'),
+        ('Blinker()', 'Part 1', '%%node blinker'),
+        ('math', 'Part 1', '%%node blinker'),
+        ('c', 'Part 1', '%matplotlib inline'),
+        ('file', 'Part 1', '%matplotlib inline'),
+        ('noise', 'Part 1', '%%capture noise'),
+        ('exec("loud")', 'Part 1', '%%capture noise'),
+        ('import blinker', 'Part 1', '%%node blinker'),
+    ],
+)
+def test_name_of_another_cell_is_answered_with_that_cell(notebook, code, section, first_line):
+    """The sentence has the section and the first line of the cell to run."""
+    said = advice_for(code)
+
+    assert f'in "{section}"' in said
+    assert said.endswith(first_line)
+
+
+@pytest.mark.parametrize(
+    'code',
+    [
+        'nowhere',
+        '_hidden',
+        'import nowhere_at_all',
+        '1 / 0',
+        'def f():\n    print(x)\n    x = 1\nf()',
+    ],
+)
+def test_other_errors_stay_as_they_are(notebook, code):
+    """A misspelt name, a private one, or any other error is none of the guide's business."""
+    assert advice_for(code) is None
+
+
+def test_error_inside_a_library_stays_as_it_is(notebook, tmp_path, monkeypatch):
+    """A name that an installed module misses is not the learner's."""
+    installed = tmp_path / 'site-packages'
+    installed.mkdir()
+    (installed / 'careless.py').write_text('def call():\n    return start\n')
+    monkeypatch.syspath_prepend(installed)
+
+    assert advice_for('import careless\ncareless.call()') is None
+    assert 'Setup' in advice_for('def call():\n    return start\ncall()')
+
+
+def test_notebook_that_cannot_be_found_leaves_the_plain_error(notebook):
+    """With two notebooks in the folder, nobody can tell which one this is."""
+    notebook.with_name('other.ipynb').write_text(notebook.read_text())
+
+    assert guide.notebook_path() is None
+    assert advice_for('start(1)') is None
+
+
+def test_server_names_the_notebook(notebook, monkeypatch):
+    """JupyterLab tells the kernel, so other notebooks in the folder do not matter."""
+    notebook.with_name('other.ipynb').write_text('not json')
+    monkeypatch.setenv('JPY_SESSION_NAME', str(notebook))
+
+    assert guide.notebook_path() == notebook
+    assert 'Setup' in advice_for('start(1)')
+
+
+def test_damaged_notebook_has_no_cells(tmp_path):
+    """A file that is no notebook is no reason for a second error."""
+    path = tmp_path / 'damaged.ipynb'
+    path.write_text('{"cells": [1]}')
+
+    assert guide.read_cells(path) == []
+    assert guide.read_cells(Path('/nowhere.ipynb')) == []

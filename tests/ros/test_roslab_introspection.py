@@ -1,0 +1,353 @@
+"""Pictures and facts of live nodes, in private contexts of the test process."""
+
+import contextlib
+import queue
+import random
+import re
+import time
+
+import pytest
+
+rclpy = pytest.importorskip('rclpy')
+
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile
+from std_msgs.msg import Float64, String
+from test_roslab_kernel import execute, kernel  # noqa: F401 - a fixture
+
+from roslab import lookup
+from roslab.errors import NotHereError, RoslabError
+from roslab.graph_picture import graph_now
+from roslab.introspection import print_info, print_messages, print_rate, print_topics
+from roslab.listening import Listener
+from roslab.live_plot import Plot
+from roslab.session import Session
+from roslab.timeline_picture import make_timeline
+from roslab.waiting import wait_in
+
+pytestmark = pytest.mark.ros
+
+RELIABLE = QoSProfile(depth=10)
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class Wave(Node):
+    """Publishes 1.0, 2.0, ... at 50 Hz, and its name."""
+
+    def __init__(self):
+        super().__init__('wave', namespace='/lab')
+        self.count = 0
+        self.numbers = self.create_publisher(Float64, 'number', 10)
+        self.names = self.create_publisher(String, '/name', qos_profile_sensor_data)
+        self.create_timer(0.02, self.on_timer)
+
+    def on_timer(self):
+        """Publish the next number."""
+        self.count += 1
+        self.numbers.publish(Float64(data=float(self.count)))
+        self.names.publish(String(data='wave'))
+
+
+class Hearing(Node):
+    """Subscribes to a topic."""
+
+    def __init__(self, kind=Float64, topic='/lab/number', qos=RELIABLE):
+        super().__init__('hearing')
+        self.create_subscription(kind, topic, lambda message: None, qos)
+
+
+@pytest.fixture
+def session(monkeypatch):
+    """Return a session that shares nothing with other tests and looks only briefly in vain."""
+    monkeypatch.setattr('roslab.introspection.DISCOVERY_S', 0.2)
+    monkeypatch.setattr('roslab.graph_picture.DISCOVERY_S', 0.2)
+    monkeypatch.setattr(lookup.find_topic, '__defaults__', (0.2,))
+    session = Session(Context(), domain_id=random.randrange(1, 101))
+    yield session
+    session.close()
+
+
+def seen(session, text, **options):
+    """Wait until the text of the graph has a line with a text, and return all of it."""
+    wait_in(session, lambda: text in str(graph_now(session, **options)), 5.0)
+    return str(graph_now(session, **options))
+
+
+def test_live_nodes_that_fit_are_connected(session):
+    """Publisher, topic with its type, and subscriber stand in one line."""
+    session.start(Wave)
+    session.start(Hearing)
+
+    assert (
+        '/lab/wave --> /lab/number [std_msgs/msg/Float64] --> /hearing'
+        in seen(session, '--> /hearing').splitlines()
+    )
+
+
+def test_live_nodes_whose_qos_differs_are_not_connected(session):
+    """The reason is the policy that the middleware refused."""
+    session.start(Wave)
+    node = session.start(lambda: Hearing(String, '/name', LATCHED))
+
+    text = seen(session, '- -> /hearing')
+    assert 'reliability: offers BEST_EFFORT, wants RELIABLE' in text
+    assert 'durability: offers VOLATILE, wants TRANSIENT_LOCAL' in text
+    assert node.get_name() == 'hearing'
+
+
+def test_live_nodes_of_different_types_are_not_connected(session):
+    """Two contexts, like two programs, may use one name for two types; neither hears the other."""
+    session.start(Wave)
+    other = Session(Context(), domain_id=session.helper.context.get_domain_id())
+    try:
+        other.start(lambda: Hearing(String))
+        text = seen(session, 'type differs')
+    finally:
+        other.close()
+
+    assert 'type differs: std_msgs/msg/Float64 | std_msgs/msg/String' in text
+    assert '/lab/number [std_msgs/msg/Float64 | std_msgs/msg/String]' in text
+
+
+def test_graph_hides_what_every_node_has_unless_all_is_asked_for(session):
+    """The notebook's own node, /rosout and /parameter_events appear with all=True only."""
+    session.start(Wave)
+    listener = Listener(session, '/lab/number', Float64, RELIABLE)
+
+    short = seen(session, 'this notebook listens')
+    assert '_roslab' not in short
+    assert '--> /rosout' not in short
+    everything = seen(session, '--> /_roslab', everything=True)
+    assert '/lab/wave' in everything
+    assert '/parameter_events [' in everything
+    assert listener.wait(1)
+
+
+def test_graph_of_one_topic_leaves_the_others_out(session):
+    """A relative name is enough."""
+    session.start(Wave)
+
+    graph = graph_now(session, 'name')
+    assert graph.topics == ['/name']
+    assert graph.nodes == ['/lab/wave']
+
+
+@pytest.mark.parametrize(
+    'ask',
+    [
+        lambda session: graph_now(session, '/nam'),
+        lambda session: print_messages(session, '/nam', 1, 1.0, None),
+        lambda session: print_rate(session, '/nam', 2, 1.0),
+        lambda session: print_info(session, '/nam'),
+        lambda session: Plot(session, '/nam', 'data', 20.0, None),
+    ],
+)
+def test_topic_that_nobody_has_is_answered_with_the_nearest_name(session, ask):
+    """A typing mistake costs one sentence."""
+    session.start(Wave)
+
+    with pytest.raises(NotHereError, match=r'no topic.* /nam now\. Did you mean /name\?'):
+        ask(session)
+
+
+def test_impossible_name_of_a_topic_is_refused_with_the_rule(session):
+    """The reason is rcl's, without the place in its source."""
+    with pytest.raises(RoslabError, match="'two words' cannot be the name of a topic: ") as caught:
+        graph_now(session, 'two words')
+    assert '.c:' not in str(caught.value)
+
+
+def test_echo_finds_type_and_qos_and_prints_yaml(session, capsys):
+    """A best-effort publisher is heard without being told how."""
+    session.start(Wave)
+    print_messages(session, 'name', 2, 5.0, None)
+
+    assert capsys.readouterr().out == 'data: wave\n---\ndata: wave\n---\n'
+
+
+def test_echo_that_hears_nothing_says_why_and_leaves_no_subscription(session):
+    """With a QoS that does not fit, the timeout names the publisher and the policy."""
+    wave = session.start(Wave)
+
+    with pytest.raises(TimeoutError, match='wave publishes there, but the QoS does not match'):
+        print_messages(session, '/name', 1, 0.1, LATCHED)
+    assert wait_in(session, lambda: not wave.count_subscribers('/name'), 5.0)
+
+
+def test_rate_of_a_timer_is_measured(session, capsys):
+    """A 50 Hz timer gives about 50 messages a second, in the tool's layout."""
+    session.start(Wave)
+    print_rate(session, '/lab/number', 20, 10.0)
+
+    out = capsys.readouterr().out
+    assert re.fullmatch(
+        r'average rate: [\d.]+\n\tmin: [\d.]+s max: [\d.]+s std dev: [\d.]+s window: 19\n', out
+    )
+    assert float(out.split()[2]) == pytest.approx(50, rel=0.3)
+
+
+def test_info_describes_a_topic_or_a_node(session, capsys):
+    """Endpoints with type hash and QoS; publishers, services and the rest of a node."""
+    session.start(Wave)
+    print_info(session, '/lab/number')
+    topic = capsys.readouterr().out
+    print_info(session, 'lab/wave')
+    node = capsys.readouterr().out
+
+    assert topic.startswith(
+        'Type: std_msgs/msg/Float64\n\nPublisher count: 1\n\nNode name: wave\n'
+    )
+    assert '\nQoS profile:\n  Reliability: RELIABLE\n' in topic
+    assert topic.endswith('\nSubscription count: 0\n')
+    assert node.startswith('/lab/wave\n  Subscribers:\n')
+    assert '    /lab/number: std_msgs/msg/Float64\n    /name: std_msgs/msg/String\n' in node
+    assert '    /lab/wave/get_parameters: rcl_interfaces/srv/GetParameters\n' in node
+
+
+def test_topics_are_listed_with_their_types(session, capsys):
+    """Sorted by name, one a line."""
+    session.start(Wave)
+    print_topics(session, True)
+
+    assert '/lab/number [std_msgs/msg/Float64]\n/name [std_msgs/msg/String]\n' in (
+        capsys.readouterr().out
+    )
+
+
+def test_reception_times_belong_to_their_messages(session):
+    """One time a message, in order, after the listener began; clear() forgets both."""
+    session.start(Wave)
+    heard = Listener(session, '/lab/number', Float64, RELIABLE)
+    heard.wait(10)
+    times, now = heard.times, heard.now
+    session.stop('/lab/wave')
+
+    assert len(heard.times) == len(heard.messages)
+    assert times == sorted(times)
+    assert 0 <= times[0] <= times[-1] <= now
+    heard.clear()
+    assert heard.times == []
+
+
+def test_timeline_counts_what_listeners_heard(session):
+    """The second listener's times are moved onto the axis of the first."""
+    session.start(Wave)
+    first = Listener(session, '/lab/number', Float64, RELIABLE)
+    first.wait(5)
+    second = Listener(session, '/name', String, qos_profile_sensor_data)
+    second.wait(5)
+    line = make_timeline([first, second], marks={'second began': [second.began - first.began]})
+
+    assert len(line.rows[1].times) >= 5
+    assert line.rows[1].times[0] >= line.rows[2].times[0] > line.rows[0].times[3]
+
+
+def test_plot_waits_for_values_and_shows_them(session):
+    """The values are the numbers that were published, the text form has the newest of them."""
+    session.start(Wave)
+    plot = Plot(session, '/lab/number', 'data', 20.0, 3.0)
+    values = plot.wait(6, 5.0)
+
+    assert values[:6] == [values[0] + step for step in range(6)]
+    assert f'last {plot.values[-1]:g}' in str(plot)
+    plot.stop()
+    assert not plot.listener.alive
+
+
+def test_plot_of_a_wrong_field_leaves_no_subscription(session):
+    """The mistake is answered before anything is drawn."""
+    wave = session.start(Wave)
+
+    with pytest.raises(RoslabError, match='Numeric fields: data'):
+        Plot(session, '/lab/number', 'value', 20.0, None)
+    assert wait_in(session, lambda: not wave.count_subscribers('/lab/number'), 5.0)
+
+
+COUNTER = """
+from roslab import *
+from rclpy.node import Node
+from std_msgs.msg import Float64
+
+class Counter(Node):
+    def __init__(self):
+        super().__init__('counter')
+        self.count = 0
+        self.publisher = self.create_publisher(Float64, 'number', 10)
+        self.create_timer(0.02, self.on_timer)
+
+    def on_timer(self):
+        self.count += 1
+        self.publisher.publish(Float64(data=float(self.count)))
+
+counter = start(Counter)
+"""
+
+
+def pictures(kernel, seconds, until=lambda found: False):
+    """Return the updates of displays that arrive while no cell runs, with their times."""
+    found, end = [], time.monotonic() + seconds
+    while time.monotonic() < end and not until(found):
+        with contextlib.suppress(queue.Empty):
+            message = kernel.client.get_iopub_msg(timeout=0.1)
+            if message['msg_type'] == 'update_display_data':
+                found.append((time.monotonic(), message['content']))
+    return found
+
+
+def test_plot_moves_in_its_cell_until_it_is_stopped(kernel):
+    """With somebody looking, the picture is drawn again a few times a second, then no more."""
+    kernel.run(COUNTER, cell_id='a')
+    kernel.run('curve = plot("number", "data", threshold=5.0)', cell_id='b')
+    found = pictures(kernel, 20.0, until=lambda found: len(found) > 5)
+    ids = {content['transient']['display_id'] for _, content in found}
+    shown = found[-1][1]['data']
+
+    assert len(ids) == 1
+    assert 'above the threshold 5' in shown['text/plain']
+    assert 'role="img"' in shown['text/html']
+    assert found[5][0] - found[0][0] > 0.7  # five updates a second
+    stopped = kernel.run('curve.stop(); print(curve.listener.alive, len(curve.values) > 5)')
+    assert stopped.text == 'False True\n'
+    assert pictures(kernel, 0.6) == []
+
+
+def test_plot_of_the_same_field_replaces_the_older_one(kernel):
+    """Running the cell again leaves one listener and one thread."""
+    kernel.run(COUNTER, cell_id='a')
+    for _ in range(3):
+        assert kernel.run('curve = plot("number", "data")', cell_id='b').error is None
+    out = kernel.run(
+        'import threading\n'
+        'wait_until(lambda: counter.count_subscribers("number") == 1)\n'
+        'print([t.name for t in threading.enumerate()].count("roslab plot"))'
+    )
+
+    assert out.error is None
+    assert out.text == '1\n'
+
+
+def test_plot_goes_on_after_stop_all(kernel):
+    """Waiting for a node that was started anew brings the picture back to life."""
+    kernel.run(COUNTER, cell_id='a')
+    kernel.run('curve = plot("number", "data"); curve.wait(3); stop_all()', cell_id='b')
+    out = kernel.run(
+        'start(Counter); n = len(curve.values)\nprint(len(curve.wait(n + 3)) > n)', cell_id='c'
+    )
+
+    assert out.error is None
+    assert out.text.endswith('True\n')
+
+
+def test_executed_notebook_keeps_the_last_picture_of_a_plot(tmp_path):
+    """Where nobody looks, the picture stands in its own cell, as it was when it was waited for."""
+    notebook = execute(
+        [COUNTER, 'curve = plot("number", "data")', 'curve.wait(30); curve.stop()'], tmp_path
+    )
+    outputs = [cell.outputs for cell in notebook.cells]
+
+    (shown,) = outputs[1]
+    count = int(re.search(r'(\d+) values', shown.data['text/plain'])[1])
+    assert count >= 30
+    assert '<polyline' in shown.data['text/html']
+    assert outputs[2] == []

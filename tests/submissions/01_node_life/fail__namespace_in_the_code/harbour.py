@@ -1,0 +1,21 @@
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+
+class Watcher(Node):
+    def __init__(self, name, period):
+        super().__init__(name)
+        self.create_timer(period, lambda: self.get_logger().info('here'))
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    executor = SingleThreadedExecutor()
+    executor.add_node(Watcher('lookout', 1.0))
+    executor.add_node(Watcher('keeper', 2.0))
+    executor.spin()
+
+
+if __name__ == '__main__':
+    main()

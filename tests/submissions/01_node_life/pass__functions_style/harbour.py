@@ -1,0 +1,24 @@
+import rclpy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+
+
+def watcher(name, period):
+    node = rclpy.create_node(name, namespace='/harbour')
+
+    def report():
+        node.get_logger().info(name + ' is awake')
+
+    node.create_timer(period, report)
+    return node
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    executor = SingleThreadedExecutor()
+    executor.add_node(watcher('lookout', 1.0))
+    executor.add_node(watcher('keeper', 2.0))
+    try:
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    rclpy.try_shutdown()

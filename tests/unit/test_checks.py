@@ -1,0 +1,184 @@
+"""What checks have in common, asked about recordings made by hand."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder import checks
+from autograder.exam import Failed, Run
+from autograder.recording import Recording, WARN
+
+TOPIC, TYPE = '/lab/reading', 'std_msgs/msg/String'
+QOS = {'reliability': 'RELIABLE', 'durability': 'VOLATILE', 'deadline_ns': None}
+END = {'topic': TOPIC, 'kind': 'publisher', 'node': '/lab/a', 'type': TYPE, 'qos': QOS}
+GRAPH = {'event': 'graph', 'when': 'end', 'nodes': ['/lab/a'], 'endpoints': [END]}
+
+
+def run_of(*events, **process):
+    """Return a run with these events."""
+    ends = [{'event': 'end', 'reason': 'complete'}, {'event': 'process', **process}]
+    return Run({}, Recording({}, (*events, *ends)))
+
+
+def message(clock_s, **data):
+    """Return a message that came at a simulated time."""
+    return {'event': 'message', 'topic': TOPIC, 'clock_ns': round(clock_s * 1e9), 'data': data}
+
+
+def log(text, level=WARN, name='lab.a'):
+    """Return a log entry."""
+    return {'event': 'log', 'name': name, 'level': level, 'text': text, 'after_input': 0}
+
+
+class TestNode:
+    """Whether a node is there."""
+
+    def test_node_of_the_right_name_passes(self):
+        """The name is the full one."""
+        checks.require_node(run_of(GRAPH), '/lab/a')
+
+    def test_node_in_another_namespace_is_told_so(self):
+        """The plain name is right, so the spelling is not to blame."""
+        with pytest.raises(Failed) as failed:
+            checks.require_node(run_of(GRAPH), '/kitchen/a')
+
+        assert failed.value.expected == 'a node called a in the namespace /kitchen'
+        assert failed.value.observed == '/lab/a'
+        assert failed.value.why.cause_id == 'namespace'
+
+
+class TestEndpoint:
+    """Whether an endpoint is there and what it promises."""
+
+    def test_endpoint_of_another_type_is_named(self):
+        """The cause is the type and not the topic."""
+        with pytest.raises(Failed) as failed:
+            checks.require_endpoint(run_of(GRAPH), 'publisher', TOPIC, 'std_msgs/msg/Int32')
+
+        assert failed.value.why.cause_id == 'wrong_type'
+
+    def test_policies_are_compared_one_by_one(self):
+        """Only what is asked for is looked at; a period is told in seconds."""
+        checks.require_qos([END], reliability='RELIABLE', deadline_ns=None)
+
+        with pytest.raises(Failed) as failed:
+            checks.require_qos([END], reliability='RELIABLE', deadline_ns=200_000_000)
+
+        assert failed.value.expected == 'deadline 0.2 s'
+        assert failed.value.observed == 'deadline without limit'
+        assert failed.value.why.cause_id == 'qos_deadline'
+
+
+class TestMessages:
+    """What messages hold and when they come."""
+
+    def test_one_other_value_fails_and_is_shown(self):
+        """A nested field is named with a dot."""
+        found = [message(1, unit={'name': 'Celsius'}), message(2, unit={'name': 'celsius'})]
+
+        with pytest.raises(Failed) as failed:
+            checks.require_field(found, 'unit.name', 'Celsius')
+
+        assert failed.value.observed == "unit.name 'celsius'"
+        assert 'case' in failed.value.why.text
+
+    @pytest.mark.parametrize(
+        'clocks', [[1.1, 2.1, 3.1], [1.35, 2.1, 3.35], [0.1, 1.1, 2.1, 3.1]], ids=str
+    )
+    def test_steady_messages_pass_wherever_they_begin(self, clocks):
+        """A clock step more or less, and one message more or less."""
+        checks.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
+
+    @pytest.mark.parametrize(
+        ('clocks', 'cause'),
+        [
+            ([0.6, 1.1, 1.6, 2.1, 2.6, 3.1], 'wrong_rate'),
+            ([1.1, 3.1], None),
+            ([], None),
+            ([1.1, 1.1, 2.1, 3.1], None),
+        ],
+        ids=['twice as fast', 'a hole', 'silence', 'doubled'],
+    )
+    def test_other_rhythms_fail(self, clocks, cause):
+        """A cause is named only where it is sure."""
+        with pytest.raises(Failed) as failed:
+            checks.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
+
+        assert (failed.value.why and failed.value.why.cause_id) == cause
+
+    def test_too_few_messages_fail(self):
+        """Silence has a cause of its own."""
+        with pytest.raises(Failed) as failed:
+            checks.require_messages(run_of(GRAPH), [], 3, 'messages on /lab/reading')
+
+        assert failed.value.expected == 'at least 3 messages on /lab/reading'
+        assert failed.value.why.cause_id == 'silent'
+
+
+class TestLogs:
+    """Log lines of the node's own logger."""
+
+    def test_lines_of_others_do_not_count(self):
+        """Children do; a node whose name begins alike does not."""
+        run = run_of(log('mine'), log('child', name='lab.a.kid'), log('other', name='lab.ab'))
+
+        assert [one['text'] for one in checks.own_logs(run, '/lab/a')] == ['mine', 'child']
+
+    def test_exact_count_is_asked(self):
+        """One line too many is as wrong as one too few."""
+        entries = [log('a'), log('b')]
+        checks.require_log(run_of(), entries, WARN, 2, 'after 31 °C')
+
+        with pytest.raises(Failed) as failed:
+            checks.require_log(run_of(), entries, WARN, 1, 'after 31 °C')
+
+        assert failed.value.expected == '1 WARN line after 31 °C'
+        assert failed.value.observed == '2 WARN lines'
+
+    def test_line_of_another_level_is_the_cause(self):
+        """What came instead is told."""
+        with pytest.raises(Failed) as failed:
+            checks.require_log(run_of(), [log('hot', level=40)], WARN, None, 'after 31 °C')
+
+        assert failed.value.why.text == 'A line at level ERROR comes instead.'
+
+    def test_printed_text_is_the_cause(self):
+        """Nothing is on /rosout, something is on the terminal."""
+        run = run_of(stdout='too hot\n')
+
+        assert checks.why_not_logged(run, [], WARN).cause_id == 'print_instead_of_logger'
+
+
+class TestAnswers:
+    """What services answer."""
+
+    SERVICE = '/lab/a/change_state'
+
+    def answer(self, **data):
+        """Return an answered call."""
+        return {'event': 'answer', 'service': self.SERVICE, 'data': data}
+
+    def test_wanted_answers_pass(self):
+        """Only the fields that are named count."""
+        run = run_of(self.answer(success=True, more=1), self.answer(success=False))
+
+        checks.require_answers(run, self.SERVICE, [{'success': True}, {}], 'two transitions')
+
+    def test_other_answer_is_told_by_number(self):
+        """The first difference counts."""
+        run = run_of(self.answer(success=True), self.answer(success=False))
+
+        with pytest.raises(Failed) as failed:
+            checks.require_answers(run, self.SERVICE, [{'success': True}] * 2, 'two transitions')
+
+        assert failed.value.expected == 'two transitions: success True to number 2'
+        assert failed.value.observed == 'success False'
+
+    def test_missing_service_is_the_cause(self):
+        """A plain Node has no lifecycle services."""
+        run = run_of({'event': 'no_answer', 'service': self.SERVICE, 'reason': 'no_service'})
+
+        with pytest.raises(Failed) as failed:
+            checks.require_answers(run, self.SERVICE, [{}], 'the transition configure')
+
+        assert failed.value.why.cause_id == 'no_service'

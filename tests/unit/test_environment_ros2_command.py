@@ -1,0 +1,130 @@
+"""The ros2 command that the set-up installs: its environment, and when it steps aside."""
+
+from dataclasses import replace
+import os
+from pathlib import Path
+import subprocess
+import sys
+
+import pytest
+
+from environment import describe, doctor, install_files, ros2_command
+from environment.places import Places
+from environment.ros import RosEnvironment
+
+
+@pytest.fixture
+def places(tmp_path):
+    """Provide a place whose name has a blank."""
+    places = Places(venv=tmp_path / 'a venv', project=tmp_path)
+    (places.venv / 'bin').mkdir(parents=True)
+    return places
+
+
+@pytest.fixture
+def wheels(places):
+    """Provide the description of an environment from wheels."""
+    return describe.describe_wheels(places, '/usr')
+
+
+@pytest.fixture
+def sourced(tmp_path, wheels):
+    """Provide the description of an installation that has a ros2 of its own."""
+    folder = tmp_path / 'opt' / 'bin'
+    folder.mkdir(parents=True)
+    program = folder / 'ros2'
+    program.write_text('#!/bin/sh\necho "the real one: $*"\n')
+    program.chmod(0o755)
+    path = f'{Path(wheels.python).parent}{os.pathsep}{folder}'
+    return replace(wheels, kind='sourced', variables={**wheels.variables, 'PATH': path})
+
+
+def test_overlaid_keeps_what_the_shell_says_in_front(wheels):
+    """A sourced workspace and a choice of the shell win; nothing is lost or repeated."""
+    ours = wheels.variables['AMENT_PREFIX_PATH']
+    shell = {
+        'PATH': '/usr/bin',
+        'AMENT_PREFIX_PATH': f'/my/ws:{ours}',
+        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'SUBNET',
+    }
+
+    env = ros2_command.overlaid(shell, wheels)
+    assert env['AMENT_PREFIX_PATH'] == f'/my/ws:{ours}'
+    assert env['ROS_AUTOMATIC_DISCOVERY_RANGE'] == 'SUBNET'
+    assert env['PATH'] == f'{Path(wheels.python).parent}:/usr/bin'
+    assert env['LD_LIBRARY_PATH'] == wheels.variables['LD_LIBRARY_PATH']
+    assert Path(env['FASTRTPS_DEFAULT_PROFILES_FILE']).is_file()
+
+
+def test_discovery_variables_leave_another_middleware_alone(wheels):
+    """Settings for Fast DDS are for Fast DDS only."""
+    other = replace(wheels, variables={'RMW_IMPLEMENTATION': 'rmw_cyclonedds_cpp'})
+
+    assert ros2_command.discovery_variables(other) == {}
+
+
+def test_script_is_installed_with_the_wheels(places, wheels):
+    """The wheels have no ros2, so the venv gets the course's, and the doctor says so."""
+    install_files.write_ros2_command(places, wheels)
+    script = places.venv / 'bin' / 'ros2'
+
+    assert os.access(script, os.X_OK)
+    found = doctor.check_ros2_command(places, wheels)
+    assert (found.state, "the course's own" in found.detail) == (doctor.OK, True)
+
+
+def test_script_steps_aside_for_a_real_one(places, wheels, sourced):
+    """An installation's own ros2 is never hidden, not even by an older set-up's script."""
+    install_files.write_ros2_command(places, wheels)
+    install_files.write_ros2_command(places, sourced)
+
+    assert not (places.venv / 'bin' / 'ros2').exists()
+    found = doctor.check_ros2_command(places, sourced)
+    assert found.detail == ros2_command.installed_ros2(sourced)
+
+
+def test_foreign_ros2_in_the_venv_is_left_alone(places, sourced):
+    """Only what this set-up wrote is removed."""
+    script = places.venv / 'bin' / 'ros2'
+    script.write_text('#!/bin/sh\n')
+    install_files.write_ros2_command(places, sourced)
+
+    assert script.read_text() == '#!/bin/sh\n'
+
+
+def test_missing_script_is_found_by_the_doctor(places, wheels):
+    """Without it, lessons that show commands do not work."""
+    found = doctor.check_ros2_command(places, wheels)
+
+    assert (found.state, found.fix) == (doctor.MISSING, doctor.PREPARE)
+
+
+def run_main(places, ros: RosEnvironment, *arguments):
+    """Run the file as the script does, with a description of its own."""
+    install_files.write_description(places, ros)
+    return subprocess.run(
+        [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), *arguments],
+        env={'PATH': '/usr/bin:/bin'},
+        capture_output=True,
+        text=True,
+    )
+
+
+def test_command_called_beside_a_real_one_starts_that(places, sourced):
+    """Called all the same, it says so and hands over."""
+    done = run_main(places, sourced, 'topic', 'list')
+
+    assert done.stdout == 'the real one: topic list\n'
+    assert "is the installation's own" in done.stderr
+
+
+def test_command_without_description_says_what_to_do(places):
+    """In a venv that was not prepared there is one line of advice."""
+    done = subprocess.run(
+        [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), 'topic', 'list'],
+        capture_output=True,
+        text=True,
+    )
+
+    assert done.returncode == 1
+    assert 'Try: make doctor' in done.stderr

@@ -1,0 +1,174 @@
+"""Mistakes in an exam are refused with their place, before a class is graded with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from autograder import course
+from autograder.errors import ExamInvalid
+from autograder.exam import Exam
+from autograder.exam_mistakes import ament_prefixes, differs_from_visible, type_mistakes
+from autograder.layout import Layout
+from autograder.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario
+from autograder.self_check import self_check
+
+STRING = 'std_msgs/msg/String'
+
+
+def exam(**scenario) -> Exam:
+    """Return an exam with a scenario."""
+    facts = {'file': 'a.py', **scenario}
+    return Exam(
+        'sample',
+        title='T',
+        assignment='01_x',
+        part=1,
+        cells=('a',),
+        requires=('a.py',),
+        scenario=Scenario(**facts),
+    )
+
+
+def feed(topic, *messages, **facts):
+    """Return a step that sends."""
+    return Feed(topic, messages or [{'data': 'x'}], **facts)
+
+
+class TestWhenItIsMade:
+    """What a scenario says of itself."""
+
+    @pytest.mark.parametrize(
+        ('scenario', 'said'),
+        [
+            (
+                {'feed': {'/chatter': STRING}, 'steps': (Advance(1), feed('/chater'))},
+                'exam sample, step 2 (Feed): expected what Scenario(feed=...), an Offer or a '
+                "Join has announced, which is '/chatter', got '/chater'; did you mean '/chatter'?",
+            ),
+            ({'steps': (feed('/chatter'),)}, 'step 1 (Feed): expected what '),
+            (
+                {'steps': (Offer('one', '/t', STRING), Leave('one'), feed('one'))},
+                'step 3 (Feed): expected what ',
+            ),
+            ({'steps': (Leave('late'),)}, 'step 1 (Leave): expected what '),
+            (
+                {'feed': {'/t': STRING}, 'steps': (feed('/t', *[{}] * 11, burst=True),)},
+                'step 1 (Feed): expected at most 10 messages a burst, got 11',
+            ),
+            ({'steps': (Advance(0),)}, 'step 1 (Advance): expected time to pass'),
+            (
+                {'watch': {'/t': 'std_msgs/String'}},
+                "watch '/t': expected a type such as std_msgs/msg/String, got 'std_msgs/String'",
+            ),
+            ({'feed': {'/t': 'std_msgs.msg.String'}}, "feed '/t': expected a type such as"),
+            ({'watch': {'t': STRING}}, "watch 't': expected a full topic name"),
+            (
+                {'steps': (Call('/a', 'get_state', 'lifecycle_msgs/msg/State'),)},
+                'step 1 (Call)',
+            ),
+        ],
+    )
+    def test_a_contradiction_is_refused_with_its_place(self, scenario, said):
+        """It names exam, step, what was expected and what was found."""
+        with pytest.raises(ExamInvalid) as refused:
+            exam(**scenario)
+
+        assert said in str(refused.value)
+
+    def test_what_comes_and_goes_in_order_is_fine(self):
+        """A publisher that was offered may send until it has left."""
+        steps = (
+            Offer('one', '/t', STRING),
+            feed('one'),
+            Leave('one'),
+            Join('late', '/t', STRING),
+            Leave('late'),
+        )
+
+        assert exam(steps=steps).scenario.steps == steps
+
+
+class TestWithRos:
+    """What only an installation knows."""
+
+    @pytest.mark.parametrize(
+        ('scenario', 'said'),
+        [
+            (
+                {'watch': {'/t': 'std_msg/msg/String'}},
+                "exam sample, watch '/t': expected a type of an installed package, got "
+                'std_msg/msg/String; did you mean std_msgs?',
+            ),
+            (
+                {'feed': {'/t': 'std_msgs/msg/Strin'}},
+                "exam sample, feed '/t': expected a type of std_msgs, got std_msgs/msg/Strin; "
+                'did you mean std_msgs/msg/String?',
+            ),
+            (
+                {'steps': (Join('late', '/t', 'nav_msgs/msg/Odometry'),)},
+                "step 1 (Join) 'late': expected a type of an installed package",
+            ),
+            (
+                {'feed': {'/t': STRING}, 'steps': (feed('/t', {'data': ''}, {'dta': ''}),)},
+                'exam sample, step 1 (Feed): message 2: expected a field of std_msgs/msg/String, '
+                "got 'dta'; did you mean 'data'?",
+            ),
+        ],
+    )
+    def test_a_type_or_field_that_is_not_there_is_named(self, scenario, said):
+        """With a near name."""
+        (line,) = type_mistakes(exam(**scenario), ament_prefixes())
+
+        assert said in line
+
+    def test_types_of_the_course_and_of_ros_are_there(self):
+        """Services and the course's own messages too."""
+        fine = exam(
+            watch={'/t': 'temp_monitor_pkg/msg/Temperature'},
+            feed={'/n': 'temp_monitor_pkg/msg/Num'},
+            steps=(
+                feed('/n', {'num': 1}),
+                Call('/a', 'get_state', 'lifecycle_msgs/srv/GetState'),
+            ),
+        )
+
+        assert list(type_mistakes(fine, ament_prefixes())) == []
+
+    def test_every_exam_of_the_course_is_free_of_them(self):
+        """The same as ``make check`` says."""
+        assert list(course.unfit_exams(Layout.here())) == []
+
+
+class TestBeforeItIsUsed:
+    """Two versions of one exam, and the proof on this machine."""
+
+    def test_the_graded_exam_is_the_visible_one_with_other_inputs(self):
+        """Other cells would be other answers."""
+        graded, visible = exam(), exam()
+        graded.cells = ('b',)
+
+        (line,) = differs_from_visible(graded, visible)
+
+        assert "expected the same cells as in the visible exam, ('a',), got ('b',)" in line
+
+    def test_self_check_refuses_an_exam_before_it_runs_it(self, tmp_path: Path, monkeypatch):
+        """A run that cannot end well would be told as the probe's fault."""
+        from autograder import exams
+        from autograder import self_check as module
+
+        wrong = exam(watch={'/t': 'std_msgs/msg/Strin'})
+        monkeypatch.setattr(exams, 'load', lambda *_, **__: wrong)
+        monkeypatch.setattr(
+            module,
+            'load_lesson',
+            lambda *_: module.Lesson('01_x', 'x.ipynb', {'cells': []}, (wrong,)),
+        )
+        (tmp_path / 'notebooks' / '01_x').mkdir(parents=True)
+        (tmp_path / 'notebooks' / '01_x' / 'x.ipynb').write_text('{}')
+
+        ((right, line),) = self_check(Layout(tmp_path), None)
+
+        assert not right
+        assert line.startswith("01_x: exam sample, watch '/t': expected a type of std_msgs")

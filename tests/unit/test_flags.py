@@ -1,0 +1,88 @@
+"""What an instructor is shown about a run: facts, and nothing for an honest one."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.flags import flags_of
+from autograder.processes import other_domains
+from autograder.recording import Recording
+from autograder.scenario import FeedTopic, Offer, Scenario
+
+NODE = '/talker'
+
+
+def end(topic, node=NODE, kind='publisher'):
+    """Return an endpoint as it is recorded."""
+    return {'topic': topic, 'kind': kind, 'node': node, 'type': 'x/msg/X'}
+
+
+def recording(*events, nodes=(NODE,), endpoints=(), count=None, reason='complete', **process):
+    """Return a recording with one graph."""
+    ends = [end('/rosout'), end('/parameter_events'), *endpoints]
+    graph = {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': ends}
+    graph['count'] = count or len(ends)
+    last = [{'event': 'end', 'reason': reason}, {'event': 'process', 'killed': '', **process}]
+    return Recording({}, [*events, graph, *last])
+
+
+def test_honest_run_has_no_flag():
+    """A node with its two own topics and a publisher is nothing to look at."""
+    assert flags_of(recording(endpoints=[end('/chatter')]), Scenario()) == ()
+
+
+@pytest.mark.parametrize(
+    ('run', 'flag'),
+    [
+        (recording({'event': 'foreign_clock'}), '/clock'),
+        (recording(endpoints=[end('/clock')]), '/clock'),
+        (recording({'event': 'wall_time'}), 'watched for a few seconds'),
+        (recording({'event': 'imitated'}), "grader's own node"),
+        (recording(nodes=[NODE, NODE]), 'same name'),
+        (recording(nodes=[NODE, '/a b']), 'does not allow'),
+        (recording(endpoints=[end('/rosout')]), '/rosout by itself'),
+        (recording(endpoints=[end('/parameter_events')]), '/parameter_events by itself'),
+        (recording(endpoints=[end('/input')]), 'from which it gets its inputs'),
+        (recording(endpoints=[end('/offered')]), 'from which it gets its inputs'),
+        (recording(count=101), 'more than 100'),
+        (recording(reason='too_many_events'), 'than are recorded'),
+        (recording({'event': 'message', 'too_large': 10**6}), 'too large'),
+        (recording(domains=[7]), 'ROS domain 7'),
+        (recording(left=True), 'other processes'),
+        (recording(killed='cpu_limit'), 'cpu_limit'),
+    ],
+)
+def test_what_is_odd_is_said(run, flag):
+    """Each oddity gives one line in words."""
+    scenario = Scenario(
+        feed={'/input': FeedTopic('x/msg/X')}, steps=(Offer('late', '/offered', 'x/msg/X'),)
+    )
+
+    assert [flag in line for line in flags_of(run, scenario)] == [True]
+
+
+def test_two_nodes_have_two_publishers_each_of_their_own():
+    """As many publishers on /rosout as nodes of the name are nothing odd."""
+    run = recording(nodes=[NODE, '/listener'], endpoints=[end('/rosout', '/listener')])
+
+    assert flags_of(run, Scenario()) == ()
+
+
+def test_first_news_of_a_node_without_its_name_is_no_flag():
+    """Endpoints are sometimes known a moment before the node's name is."""
+    run = recording(nodes=[])
+
+    assert flags_of(run, Scenario()) == ()
+
+
+def test_ports_of_domain_0_are_no_other_domain():
+    """The probe's own ports and those of a node in its domain are expected."""
+    assert other_domains({7400, 7410, 7411, 7412, 7413, 40001}) == []
+
+
+def test_other_domain_is_known_by_its_two_ports():
+    """A participant opens the port of the domain and one of its own."""
+    first = 7400 + 250 * 42
+
+    assert other_domains({7400, first, first + 10}) == [42]
+    assert other_domains({7400, first}) == []

@@ -1,0 +1,230 @@
+"""Refusals say the exact repair, weak modes are named, and results say what was not protected."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from rich.console import Console
+
+from autograder import isolation, landlock, sandbox
+from autograder.__main__ import _warn_if_weak
+from autograder.confined import Confined
+from autograder.errors import SandboxUnavailable
+from autograder.feedback import exam_text
+from autograder.isolation import fix_for, System
+from autograder.report import print_table, write_reports
+from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
+from environment.ros import RosEnvironment
+
+UID_MAP = 'bwrap: setting up uid map: Permission denied'
+LOOPBACK = 'bwrap: loopback: Failed RTM_NEWADDR: Operation not permitted'
+NO_NAMESPACE = (
+    'bwrap: No permissions to create new namespace, likely because the kernel does not allow '
+    'non-privileged user namespaces.'
+)
+PIVOT = 'bwrap: pivot_root: Operation not permitted'
+
+
+@pytest.mark.parametrize(
+    ('said', 'system', 'words'),
+    [
+        (UID_MAP, System(apparmor_restricts=1), 'apparmor_restrict_unprivileged_userns=0'),
+        (LOOPBACK, System(apparmor_restricts=1), '/etc/apparmor.d/bwrap'),
+        (LOOPBACK, System(), '/etc/apparmor.d/bwrap'),
+        (UID_MAP, System(apparmor_restricts=1, container=True), 'apparmor=unconfined'),
+        (NO_NAMESPACE, System(container=True), '--security-opt seccomp=unconfined'),
+        (NO_NAMESPACE, System(container=True, root=True), '--network none'),
+        (NO_NAMESPACE, System(userns_clone=0), 'kernel.unprivileged_userns_clone=1'),
+        (NO_NAMESPACE, System(max_user_namespaces=0), 'user.max_user_namespaces=15000'),
+        (PIVOT, System(container=True, root=True), '--security-opt seccomp=unconfined'),
+        ('bwrap: Unknown option --disable-userns', System(), 'older than 0.8'),
+        ("bwrap: Can't find source path /nowhere", System(), 'environment.md'),
+    ],
+)
+def test_each_refusal_has_its_repair(said, system, words):
+    """What bubblewrap printed and what the system is decide the command to type."""
+    assert words in fix_for(said, system)
+
+
+def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monkeypatch):
+    """The line can be pasted."""
+    monkeypatch.setattr(sandbox.shutil, 'which', lambda name: None)
+    sandbox.strongest.cache_clear()
+    try:
+        with pytest.raises(SandboxUnavailable) as caught:
+            sandbox.strongest()
+    finally:
+        sandbox.strongest.cache_clear()
+
+    assert 'sudo apt-get install -y bubblewrap' in caught.value.fix
+    assert '--allow-weak=landlock' in caught.value.fix
+
+
+@pytest.mark.parametrize('said', [UID_MAP, NO_NAMESPACE])
+def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
+    said, tmp_path, monkeypatch
+):
+    """Not only the table is right: the way from bubblewrap's mouth to the message is, too."""
+    program = tmp_path / 'bwrap'
+    program.write_text(f'#!/bin/sh\necho "{said}" >&2\nexit 1\n', encoding='utf-8')
+    program.chmod(0o755)
+    monkeypatch.setattr(sandbox, 'BARE', {'PATH': f'{tmp_path}:/usr/bin:/bin'})
+    monkeypatch.setattr(System, 'here', classmethod(lambda cls: System(apparmor_restricts=1)))
+
+    with pytest.raises(SandboxUnavailable) as caught:
+        sandbox.isolated()
+
+    assert said.rstrip('.') in caught.value.what
+    assert caught.value.fix == isolation.FIX_APPARMOR
+
+
+@pytest.mark.parametrize(
+    ('named', 'root', 'tried'),
+    [
+        ('', True, ()),
+        ('landlock-uid', True, ('landlock-uid',)),
+        ('landlock-uid', False, ()),
+        ('landlock', True, ('landlock-uid',)),
+        ('landlock', False, ('landlock',)),
+        ('none', True, ('landlock-uid',)),
+        ('none', False, ('landlock', 'none')),
+    ],
+)
+def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
+    """Without a name there is no weak mode; root never runs programs as root."""
+    assert isolation.permitted(named, root) == tried
+
+
+@pytest.mark.parametrize(
+    ('error', 'version', 'root', 'words'),
+    [
+        ('Function not implemented', None, True, 'no Landlock (Function not implemented)'),
+        ('Operation not supported', None, False, 'no Landlock (Operation not supported)'),
+        ('', 2, False, 'cannot protect files against a program of the same user'),
+        ('', 2, True, ''),
+        ('', 3, False, ''),
+    ],
+)
+def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words, monkeypatch):
+    """The kernel is asked, and its own words are passed on."""
+
+    def ask() -> int:
+        if error:
+            raise OSError(38, error)
+        return version
+
+    monkeypatch.setattr(landlock.confine, 'version', ask)
+    what, fix = landlock.refusal(root)
+
+    assert words in what
+    assert bool(what) == bool(fix) == bool(words)
+
+
+def test_a_banner_says_what_is_not_protected():
+    """Nobody can say that they were not told."""
+    for mode in isolation.WEAK:
+        text = isolation.banner(mode)
+        assert mode in text
+        assert all(lack in text for lack in isolation.MODES[mode].lacks)
+        assert ('nothing is entered in the gradebook' in text) == (mode == 'none')
+
+
+def test_a_weak_mode_runs_one_submission_at_a_time():
+    """The banner is printed and the number of runs is one; full isolation keeps the number."""
+    told = Console(file=io.StringIO(), width=200)
+
+    def engine(mode):
+        return SimpleNamespace(sandbox=SimpleNamespace(mode=mode))
+
+    assert _warn_if_weak(engine('bwrap-root'), 4, told) == 4
+    assert told.file.getvalue() == ''
+    assert _warn_if_weak(engine('landlock'), 4, told) == 1
+    assert 'WEAK ISOLATION' in told.file.getvalue()
+
+
+def weak_result() -> SubmissionResult:
+    """Return a result that was made behind Landlock alone."""
+    check = CheckResult('c', 'It runs.', Verdict.PASSED, 1, 1)
+    lacks = isolation.not_protected('landlock')
+    exam = ExamResult('talker', (check,), mode='landlock', not_protected=lacks)
+    return SubmissionResult('s', '03_topics', (exam,))
+
+
+def test_every_place_that_shows_a_result_shows_its_weak_mode(tmp_path):
+    """Pages, JSON, terminal and notebook carry the stamp."""
+    result = weak_result()
+    write_reports(tmp_path, '03_topics', [result])
+    pages = [path.read_text(encoding='utf-8') for path in tmp_path.rglob('*.*')]
+    told = Console(file=io.StringIO(), width=200)
+    print_table(told, '03_topics', [result])
+
+    assert len(pages) == 3
+    assert all('the network is shared' in page for page in pages)
+    assert 'WEAK ISOLATION: landlock' in ' '.join(told.file.getvalue().split())
+    assert 'weak isolation (landlock)' in exam_text(result.exams[0])
+    assert SubmissionResult.from_json(result.to_json()) == result
+
+
+def test_landlock_opens_everything_but_the_course_s_own_answer(tmp_path):
+    """Neighbours of a closed file are opened one by one, and folders above by their names only."""
+    package = 'lib/python3.12/site-packages/temp_monitor_pkg'
+    workspace = tmp_path / 'workspace' / 'install' / 'temp_monitor_pkg'
+    files = (f'{package}/__init__.py', f'{package}/temp_publisher.py', 'share/x.msg')
+    for name in (*files, 'lib/temp_monitor_pkg/temp_publisher', 'lib/libx.so'):
+        (workspace / name).parent.mkdir(parents=True, exist_ok=True)
+        (workspace / name).touch()
+    (tmp_path / 'workspace' / 'build').mkdir()
+    (tmp_path / 'bin').mkdir()
+    ros = RosEnvironment('wheels', 'p', {}, {}, (str(tmp_path),), str(workspace))
+
+    read, names = landlock.readable(ros, course_messages=True)
+    assert {str(tmp_path / 'bin'), str(workspace / package / '__init__.py')} <= set(read)
+    assert {str(workspace / 'share'), str(workspace / 'lib' / 'libx.so')} <= set(read)
+    for closed in (package + '/temp_publisher.py', 'lib/temp_monitor_pkg/temp_publisher'):
+        assert not any(str(workspace / closed).startswith(path) for path in read)
+    assert str(tmp_path) in names
+
+    read, _ = landlock.readable(ros, course_messages=False)
+    assert not any(path.startswith(str(tmp_path / 'workspace')) for path in read)
+
+
+def test_a_domain_in_use_is_not_taken(tmp_path):
+    """Ports of a domain in the kernel's table mean that somebody is there."""
+    table = tmp_path / 'udp'
+    lines = ['  sl  local_address rem_address']
+    taken = [domain for domain in range(1, 102) if domain != 42]
+    for number, domain in enumerate(taken):
+        lines.append(f'{number}: 0100007F:{7400 + 250 * domain + 10:04X} 00000000:0000 07')
+    table.write_text('\n'.join(lines) + '\n', encoding='ascii')
+
+    assert landlock.free_domain(str(table)) == 42
+
+    lines.append(f'200: 00000000:{7400 + 250 * 42:04X} 00000000:0000 07')
+    table.write_text('\n'.join(lines) + '\n', encoding='ascii')
+    with pytest.raises(SandboxUnavailable, match='101 ROS domains'):
+        landlock.free_domain(str(table))
+
+
+def test_what_a_program_wrote_is_counted_without_a_file_system_of_its_own(tmp_path):
+    """Files and bytes below its folder; links are not followed."""
+    (tmp_path / 'deep' / 'er').mkdir(parents=True)
+    (tmp_path / 'deep' / 'er' / 'file').write_bytes(b'x' * 8192)
+    (tmp_path / 'link').symlink_to('/usr')
+
+    count, size = Confined(None, 0, 0, home=tmp_path).files()
+
+    assert count == 4
+    assert size >= 8192
+
+
+def test_a_folder_that_is_closed_to_others_is_named(tmp_path):
+    """A throw-away user cannot pass it, so the refusal has to say which one it is."""
+    inner = tmp_path / 'closed' / 'python'
+    inner.mkdir(parents=True)
+    (tmp_path / 'closed').chmod(0o700)
+
+    found = landlock.closed_folder([str(inner)])
+    assert Path(found) in (*tmp_path.parents, tmp_path / 'closed', tmp_path)

@@ -1,0 +1,161 @@
+"""The gallery of errors: what explain() finds, and that lesson 08 really shows each of them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import re
+import sys
+
+import pytest
+import yaml
+
+from roslab.errors import RoslabError
+from roslab.gallery import entries, Entry, explain, FILE, LESSON, nearest
+from tests.notebooks.test_lessons import executed, run
+
+NOTEBOOK = Path(__file__).resolve().parents[2] / 'solutions' / LESSON / 'what_went_wrong.ipynb'
+ROWS = {row['key']: row for row in yaml.safe_load(FILE.read_text(encoding='utf-8'))}
+TERMINAL_COLOURS = re.compile(r'\x1b\[[0-9;]*m')
+
+each_entry = pytest.mark.parametrize('entry', entries(), ids=lambda entry: entry.key)
+
+
+def sources() -> dict[str, str]:
+    """Return the cells of the lesson by their ids."""
+    cells = json.loads(NOTEBOOK.read_text(encoding='utf-8'))['cells']
+    return {cell['id']: ''.join(cell['source']) for cell in cells}
+
+
+def heading_of(text: str) -> str:
+    """Return the heading of a text cell; messages are set as code."""
+    return re.match(r'### (.*)\n', text)[1].strip('`')
+
+
+def printed(key: str) -> str:
+    """Return what a cell of the executed lesson shows, as one line."""
+    cell = next(cell for cell in run(NOTEBOOK).cells if cell.id == key)
+    said = [
+        output.text if output.output_type == 'stream' else output.data.get('text/plain', '')
+        for output in cell.outputs
+        if output.output_type != 'display_data'
+    ]
+    return TERMINAL_COLOURS.sub('', ' '.join(' '.join(said).split()))
+
+
+@executed
+@each_entry
+def test_cell_prints_what_its_entry_says(entry: Entry) -> None:
+    """The exhibit of each entry prints the very message that the entry is found by."""
+    text = printed(entry.key)
+
+    if 'shows' in ROWS[entry.key]:
+        assert re.search(ROWS[entry.key]['shows'], text), text
+    else:
+        assert entry in nearest(text), text
+
+
+@executed
+@each_entry
+def test_message_of_a_cell_is_explained_by_its_entry_first(entry: Entry) -> None:
+    """No other entry is nearer to a message than the one that it belongs to."""
+    if 'shows' not in ROWS[entry.key]:
+        assert nearest(printed(entry.key))[0] == entry
+
+
+@each_entry
+def test_heading_of_an_exhibit_leads_to_its_entry(entry: Entry) -> None:
+    """Whoever pastes a heading of the lesson into explain() gets that exhibit first."""
+    assert nearest(entry.heading)[0] == entry
+
+
+def test_entries_and_exhibits_are_the_same() -> None:
+    """Each entry has an exhibit of three cells under its heading, and each exhibit an entry."""
+    cells = sources()
+    headings = {heading_of(text) for name, text in cells.items() if name.endswith('-what')}
+
+    assert headings == {entry.heading for entry in entries()}
+    for entry in entries():
+        assert heading_of(cells[f'{entry.key}-what']) == entry.heading
+        assert entry.key in cells
+        assert f'{entry.key}-why' in cells
+
+
+def test_names_of_a_learner_do_not_disturb() -> None:
+    """A message is recognised whatever the learner's nodes, classes and packages are called."""
+    found = [
+        nearest("Package 'bumper_cars' not found")[0].key,
+        nearest("property 'timers' of 'Clock' object has no setter")[0].key,
+        nearest("ModuleNotFoundError: No module named 'bumper_cars.msg'")[0].key,
+        nearest("The 'speed' field must be of type 'float'")[0].key,
+    ]
+
+    assert found == ['no-package', 'no-setter', 'no-msg', 'int-field']
+
+
+def test_message_in_a_long_log_is_found() -> None:
+    """Line breaks and text around a message do not matter."""
+    log = 'Traceback ...\n  File "x.py"\nRuntimeError: Context.init() must only\n be called once\n'
+
+    assert nearest(log)[0].key == 'init-twice'
+
+
+def test_explain_says_cause_repair_and_place(capsys: pytest.CaptureFixture[str]) -> None:
+    """An explanation names what happened, what to do, and where the lesson shows it."""
+    explain('No executable found')
+
+    said = capsys.readouterr().out
+    assert said.startswith('What happened: Nothing of that name was installed')
+    assert 'Repair: Declare it in `entry_points`' in said
+    assert f'More: lesson {LESSON}, "No executable found"' in said
+
+
+def test_explain_takes_an_exception(capsys: pytest.CaptureFixture[str]) -> None:
+    """The class of an exception is part of what is searched."""
+    explain(NameError("name 'Float32' is not defined"))
+
+    assert 'Import it' in capsys.readouterr().out
+
+
+def test_explain_looks_at_the_last_error(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without a text it explains what this interpreter has shown last."""
+    monkeypatch.setattr(
+        sys, 'last_value', TypeError("'NoneType' object is not callable"), raising=False
+    )
+    explain()
+
+    assert 'without brackets' in capsys.readouterr().out
+
+
+def test_explain_without_an_error_says_what_to_give(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If nothing went wrong yet, explain() says how to give it a text."""
+    monkeypatch.delattr(sys, 'last_value', raising=False)
+
+    with pytest.raises(RoslabError, match='there was none'):
+        explain()
+
+
+@pytest.mark.parametrize('nonsense', [3, '', '  '])
+def test_explain_refuses_what_is_no_error(nonsense: object) -> None:
+    """A number or an empty text is answered with an example of a right call."""
+    with pytest.raises(RoslabError, match='expected the text of an error'):
+        explain(nonsense)
+
+
+def test_explain_knows_the_errors_of_a_build(capsys: pytest.CaptureFixture[str]) -> None:
+    """What is not in the gallery is looked up among the mistakes of a build."""
+    explain("CMake Error: the passed dependency 'geometry_msgs' has not been found before using")
+
+    assert 'find_package(geometry_msgs REQUIRED)' in capsys.readouterr().out
+
+
+def test_explain_says_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:
+    """An unknown message is called unknown, with ways to go on and no guess."""
+    explain('OSError: the robot has eaten the map')
+
+    said = capsys.readouterr().out
+    assert said.startswith('Not in the gallery: OSError: the robot has eaten the map')
+    assert 'What happened' not in said
+    assert 'robotics.stackexchange.com' in said

@@ -1,0 +1,411 @@
+"""The layout, the pictures and the text of roslab, made from plain data."""
+
+import math
+import re
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import pytest
+
+pytest.importorskip('rclpy')
+
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from std_msgs.msg import ByteMultiArray, Empty, Float64, Header, Int32MultiArray, String
+
+from roslab import svg
+from roslab.cli_text import (
+    echo_text,
+    hz_text,
+    message_yaml,
+    node_info_text,
+    topic_info_text,
+    topic_list_text,
+)
+from roslab.errors import RoslabError
+from roslab.fields import number_getter, numeric_fields
+from roslab.graph_facts import Endpoint, Facts, mismatch, Topic
+from roslab.graph_layout import arrange
+from roslab.graph_picture import Graph
+from roslab.plot_picture import Curve, curve_html, curve_text
+from roslab.timeline_picture import make_timeline
+
+STRING = 'std_msgs/msg/String'
+RELIABLE = QoSProfile(depth=10)
+BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+LASTING = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def end(node, kind=STRING, qos=RELIABLE):
+    """Return an endpoint."""
+    return Endpoint(node, kind, qos)
+
+
+def chatter(publishers, subscriptions, nodes=(), everything=False):
+    """Return the facts of a graph with one topic."""
+    ends = (*publishers, *subscriptions)
+    names = sorted({*nodes, *(e.node for e in ends if everything or not e.hidden)})
+    return Facts(
+        tuple(names), (Topic('/chatter', tuple(publishers), tuple(subscriptions)),), everything
+    )
+
+
+def drawing(page):
+    """Return the SVG of a page as a tree, which proves that it is well formed."""
+    return ElementTree.fromstring(re.search(r'<svg.*</svg>', page, re.DOTALL)[0])
+
+
+def words(page):
+    """Return all texts of a picture, without its title and description."""
+    return [e.text for e in drawing(page).iter('{http://www.w3.org/2000/svg}text')]
+
+
+def test_connected_pair_is_one_line_of_text_and_has_no_dashes():
+    """A talker and a listener that fit are joined by plain arrows."""
+    graph = Graph(chatter([end('/talker')], [end('/listener')]))
+
+    assert str(graph).splitlines()[0] == f'/talker --> /chatter [{STRING}] --> /listener'
+    assert 'stroke-dasharray' not in graph._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ('publisher', 'subscription', 'reason'),
+    [
+        (end('/a'), None, 'nobody subscribes'),
+        (None, end('/b'), 'nobody publishes'),
+        (
+            end('/a'),
+            end('/b', 'std_msgs/msg/Int32'),
+            'type differs: std_msgs/msg/String | std_msgs/msg/Int32',
+        ),
+        (
+            end('/a', qos=BEST_EFFORT),
+            end('/b'),
+            'reliability: offers BEST_EFFORT, wants RELIABLE',
+        ),
+        (
+            end('/a'),
+            end('/b', qos=QoSProfile(depth=1, deadline=Duration(seconds=0.5))),
+            'deadline: offers none, wants 0.5 s',
+        ),
+        (
+            end('/a', qos=BEST_EFFORT),
+            end('/b', qos=LASTING),
+            'reliability: offers BEST_EFFORT, wants RELIABLE; '
+            'durability: offers VOLATILE, wants TRANSIENT_LOCAL',
+        ),
+    ],
+)
+def test_endpoint_without_a_match_is_dashed_and_says_why(publisher, subscription, reason):
+    """The reason stands in the text and, wrapped, in the picture."""
+    graph = Graph(
+        chatter(
+            [publisher] if publisher else [],
+            [subscription] if subscription else [],
+        )
+    )
+    page = graph._repr_html_()
+
+    assert reason in str(graph)
+    assert '- ->' in str(graph)
+    assert reason in ' '.join(words(page))
+    assert page.count('stroke-dasharray') == sum(e is not None for e in (publisher, subscription))
+
+
+def test_fitting_qos_that_is_not_equal_is_no_mismatch():
+    """A publisher may offer more than a subscription wants."""
+    assert mismatch(end('/a', qos=LASTING), end('/b', qos=BEST_EFFORT)) == ''
+
+
+def test_only_the_refused_one_of_two_listeners_is_dashed():
+    """A publisher that reaches somebody keeps its plain arrow."""
+    graph = Graph(chatter([end('/a')], [end('/b'), end('/c', qos=LASTING)]))
+
+    assert f'/a --> /chatter [{STRING}] --> /b' in str(graph)
+    assert f'/a - -> /chatter [{STRING}] - -> /c   durability' in str(graph)
+    assert graph._repr_html_().count('stroke-dasharray') == 1
+    assert '/a - -> /c:' in words(graph._repr_html_())
+
+
+def test_listener_of_the_notebook_is_not_drawn_but_counts():
+    """With listen() in a cell, a publisher is not alone, and the picture says so."""
+    facts = chatter([end('/a')], [end('/_roslab')])
+
+    assert 'this notebook listens' in str(Graph(facts))
+    assert '_roslab' not in Graph(facts)._repr_html_()
+    assert facts.edges[0].matched
+
+
+def test_listener_of_the_notebook_that_does_not_fit_is_named_with_the_reason():
+    """A publisher that only the notebook tries to hear, in vain, is not called unheard."""
+    facts = chatter([end('/a', qos=BEST_EFFORT)], [end('/_roslab')])
+
+    assert not facts.edges[0].matched
+    assert 'reliability' in facts.edges[0].remark
+    assert 'this notebook' in facts.edges[0].remark
+
+
+def test_names_from_other_programs_are_text_never_markup():
+    """What a program calls itself cannot change the page."""
+    page = Graph(chatter([end('/<script>')], [end('/b"onload="x')]))._repr_html_()
+
+    assert '<script>' not in page
+    drawing(page)
+
+
+def test_two_nodes_of_one_name_and_an_idle_one_are_told():
+    """A node without topics is listed, and a name that is there twice is counted."""
+    facts = Facts(('/idle', '/twin', '/twin'), ())
+
+    text = str(Graph(facts))
+    assert text.splitlines()[:2] == ['/idle', '/twin (2 nodes)']
+    assert 'Seen now: 3 nodes, 0 topics' in text
+    assert '/twin (2 nodes)' in words(Graph(facts)._repr_html_())
+
+
+def test_empty_graph_says_that_nothing_is_seen():
+    """A picture of nothing is a sentence."""
+    assert str(Graph(Facts((), ()))) == 'No nodes are seen now.'
+    assert words(Graph(Facts((), ()))._repr_html_())[-1] == 'No nodes are seen now.'
+
+
+def test_picture_has_a_role_and_words_for_those_who_cannot_see_it():
+    """Title and description hold what the text form holds."""
+    tree = drawing(Graph(chatter([end('/talker')], []))._repr_html_())
+    labels = tree.get('aria-labelledby').split()
+    described = {e.get('id'): e.text for e in tree if e.get('id') in labels}
+
+    assert tree.get('role') == 'img'
+    assert len(described) == 2
+    assert '/talker' in ' '.join(described.values())
+    assert 'nobody subscribes' in ' '.join(described.values())
+
+
+SIZES = {
+    'a': (80, 30),
+    'b': (80, 30),
+    'c': (80, 30),
+    'd': (80, 30),
+    'T1': (120, 40),
+    'T2': (140, 40),
+    'T3': (90, 70),
+}
+ARROWS = [
+    ('a', 'T1'),
+    ('b', 'T1'),
+    ('T1', 'c'),
+    ('c', 'T2'),
+    ('T2', 'd'),
+    ('a', 'T3'),
+    ('T3', 'd'),
+    ('d', 'T2'),
+    ('d', 'T1'),
+]
+
+
+def test_boxes_do_not_overlap_and_lines_end_on_their_boxes():
+    """A graph with cycles, long lines and many-to-many connections stays readable."""
+    layout = arrange(SIZES, ARROWS, frozenset({'T1', 'T2', 'T3'}))
+    spots = list(layout.spots.values())
+
+    for index, one in enumerate(spots):
+        for other in spots[index + 1 :]:
+            apart_x = abs(one.x + one.width / 2 - other.x - other.width / 2)
+            apart_y = abs(one.y - other.y)
+            assert (
+                apart_x >= (one.width + other.width) / 2
+                or apart_y >= (one.height + other.height) / 2
+            )
+    assert set(layout.routes) == set(ARROWS)
+    for (start, stop), points in layout.routes.items():
+        for key, (x, y) in ((start, points[0]), (stop, points[-1])):
+            spot = layout.spots[key]
+            assert x in (pytest.approx(spot.x), pytest.approx(spot.x + spot.width))
+            assert abs(y - spot.y) <= spot.height / 2
+
+
+def test_layout_is_the_same_each_time_and_topics_stand_in_odd_layers():
+    """Running a cell twice does not shuffle its picture."""
+    topics = frozenset({'T1', 'T2', 'T3'})
+    one, two = (arrange(SIZES, ARROWS, topics) for _ in range(2))
+
+    assert one.spots == two.spots
+    assert one.routes == two.routes
+    assert all(spot.layer % 2 == (key in topics) for key, spot in one.spots.items())
+
+
+def listener(topic, began, times):
+    """Return what timeline() needs of a listener."""
+    return SimpleNamespace(topic=topic, began=began, times=times, msg_type=String)
+
+
+def test_timeline_puts_all_sources_on_the_axis_of_the_first():
+    """A listener that began two seconds later has its messages two seconds later."""
+    line = make_timeline([listener('/a', 10.0, [0.5, 1.0]), listener('/b', 12.0, [0.5])])
+
+    assert line.rows[0].times == (0.5, 1.0)
+    assert line.rows[1].times == (2.5,)
+    assert line.rows[0].amount == '2 messages, 2.0 Hz'
+    assert re.search(r'^/b +1 +- +2\.50$', str(line), re.MULTILINE)
+
+
+def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
+    """What happened beside the messages differs from them and from each other in shape."""
+    line = make_timeline(
+        [listener('/a', 0.0, [0.0, 1.0, 2.0])], marks={'stopped': [1.5], 'started': [1.8]}
+    )
+    page = line._repr_html_()
+    shapes = {
+        re.sub(r'[-\d. ]+', '', e.get('d'))
+        for e in drawing(page).iter('{http://www.w3.org/2000/svg}path')
+    }
+
+    assert page.count('stroke-width="1.8"') == 3
+    assert len(shapes) == 2
+    assert 'stopped: 1 mark' in page
+
+
+def test_timeline_of_the_last_seconds_leaves_older_messages_out():
+    """`seconds` cuts the axis at its newest end."""
+    line = make_timeline([listener('/a', 0.0, [0.0, 4.0, 5.0])], seconds=2.0)
+
+    assert line.rows[0].times == (4.0, 5.0)
+    assert (line.begin, line.end) == (3.0, 5.0)
+
+
+@pytest.mark.parametrize(
+    ('sources', 'marks', 'said'),
+    [
+        ([], None, 'expected listeners'),
+        (['/chatter'], None, "got '/chatter'"),
+        ([listener('/a', 0.0, [])], {'x': 'soon'}, "marks['x']"),
+    ],
+)
+def test_timeline_of_something_else_says_what_it_expected(sources, marks, said):
+    """A name is not a listener, and a word is not a time."""
+    with pytest.raises(RoslabError, match=re.escape(said)):
+        make_timeline(sources, marks)
+
+
+def curve(*values, threshold=None):
+    """Return a curve with a value each second."""
+    return Curve('/t data', tuple(enumerate(map(float, values))), 20.0, threshold)
+
+
+def test_values_above_the_threshold_have_another_shape_and_are_counted():
+    """A value exactly on the threshold is not above it."""
+    page = curve_html(curve(29, 30, 31, threshold=30.0))
+
+    assert page.count('<path') - page.count('a2.5 2.5') == 1
+    assert '1 above the threshold 30' in curve_text(curve(29, 30, 31, threshold=30.0))
+    assert 'dashed: threshold 30' in words(page)
+    assert 'stroke-dasharray' in page
+
+
+def test_value_that_is_not_finite_is_a_gap():
+    """NaN breaks the line in two and is mentioned."""
+    page = curve_html(curve(1, 2, math.nan, 3, 4))
+
+    assert page.count('<polyline') == 2
+    assert 'nan' not in page.partition('</desc>')[2]
+    assert '1 not finite' in page
+
+
+def test_plot_without_messages_says_that_it_waits():
+    """An empty plot is not an empty picture."""
+    assert 'waiting for messages' in words(curve_html(curve(threshold=3.0)))
+    assert curve_text(curve()) == '/t data: waiting for messages.'
+
+
+def test_plot_of_many_values_stays_small_and_keeps_the_extremes():
+    """Ten thousand values make a picture of some kilobytes that still shows the one peak."""
+    values = [0.0] * 10_000
+    values[7_777] = 9.0
+    page = curve_html(
+        Curve('/t data', tuple((i / 1000, v) for i, v in enumerate(values)), 20.0, 5)
+    )
+
+    assert len(page) < 40_000
+    assert page.count('<path') == 1
+    assert 'from 0 to 9' in page
+
+
+@pytest.mark.parametrize(('low', 'high'), [(0, 1), (-3.2, 17), (1e-6, 2e-6), (5, 5.001), (0, 9e8)])
+def test_axis_has_a_few_round_ticks_inside_its_range(low, high):
+    """Every range gets between two and twelve numbers."""
+    found = svg.ticks(low, high)
+
+    assert 2 <= len(found) <= 12
+    assert all(low - 1e-9 <= tick <= high * 1.000001 + 1e-9 for tick in found)
+
+
+def test_field_paths_reach_nested_fields_and_items_of_arrays():
+    """Dots and brackets lead to a number; an array that is too short gives none."""
+    header = Header()
+    header.stamp.sec = 7
+
+    assert number_getter(Header, 'stamp.sec')(header) == 7.0
+    second = number_getter(Int32MultiArray, 'data[1]')
+    assert second(Int32MultiArray(data=[3, 4])) == 4.0
+    assert second(Int32MultiArray(data=[3])) is None
+    assert number_getter(ByteMultiArray, 'data[0]')(ByteMultiArray(data=[b'\x05'])) == 5.0
+    assert numeric_fields(Header) == ['stamp.sec', 'stamp.nanosec']
+
+
+@pytest.mark.parametrize(
+    ('kind', 'path', 'said'),
+    [
+        (Float64, 'dta', "no field 'dta'. Numeric fields: data."),
+        (Header, 'frame_id', 'is no number but string. Numeric fields: stamp.sec, stamp.nanosec.'),
+        (Header, 'stamp', 'is no number but builtin_interfaces/Time'),
+        (Int32MultiArray, 'data', "Name one of its items, as in 'data[0]'."),
+        (Float64, 'data[0]', 'Numeric fields: data.'),
+        (String, 'data', 'It has no numeric field; its fields: data.'),
+        (Header, 'stamp..sec', 'has no field'),
+    ],
+)
+def test_field_that_does_not_exist_or_is_no_number_is_answered_with_those_that_are(
+    kind, path, said
+):
+    """The error names what could be plotted."""
+    with pytest.raises(RoslabError, match=re.escape(said)):
+        number_getter(kind, path)
+
+
+def test_messages_are_written_as_yaml_in_the_order_of_their_definition():
+    """Nested messages are indented, arrays are lists, awkward texts are quoted."""
+    header = Header(frame_id='a: b')
+    header.stamp.sec = 3
+
+    assert message_yaml(header) == "stamp:\n  sec: 3\n  nanosec: 0\nframe_id: 'a: b'\n"
+    assert echo_text(Int32MultiArray(data=[1, 2])).endswith('data:\n- 1\n- 2\n---')
+    assert echo_text(Empty()) == '{}\n---'
+    assert echo_text(Float64(data=math.nan)) == 'data: .nan\n---'
+
+
+def test_long_texts_and_arrays_are_cut_unless_all_is_asked_for():
+    """The first 128 are written, then three dots."""
+    assert message_yaml(String(data='x' * 200)) == f'data: {"x" * 128}...\n'
+    assert message_yaml(String(data='x' * 200), truncate=None) == f'data: {"x" * 200}\n'
+    assert message_yaml(Int32MultiArray(data=range(200))).endswith("- 127\n- '...'\n")
+
+
+def test_rate_is_computed_from_the_gaps_between_messages():
+    """The window counts gaps, as the tool does."""
+    assert hz_text([0.0, 1.0, 2.5]) == (
+        'average rate: 0.800\n\tmin: 1.000s max: 1.500s std dev: 0.25000s window: 2'
+    )
+
+
+def test_info_and_list_have_the_layout_of_the_tools():
+    """Sections without entries keep an empty line; several types are shown as a list."""
+    node = node_info_text('/a', {'Publishers': [('/y', ['p/msg/Y']), ('/x', ['p/msg/X'])]})
+    topic = topic_info_text(['p/msg/X', 'p/msg/Y'], ['one'], [])
+
+    assert node.startswith(
+        '/a\n  Subscribers:\n\n  Publishers:\n    /x: p/msg/X\n    /y: p/msg/Y\n'
+    )
+    assert topic == (
+        "Type: ['p/msg/X', 'p/msg/Y']\n\nPublisher count: 1\n\none\n\nSubscription count: 0"
+    )
+    assert topic_list_text([('/b', ['t']), ('/a', ['u'])], types=True) == '/a [u]\n/b [t]'

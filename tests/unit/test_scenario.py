@@ -1,0 +1,112 @@
+"""Scenarios as data: what the probe is told, and nothing else."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from autograder.scenario import (
+    Advance,
+    Await,
+    Call,
+    EVERYONE,
+    Feed,
+    FeedTopic,
+    Join,
+    Leave,
+    Look,
+    Mark,
+    Offer,
+    Qos,
+    Scenario,
+    set_parameter,
+    state,
+    transition,
+)
+
+STEPS = [
+    Advance(2.5),
+    Feed('/in', [{'data': 'a'}]),
+    Call('/talker', 'get_parameters', 'rcl_interfaces/srv/GetParameters', {'names': ['rate']}),
+    Join('late', '/out', 'std_msgs/msg/String', Qos(durability='TRANSIENT_LOCAL')),
+    Offer('sensor', '/in', 'std_msgs/msg/String', Qos(deadline_s=0.3)),
+    Leave('late'),
+    Mark('second'),
+    Look('second'),
+    Await(logs=1),
+]
+
+
+def test_every_step_is_json():
+    """What is written is what the probe reads back, step by step."""
+    told = Scenario(steps=STEPS).to_json()
+
+    assert json.loads(json.dumps(told))['steps'] == told['steps']
+    assert [step['do'] for step in told['steps']] == [
+        *('advance', 'feed', 'call', 'join', 'offer', 'leave', 'mark', 'look', 'await')
+    ]
+
+
+def test_time_is_told_in_whole_nanoseconds():
+    """No float error can creep into the clock."""
+    assert Advance(2.5, phase_s=0.123).to_json() == {
+        'do': 'advance',
+        'steps': 10,
+        'step_ns': 250_000_000,
+        'first_ns': 123_000_000,
+        'watch_s': 3.0,
+    }
+
+
+def test_service_is_named_after_its_node_unless_it_is_full():
+    """A full name has a slash in front."""
+    assert state('/lab/thermometer').to_json()['service'] == '/lab/thermometer/get_state'
+    assert Call('/talker', '/reset', 'a/srv/B').to_json()['service'] == '/reset'
+
+
+def test_feed_without_quality_of_service_suits_everyone():
+    """The plain type and the one with a profile are told in the same form."""
+    mine = FeedTopic('std_msgs/msg/String', Qos('BEST_EFFORT', depth=1))
+
+    feed = Scenario(feed={'/a': 'std_msgs/msg/String', '/b': mine}).to_json()['feed']
+
+    assert feed['/a']['qos']['durability'] == EVERYONE.durability == 'TRANSIENT_LOCAL'
+    assert feed['/b'] == {
+        'type': 'std_msgs/msg/String',
+        'qos': {
+            'reliability': 'BEST_EFFORT',
+            'durability': 'VOLATILE',
+            'depth': 1,
+            'deadline_s': None,
+            'lifespan_s': None,
+            'liveliness': 'AUTOMATIC',
+            'lease_s': None,
+        },
+    }
+
+
+@pytest.mark.parametrize(
+    ('value', 'told'),
+    [
+        (True, {'type': 1, 'bool_value': True}),
+        (3, {'type': 2, 'integer_value': 3}),
+        (28.5, {'type': 3, 'double_value': 28.5}),
+        ('lab', {'type': 4, 'string_value': 'lab'}),
+    ],
+    ids=['bool', 'int', 'float', 'str'],
+)
+def test_parameter_is_told_with_its_type(value, told):
+    """The numbers are those of rcl_interfaces/msg/ParameterType; a bool is no int."""
+    (parameter,) = set_parameter('/a', 'x', value).to_json()['request']['parameters']
+
+    assert parameter == {'name': 'x', 'value': told}
+
+
+def test_transitions_have_the_numbers_of_the_lifecycle():
+    """As in lifecycle_msgs/msg/Transition."""
+    names = ('configure', 'cleanup', 'activate', 'deactivate')
+
+    numbers = [transition('/a', name).to_json()['request']['transition']['id'] for name in names]
+
+    assert numbers == [1, 2, 3, 4]

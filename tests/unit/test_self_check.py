@@ -1,0 +1,99 @@
+"""The proof on this machine: full marks for the reference, none for the release."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import json
+from pathlib import Path
+
+import pytest
+
+from autograder.layout import Layout
+from autograder.results import CheckResult, ExamResult, Verdict
+from autograder.self_check import self_check
+
+
+@dataclass(frozen=True)
+class FakeExam:
+    """What the pipeline needs of an exam."""
+
+    name: str = 'talker'
+    cells: tuple[str, ...] = ('talker',)
+
+
+class FakeEngine:
+    """Gives a point for the word right."""
+
+    def __init__(self, *exams: FakeExam) -> None:
+        self.known = exams
+
+    def exams(self, assignment):
+        """Return the same exams for every assignment."""
+        return self.known
+
+    def run(self, exam, files):
+        """Judge by a word."""
+        points = float('right' in ''.join(files.values()))
+        verdict = Verdict.PASSED if points else Verdict.FAILED
+        return ExamResult(exam.name, (CheckResult('c', 'C.', verdict, points, 1),))
+
+
+def cell(source: str, **marks: object) -> dict[str, object]:
+    """Return a code cell as nbgrader marks it."""
+    metadata = {'nbgrader': marks} if marks else {}
+    return {'cell_type': 'code', 'metadata': metadata, 'source': source, 'id': 'x', 'outputs': []}
+
+
+@pytest.fixture
+def course(tmp_path: Path):
+    """Return a function that writes a course with one lesson."""
+
+    def write(solution: str, release: str, checked: bool = True) -> Layout:
+        for folder, text in (('solutions', solution), ('notebooks', release)):
+            cells = [cell(f'%%node talker\n{text}', grade_id='talker', solution=True)]
+            if checked:
+                marks = {'grade_id': 'check_talker', 'grade': True, 'points': 1}
+                cells.append(cell("check('talker')", **marks))
+            notebook = {'cells': cells, 'metadata': {}, 'nbformat': 4, 'nbformat_minor': 5}
+            path = tmp_path / folder / '01_x' / 'x.ipynb'
+            path.parent.mkdir(parents=True)
+            path.write_text(json.dumps(notebook), encoding='utf-8')
+        return Layout(tmp_path)
+
+    return write
+
+
+def test_reference_and_release_are_as_they_must_be(course):
+    """Both lines are right, and say who."""
+    layout = course('right', '# YOUR CODE HERE')
+
+    lines = list(self_check(layout, FakeEngine(FakeExam())))
+
+    assert lines == [
+        (True, '01_x: the reference solution has 1 of 1, as it must.'),
+        (True, '01_x: the untouched release has 0 of 1, as it must.'),
+    ]
+
+
+def test_reference_that_fails_its_exam_is_told(course):
+    """The check that stands in the way is named."""
+    (reference, _) = self_check(course('wrong', 'wrong'), FakeEngine(FakeExam()))
+
+    assert reference == (
+        False,
+        '01_x: the reference solution has 0 of 1, expected 1. talker/c: FAILED',
+    )
+
+
+def test_lesson_without_exams_has_nothing_to_grade(course):
+    """It is named, so that nobody wonders where it is."""
+    lines = list(self_check(course('right', 'x', checked=False), FakeEngine()))
+
+    assert lines == [(True, '01_x: nothing to grade, as it must.')]
+
+
+def test_check_cell_without_an_exam_is_no_lesson_without_exams(course):
+    """An exam that got lost would else be missed by nobody."""
+    lines = list(self_check(course('right', 'x'), FakeEngine()))
+
+    assert lines == [(False, '01_x: check_talker expected an exam, got none.')]
