@@ -8,8 +8,10 @@
 #   make check                style, types, and whether generated files are up to date
 #   make publisher            run the course's publisher node in this terminal ...
 #   make subscriber           ... and its subscriber in another one
+#   make coverage             docs/coverage.md: what the course claims, teaches and proves
 #   make release              generate notebooks/ from solutions/, pack a student bundle
 #   make bench                the benchmarks; ten minutes, best on a quiet machine
+#   make soak                 the same files judged 200 times, calm and under load: hours
 #   make doctor               what is there and what is missing; needs no network
 #   make clean                remove everything that was prepared
 #
@@ -25,7 +27,7 @@ SHELL := /bin/sh
 .DEFAULT_GOAL := help
 # The goals share one environment and one terminal; each does its own work in parallel.
 .NOTPARALLEL:
-.PHONY: help prepare lab grade test test-browser check release bench publisher subscriber doctor clean
+.PHONY: help prepare lab grade test test-browser check coverage release bench soak publisher subscriber doctor clean
 
 # An absolute VENV stays as it is, a relative one is seen from here.
 PY = $(VENV)/bin/python
@@ -35,7 +37,7 @@ NODES = $(VENV)/workspace/install/temp_monitor_pkg/lib/temp_monitor_pkg
 AS_ROOT = $(if $(filter 0,$(shell id -u)),--allow-root)
 
 help:
-	@sed -n '3,16s/^# \{0,1\}//p' Makefile
+	@sed -n '3,18s/^# \{0,1\}//p' Makefile
 
 prepare:
 	@sh environment/prepare.sh
@@ -67,6 +69,11 @@ check: prepare
 	$(PY) -m ruff format --check
 	$(PY) -m mypy
 	$(PY) -m autograder.course check
+	$(PY) -m tests.claims.coverage --check
+	$(PY) -m tests.attacks.table --check
+
+coverage: prepare
+	@exec $(PY) -m tests.claims.coverage
 
 release: prepare
 	@exec $(PY) -m autograder.course release $(ARGS)
@@ -75,6 +82,10 @@ bench: prepare
 	$(PY) -m benchmarks.one_submission
 	$(PY) -m benchmarks.stock_nbgrader
 	$(PY) -m benchmarks.repeat_class
+
+# ARGS='--minutes 30' ends it sooner, '--quick' leaves out what takes long.
+soak: prepare
+	@exec $(PY) -m benchmarks.soak $(ARGS)
 
 publisher: prepare
 	@exec $(WITH_ROS) '$(NODES)/temp_publisher' $(ARGS)
