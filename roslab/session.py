@@ -270,7 +270,8 @@ class Session:
 
     def _key(self, which: Node | str) -> str:
         if isinstance(which, str):
-            return which.lstrip('/') if which.lstrip('/') in self._started else which
+            forms = (which, which.lstrip('/'), f'/{which}')
+            return next((form for form in forms if form in self._started), which)
         for key, started in self._started.items():
             if started.node is which:
                 return key

@@ -249,6 +249,15 @@ def test_stop_is_repeatable_and_names_a_wrong_name(session):
         session.stop('walker')
 
 
+@pytest.mark.parametrize('name', ['/lab/talker', 'lab/talker'])
+def test_stop_takes_a_name_with_its_namespace(session, name):
+    """With or without the slash in front."""
+    session.start(lambda: Node('talker', namespace='/lab', context=session.executor.context))
+    session.stop(name)
+
+    assert session.nodes() == {}
+
+
 def test_session_starts_anew_after_a_shutdown(session):
     """A cell that shuts ROS down costs its nodes, not the kernel."""
     session.start(Talker)
