@@ -14,6 +14,7 @@ import pkgutil
 
 from autograder.errors import ExamInvalid
 from autograder.exam import Exam
+from autograder.own_time import watched_longer
 
 
 def _names(folder: str) -> tuple[str, ...]:
@@ -43,7 +44,9 @@ def load(name: str, hidden: bool = True) -> Exam:
     exam = importlib.import_module(f'autograder.exams.{folder}.{name}').exam
     if not isinstance(exam, Exam) or exam.name != name or not exam.checks:
         raise ExamInvalid(f'autograder/exams/{folder}/{name}.py defines no whole exam {name!r}.')
-    exam.hidden = hidden
+    if hidden and not exam.hidden:
+        exam.hidden = True
+        exam.scenario = watched_longer(name, exam.scenario)
     return exam
 
 

@@ -8,6 +8,6 @@ from autograder.inputs import generator
 _draw = generator('managed_beacon', 'place and time')
 exam = build(
     namespace='/' + ''.join(_draw.choices('bdghjklmnprstvz', k=6)),
-    seconds=float(_draw.randint(6, 9)),
+    seconds=float(_draw.randint(8, 9)),
     phase_s=round(_draw.uniform(0.02, 0.23), 3),
 )

@@ -6,24 +6,24 @@ from autograder.exams.visible.managed_pressure import build, Inputs
 from autograder.inputs import generator
 
 _draw = generator('managed_pressure', 'limits and pressures')
-_first = round(_draw.uniform(2.0, 4.0), 2)
-_second = round(_draw.uniform(6.0, 8.0), 2)
+_first = round(_draw.uniform(3.1, 3.9), 2)
+_second = round(_draw.uniform(0.1, 0.4), 2)
 _active = [
     _first,
     round(_first + 0.01, 2),
     round(_first - 0.01, 2),
-    round(_draw.uniform(-3.0, -1.0), 2),
+    round(-_first - _draw.uniform(1.0, 3.0), 2),  # of a size above the limit
     *(round(_draw.uniform(4.5, 20.0), 2) for _ in range(2)),
     round(_draw.uniform(0.5, 1.9), 2),
 ]
 _draw.shuffle(_active)
 exam = build(
     Inputs(
-        refused=(round(_draw.uniform(-5.0, -1.0), 2), 0.0, -0.25),
+        refused=(-1.0, 0.0, round(_draw.uniform(-5.0, -0.2), 2)),
         limits=(_first, _second),
         inactive=(9.5, 1.5),
         active=tuple(_active),
         paused=(9.75, 20.5),
-        again=(round(_draw.uniform(4.5, 5.5), 2), _second, round(_draw.uniform(8.5, 12.0), 2)),
+        again=(round(_draw.uniform(0.5, 1.9), 2), _second, round(_draw.uniform(8.5, 12.0), 2)),
     )
 )

@@ -7,7 +7,9 @@ form of the answers only; which letter is right lies with the hidden exam.
 
 from __future__ import annotations
 
-from autograder.cells import chosen_letter, NotALetterError
+import re
+
+from autograder.cells import chosen_letter, LETTERS, NotALetterError
 from autograder.exam import Cause, Exam, Failed, Run, Scenario
 
 QUESTIONS = tuple(f'q{number:02}' for number in range(1, 25))
@@ -17,12 +19,51 @@ NOT_ANSWERED = Cause(
     'The cell was not run, or it still holds None.',
     "Write 'a', 'b', 'c' or 'd' in place of None, and run the cell.",
 )
-_ADVICE = {
-    'no_quotes': 'Put the letter in quotes.',
-    'no_literal': 'Write one letter in quotes, and nothing that has to be calculated.',
-    'no_letter': 'Write one letter in quotes.',
-    'too_long': 'Write one letter in quotes. Keep long notes in a text cell of your own.',
+CAUSES = {
+    'no_quotes': ('The letter stands there without quotes.', 'Put the letter in quotes.'),
+    'no_literal': (
+        'The answer cannot be read as a letter.',
+        'Write one letter in quotes, and nothing that has to be calculated.',
+    ),
+    'no_letter': ('The answer is no single letter of the four.', 'Write one letter in quotes.'),
+    'too_long': (
+        'The answer cannot be read as a letter.',
+        'Write one letter in quotes. Keep long notes in a text cell of your own.',
+    ),
+    'curly_quotes': (
+        'Curly quotes and backquotes are no quotes for Python; word processors put them in.',
+        "Type the quote of the keyboard: '",
+    ),
+    'assigned': ('The letter is given to a name.', 'Write the letter alone, without name and =.'),
+    'open_quote': (
+        'The quotes before and behind the letter are no pair.',
+        'Write the same quote once before the letter and once behind it.',
+    ),
+    'several_letters': (
+        'There is more than one letter.',
+        'Decide for one; what else you thought of may stand behind a #.',
+    ),
+    'number': ('The options have letters and no numbers.', 'Write the letter: a for the first.'),
+    'other_alphabet': (
+        'This letter only looks like one of the four: it is of another alphabet.',
+        'Type it again on a keyboard with Latin letters.',
+    ),
 }
+"""Text and advice for each way not to be a letter."""
+_SHAPES = (
+    ('curly_quotes', r'[‘’“”„«»`´].*'),
+    ('assigned', r"""\(?\s*[A-Za-z_]\w{0,40}\s*:?=\s*['"]?[a-d]['"]?\s*\)?"""),
+    ('open_quote', r"""['"]{0,2}[a-d]['"]{0,2}"""),
+    (
+        'several_letters',
+        r"""(?![bf]['"])[\[({]?['"]?[a-d](?:['"]?(?:\s|,|/|\+|or|and|oder|y|o)*['"]?[a-d])+['"]?[\])}]?""",
+    ),
+    ('number', r"""['"]?[0-9]['"]?"""),
+    ('other_alphabet', r"""['"]\s*[^\W\d_a-zA-Z]\s*['"]"""),
+)
+"""What a whole answer that is no letter may look like, the first one that fits counts."""
+LONGEST, LONGEST_LINE = 400, 60
+"""Characters of a text and of a line in which a shape is looked for."""
 
 
 def build() -> Exam:
@@ -51,14 +92,28 @@ def letter_of(run: Run, question: str) -> str:
     :raises Failed: if there is none
     """
     expected = "one of 'a', 'b', 'c', 'd'"
+    text = run.files.get(path_of(question), '')
     try:
-        letter = chosen_letter(run.files.get(path_of(question), ''))
+        letter = chosen_letter(text)
     except NotALetterError as error:
-        why = Cause(error.reason, 'The answer cannot be read as a letter.', _ADVICE[error.reason])
+        name = _shape_of(text) or error.reason
+        why = Cause(name, *CAUSES[name])
         raise Failed(expected=expected, observed=f'{question}: {error.text}', why=why) from None
     if letter is None:
         raise Failed(expected=expected, observed=f'{question}: no answer yet', why=NOT_ANSWERED)
     return letter
+
+
+def _shape_of(text: str) -> str:
+    """Return which of the known shapes an answer has that is no letter, or nothing."""
+    lines = [line.partition('#')[0].strip() for line in text[:LONGEST].splitlines()]
+    written = [line for line in lines if line]
+    if len(written) != 1 or len(written[0]) > LONGEST_LINE or written[0].lower() in LETTERS:
+        return ''
+    for name, pattern in _SHAPES:
+        if re.fullmatch(pattern, written[0], re.IGNORECASE):
+            return name
+    return ''
 
 
 exam = build()

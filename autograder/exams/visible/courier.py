@@ -9,8 +9,10 @@ came is lost, and what was published when they came is not.
 
 from __future__ import annotations
 
-from autograder.causes import why_silent
-from autograder.checks import require_endpoint, require_field, require_node
+import re
+
+from autograder.causes import why_no_message, why_silent
+from autograder.checks import require_endpoint, require_field, require_node, require_partner
 from autograder.exam import Cause, Exam, Failed, Run
 from autograder.recording import Event
 from autograder.scenario import Advance, Await, Join, Mark, Scenario, Step
@@ -27,6 +29,11 @@ def parcels(run: Run, listener: str) -> list[Event]:
     return run.recording.messages(TOPIC, listener)
 
 
+def _ends(run: Run) -> list[Event]:
+    """Return the publishers on the topic."""
+    return run.recording.endpoints('publisher', TOPIC)
+
+
 def starts_its_node(run: Run) -> None:
     """Your program starts a node called courier."""
     require_node(run, NODE)
@@ -34,40 +41,61 @@ def starts_its_node(run: Run) -> None:
 
 def offers_parcels(run: Run) -> None:
     """It has a publisher of String messages on parcels."""
-    require_endpoint(run, 'publisher', TOPIC, TYPE)
+    require_partner(require_endpoint(run, 'publisher', TOPIC, TYPE))
 
 
 def delivers_to_who_comes_late(run: Run) -> None:
     """It waits: a subscription that comes late receives the parcel."""
     # What is sent by a program that ends at once arrives, or not, by chance.
     ended = run.recording.end_reason != 'complete' and run.recording.process.get('exit') == 0
-    if parcels(run, 'first') and not ended:
+    if run.recording.phase('first').messages(TOPIC, 'first') and not ended:
         return
-    joined = run.recording.of('joined', listener='first')
-    if joined and not joined[0]['matched']:
-        refused = ', '.join(joined[0]['refused']).lower() or 'no policy'
-        why = why_silent(run) or Cause(
-            'qos_incompatible',
-            f'The subscription was not connected: the two do not agree on {refused}.',
-            'Pass the depth 10 as quality of service.',
-        )
-    elif joined and ended:
+    if run.recording.of('joined', listener='first') and ended:
         why = Cause(
-            'ended_too_soon',
+            'exited_early',
             'The program ended as soon as somebody was connected, and its message with it.',
             'Let the node live on after the delivery: self.timer.cancel() ends the search.',
         )
-    else:
-        why = why_silent(run) or Cause(
-            'published_too_early',
-            'Nothing came once somebody was connected. Most likely the parcel was published '
-            'before, and what nobody receives is lost.',
-            'Publish when get_subscription_count() is above 0, or in a callback for matched.',
+    elif parcels(run, 'first') and not ended:
+        why = Cause(
+            'waits_for_two',
+            'Nothing is delivered until a second subscription is there.',
+            'Deliver as soon as get_subscription_count() is above 0.',
         )
+    else:
+        why = why_silent(run) or _why_nothing(run)
     raise Failed(
         expected='one message for a subscription that comes after some seconds',
         observed='a program that is gone' if ended else 'a subscription that receives nothing',
         why=why,
+    )
+
+
+def _why_nothing(run: Run) -> Cause:
+    """Explain a courier that is connected and lives, and from whom nothing comes."""
+    code = '\n'.join(run.files.values())
+    if '.publish(' not in code:
+        return why_no_message(run)
+    if not re.search(r'create_timer|matched\s*=|\bwhile\b', code):
+        return Cause(
+            'published_too_early',
+            'What your program does at its start, it does before anybody is connected, and '
+            'nothing looks again later.',
+            'Let a timer look: publish when get_subscription_count() is above 0.',
+        )
+    if 'get_subscription_count' in code or 'matched' in code:
+        return Cause(
+            'looks_wrong',
+            'Your program looks who is connected, and yet delivers nothing when somebody is: it '
+            'stops looking too early, or its condition is not true then.',
+            'Deliver when get_subscription_count() > 0, and cancel the timer after the delivery '
+            'and not before.',
+        )
+    return Cause(
+        'published_too_early',
+        'Nothing came once somebody was connected. Most likely the parcel was published '
+        'before, and what nobody receives is lost.',
+        'Publish when get_subscription_count() is above 0, or in a callback for matched.',
     )
 
 
@@ -78,14 +106,25 @@ def addresses_the_parcel(run: Run) -> None:
 
 def delivers_once(run: Run) -> None:
     """It delivers exactly once: no second message, whoever else comes."""
+    if any(end['qos']['durability'] != 'VOLATILE' for end in _ends(run)):
+        raise Failed(
+            expected='a publisher that keeps nothing for those who come later',
+            observed='durability TRANSIENT_LOCAL',
+            why=Cause(
+                'qos_durability',
+                'With this durability everybody who comes later and asks for old messages gets '
+                'the parcel again.',
+                'Pass the depth 10 as quality of service.',
+            ),
+        )
     first, second = len(parcels(run, 'first')), len(parcels(run, 'second'))
     if (first, second) == (1, 0) and run.recording.of('joined', listener='second'):
         return
     why = why_silent(run)
-    if not why and first > 1 and not second:
+    if not why and (first > 2 or (first > 1 and not second)):
         why = Cause(
             'repeats',
-            'The parcel is published again and again, or for each who comes.',
+            'The parcel is published again and again.',
             'Remember that it was delivered: cancel the timer, or set a flag and look at it.',
         )
     elif not why and second:

@@ -8,44 +8,65 @@ a timer and with its own logger; one executor serves both.
 
 from __future__ import annotations
 
-from autograder.causes import why_silent
-from autograder.checks import (
-    own_logs,
-    OWN_LOOP,
-    require_node,
-    require_ros_clock,
-    SECOND,
-    why_not_logged,
-)
+from collections.abc import Sequence
+import re
+
+from autograder.causes import why_it_ended, why_no_node, why_silent
+from autograder.checks import OTHER_CLOCK, own_logs, SECOND, why_not_logged
 from autograder.exam import Cause, Exam, Failed, Run
-from autograder.recording import INFO
+from autograder.own_time import names_another_clock
+from autograder.recording import Event, INFO
 from autograder.scenario import Advance, Await, Scenario
 
-LOOKOUT, KEEPER = '/harbour/lookout', '/harbour/keeper'
+NAMESPACE = '/harbour'
+LOOKOUT, KEEPER = f'{NAMESPACE}/lookout', f'{NAMESPACE}/keeper'
 STEP_S = 0.25
-NOT_SPUN = Cause(
-    'not_spun',
+OTHER_SPUN = Cause(
+    'other_node_spun',
     'Nobody spins that node. rclpy.spin(node) serves one node and does not come back, so a second '
     'call of it is never reached.',
     'Make one executor, add both nodes with add_node(), and call executor.spin().',
+)
+NEITHER_SPUN = Cause(
+    'never_spun',
+    'Nobody serves the two nodes: no executor spins, or a loop or a sleep holds it up, and no '
+    'timer can call anything.',
+    'Make one executor, add both nodes with add_node(), and call executor.spin() instead.',
 )
 
 
 def both_nodes_exist(run: Run) -> None:
     """One program has the nodes lookout and keeper, in the namespace harbour."""
     for node in (LOOKOUT, KEEPER):
-        outside = node.removeprefix('/harbour')
-        if node not in run.recording.nodes and outside in run.recording.nodes:
+        if node not in run.recording.nodes:
             raise Failed(
-                expected=f'the node {node}',
-                observed=', '.join(name[:60] for name in run.recording.nodes[:5]),
-                why=Cause(
-                    'namespace',
-                    f'Your node {outside[1:]} is in no namespace.',
-                    "Pass it to the parent class: super().__init__(name, namespace='harbour').",
-                ),
+                expected=f'a node called {node.rpartition("/")[2]} in the namespace {NAMESPACE}',
+                observed=', '.join(name[:60] for name in run.recording.nodes[:5]) or 'no node',
+                why=_why_missing(run, node),
             )
-        require_node(run, node)
+
+
+def _why_missing(run: Run, node: str) -> Cause:
+    """Explain why one of the two nodes is not there."""
+    base = node.rpartition('/')[2]
+    others = [name for name in run.recording.nodes if name not in (LOOKOUT, KEEPER)]
+    for name in others:
+        space, _, last = name.rpartition('/')
+        if last == base:
+            return Cause(
+                'namespace',
+                f'Your node {base} is in '
+                + (f'the namespace {space}.' if space else 'no namespace.'),
+                "Pass it to the parent class: super().__init__(name, namespace='harbour').",
+            )
+    if run.recording.nodes and not others:
+        return why_silent(run) or Cause(
+            'one_node',
+            f'The other node is there, and {base} is not: either it is created below '
+            'rclpy.spin(), which does not come back, or both nodes got the same name.',
+            'Create both nodes first, each with its own name; then let one executor spin both.',
+        )
+    return why_no_node(run, node)
 
 
 def both_are_served(run: Run) -> None:
@@ -56,7 +77,7 @@ def both_are_served(run: Run) -> None:
         raise Failed(
             expected='both nodes answer a question about their parameters',
             observed=f'no answer from {" and ".join(silent)}',
-            why=NOT_SPUN if len(silent) == 1 else OWN_LOOP,
+            why=OTHER_SPUN if len(silent) == 1 else NEITHER_SPUN,
         )
 
 
@@ -70,39 +91,133 @@ def keeper_reports_every_two_seconds(run: Run) -> None:
     require_reports(run, KEEPER, 2)
 
 
+def second_of(entry: Event) -> int:
+    """
+    Return the second of simulated time to which a log line belongs; 0 for one of the start.
+
+    A timer fires on the first clock step at or after its time, and is seen one step later.
+    """
+    return round((entry['clock_ns'] or 0) / SECOND - STEP_S)
+
+
 def require_reports(run: Run, node: str, period_s: int) -> None:
     """
     Fail unless a node logs one INFO line a period of simulated time, and nothing else.
 
+    What it says when it starts does not count, and neither does in which second it begins.
+
     :param node: full name
     """
-    require_ros_clock(run)
+    if run.recording.in_wall_time:
+        raise Failed(
+            expected='lines in the rhythm of the simulated clock',
+            observed='a program with a clock of its own',
+            why=NEITHER_SPUN,
+        )
     seconds = run.facts['simulated_s']
-    entries = own_logs(run, node)
-    found = [entry['clock_ns'] for entry in entries if entry['level'] == INFO]
-    due = [period_s * number for number in range(1, int(seconds // period_s) + 1)]
-    # A timer fires on the first clock step at or after its time, and is seen one step later.
-    seen = [round((clock or 0) / SECOND - STEP_S) for clock in found]
-    if seen == due:
+    entries = [entry for entry in own_logs(run, node) if second_of(entry) > 0]
+    lines = [entry for entry in entries if entry['level'] == INFO]
+    seen = [second_of(line) for line in lines]
+    if any(seen == list(range(first, seconds + 1, period_s)) for first in range(1, period_s + 1)):
         return
-    served = run.recording.of('barrier', node=node, answered=True)
-    why = why_not_logged(run, entries, INFO) if not found and served else None
-    if not found and not served:
-        why = NOT_SPUN
-    if found and len(found) < len(due):
-        why = why_silent(run)
-    if found and not why and len(found) != len(due):
-        rate = seconds / len(found)
-        why = Cause(
-            'wrong_period',
-            f'There is about one line every {rate:.2g} s.',
+    require_timer(run)
+    raise Failed(
+        expected=f'{seconds // period_s} INFO lines from {node} in {seconds} s, '
+        f'one every {period_s} s',
+        observed=f'{len(seen) or "no"} INFO lines',
+        why=_why_other_rhythm(run, lines, seen, period_s)
+        if seen
+        else _why_no_report(run, node, entries, period_s),
+    )
+
+
+def require_timer(run: Run) -> None:
+    """
+    Fail with the reason if the lines of a program follow another clock.
+
+    How many of them then come in simulated time is luck, so no text tells their number.
+    """
+    code = '\n'.join(run.files.values())
+    timer = 'create_timer' in code or 'create_rate' in code
+    if why_it_ended(run):
+        return
+    if names_another_clock(run.files) and (not timer or '_TIME' in code):
+        raise Failed(
+            expected='lines from a timer of the node, in the rhythm of its clock',
+            observed='lines in another rhythm',
+            why=OTHER_CLOCK,
+        )
+
+
+def _why_no_report(run: Run, node: str, entries: Sequence[Event], period_s: int) -> Cause | None:
+    """Explain a node without any report."""
+    if not run.recording.of('barrier', node=node, answered=True):
+        return OTHER_SPUN
+    return why_not_logged(run, entries, INFO) or why_no_report(run, period_s)
+
+
+def why_no_report(run: Run, period_s: int) -> Cause:
+    """
+    Explain a node that is served, lives on and logs nothing.
+
+    :param period_s: in which it should have logged one line [s]
+    """
+    code = '\n'.join(run.files.values())
+    call = f'self.create_timer({period_s}.0, self.report)'
+    if 'create_timer' not in code and 'create_rate' not in code:
+        return Cause('no_timer', 'No timer is created, so nothing is called.', f'Call {call}.')
+    if '.debug(' in code:
+        return Cause(
+            'debug_level',
+            'Lines at level DEBUG are dropped unless the program was told to show them.',
+            'Use self.get_logger().info(...).',
+        )
+    if re.search(r'except\s*:|except\s+(Base)?Exception\b', code):
+        return Cause(
+            'swallowed',
+            'Nothing is logged, and your code catches every exception: a mistake in the callback '
+            'is told to nobody.',
+            'Take try and except out of the callback, and read what Python says.',
+        )
+    return Cause(
+        'silent',
+        f'The node runs for {run.facts["simulated_s"]} s, and none of its timers leads to a '
+        'line: it has not been created, or its period is too long, or its callback does not log.',
+        f'Is {call} reached? The period is in seconds: 1000 is a quarter of an hour.',
+    )
+
+
+def _why_other_rhythm(
+    run: Run, lines: Sequence[Event], seen: Sequence[int], period_s: int
+) -> Cause | None:
+    """Explain reports at other moments than those that are due."""
+    seconds = run.facts['simulated_s']
+    if len(seen) < seconds // period_s and (ended := why_silent(run)):
+        return ended
+    return why_other_period(lines, seconds, period_s)
+
+
+def why_other_period(lines: Sequence[Event], seconds: int, period_s: int) -> Cause | None:
+    """
+    Explain lines that come too often or too rarely.
+
+    :param lines: at least one, in order
+    :param seconds: how long the node was watched [s]
+    """
+    moments = {line['clock_ns'] for line in lines}
+    if len(moments) < len(lines) and len(moments) <= seconds // period_s + 1:
+        return Cause(
+            'several_at_once',
+            'Several lines come at the same moment.',
+            'Make one timer only, and log one line in its callback.',
+        )
+    if len(lines) != seconds // period_s:
+        return Cause(
+            'wrong_rate',
+            f'There is about one line every {seconds / len(lines):.2g} s.',
             f'The first argument of create_timer() is the period in seconds: {period_s}.0.',
         )
-    raise Failed(
-        expected=f'{len(due)} INFO lines from {node} in {seconds:g} s, one every {period_s} s',
-        observed=f'{len(found) or "no"} INFO lines',
-        why=why,
-    )
+    return None
 
 
 def build(seconds: int, phase_s: float) -> Exam:

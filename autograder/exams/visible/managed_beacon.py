@@ -11,14 +11,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from autograder.causes import why_no_endpoint, why_no_verdict, why_silent
+from autograder.causes import why_no_endpoint, why_no_verdict
 from autograder.checks import (
     require_answers,
     require_endpoint,
     require_node,
+    require_partner,
     require_period,
 )
 from autograder.exam import Cause, Exam, Failed, Run
+from autograder.lifecycle_causes import (
+    why_ended,
+    why_mute,
+    why_no_publisher,
+    why_own_clock,
+    why_refused,
+)
 from autograder.recording import Event
 from autograder.scenario import Advance, Look, Mark, Scenario, state, Step, transition
 
@@ -48,6 +56,11 @@ STAYS_ON = Cause(
     'Deactivating the node does not switch its publisher off.',
     'If you write on_deactivate(), end it with return super().on_deactivate(state). The publisher '
     'comes from self.create_lifecycle_publisher().',
+)
+TOO_LATE = Cause(
+    'too_late',
+    'The publisher is created later than in on_configure().',
+    'Call self.create_lifecycle_publisher() in on_configure().',
 )
 GRID = 0.25  # a phase of one step goes on with the ticks of the Advance before
 
@@ -91,16 +104,23 @@ def is_managed(run: Run) -> None:
 
 def creates_its_publisher(run: Run) -> None:
     """Configuring it creates the publisher on beacon_signal, and nothing creates it before."""
-    if (why := _why_no_transition(run)) and not publishers(run, 'configured'):
+    first = next(iter(_changes(run)), {})
+    if (first.get('data') != {'success': True}) and not publishers(run, 'configured'):
         expected = 'a publisher on beacon_signal after it was configured'
-        raise Failed(expected=expected, observed='none', why=why)
-    require_endpoint(run, 'publisher', topic_of(run), TYPE)
+        raise Failed(expected=expected, observed='none', why=_why_no_transition(run))
+    if not run.recording.endpoints('publisher'):
+        raise Failed(
+            expected='a publisher on beacon_signal after it was configured',
+            observed='no publisher of yours at all',
+            why=why_ended(run) or why_no_publisher(run, 'beacon_signal'),
+        )
+    require_partner(require_endpoint(run, 'publisher', topic_of(run), TYPE))
     if publishers(run, 'fresh'):
         raise Failed(
             expected='no publisher on beacon_signal before it is configured',
             observed='one',
             why=Cause(
-                'too_early',
+                'published_too_early',
                 'The publisher is created with the node.',
                 'Move create_lifecycle_publisher() from __init__() to on_configure().',
             ),
@@ -109,12 +129,7 @@ def creates_its_publisher(run: Run) -> None:
         raise Failed(
             expected='a publisher on beacon_signal after it was configured',
             observed='none yet',
-            why=why_silent(run)
-            or Cause(
-                'too_late',
-                'The publisher is created later than in on_configure().',
-                'Call self.create_lifecycle_publisher() in on_configure().',
-            ),
+            why=why_ended(run) or TOO_LATE,
         )
 
 
@@ -137,13 +152,8 @@ def _why_no_transition(run: Run) -> Cause | None:
         return why
     for name, answer in zip(ASKED, _changes(run), strict=False):
         if answer.get('data') == {'success': False}:
-            return Cause(
-                'refused',
-                f'on_{name}() returns FAILURE or ERROR, or it raises an exception, which rclpy '
-                'swallows without a word.',
-                f'Put the lines of on_{name}() into try/except Exception as error, and log error.',
-            )
-    return None
+            return why_refused(run, name)
+    return why_ended(run)
 
 
 def _changes(run: Run) -> Sequence[Event]:
@@ -164,21 +174,17 @@ def publishes_while_active(run: Run) -> None:
             require_period(run, found, 1.0, float(run.facts['active_s']))
         except Failed as failed:
             more = phase != ACTIVE[0] and len(found) > run.facts['active_s'] + 1
-            why = TIMER_LEFT if more else failed.why
+            why = TIMER_LEFT if more else why_own_clock(run) or failed.why
             raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
 
 
 def _why_off(run: Run) -> Cause | None:
-    if why := why_silent(run):
-        return why
-    if not run.recording.endpoints('publisher', topic_of(run)):
+    ends = run.recording.endpoints('publisher', topic_of(run))
+    if not run.recording.endpoints('publisher'):
+        return why_ended(run) or why_no_publisher(run, 'beacon_signal')
+    if not any(end['type'] == TYPE for end in ends):
         return why_no_endpoint(run, 'publisher', topic_of(run), TYPE)
-    return Cause(
-        'stays_off',
-        'The node is active, but its publisher or its timer is not: on_activate() of the parent '
-        'class switches publishers on, and a timer has to call publish().',
-        'If you write on_activate(), end it with return super().on_activate(state).',
-    )
+    return why_mute(run)
 
 
 def is_silent_otherwise(run: Run) -> None:
@@ -210,7 +216,7 @@ def cleans_up(run: Run) -> None:
         raise Failed(
             expected='one publisher after it was configured again',
             observed=str(again) if again else 'none',
-            why=why_silent(run),
+            why=why_ended(run) or (None if publishers(run, 'configured') else TOO_LATE),
         )
     found = run.recording.phase('active anew').messages(topic_of(run))
     try:

@@ -10,13 +10,25 @@ The limit that counts is the one of the last configuration.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 import re
+from typing import Any
 
 from autograder.causes import why_no_endpoint, why_no_verdict, why_silent
 from autograder.checks import own_logs, require_answers, require_node, why_not_logged
 from autograder.exam import Cause, Exam, Failed, Run
+from autograder.lifecycle_causes import (
+    died_in_vain,
+    NO_PARAMETER,
+    READ_ONCE,
+    SILENT_REFUSAL,
+    why_compared_wrongly,
+    why_ended,
+    why_refused,
+    without_its_end,
+    WRONG_DEFAULT,
+)
 from autograder.recording import ERROR, Event, Recording, WARN
 from autograder.scenario import (
     Await,
@@ -37,11 +49,7 @@ TYPE = 'std_msgs/msg/Float64'
 EVENTS = f'{NODE}/transition_event'
 EVENT_TYPE = 'lifecycle_msgs/msg/TransitionEvent'
 CHANGE = f'{NODE}/change_state'
-READ_ONCE = Cause(
-    'read_once',
-    'The parameter was changed, and on_configure() still goes by an earlier value.',
-    "Read it in on_configure(), each time: self.get_parameter('limit').value.",
-)
+_DEFAULT = re.compile(r"""declare_parameter\(\s*['"]limit['"]\s*,\s*(\d{1,9}(?:\.\d{0,9})?)""")
 NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
 
 
@@ -50,7 +58,7 @@ class Inputs:
     """
     The numbers of one exam.
 
-    :param refused: limits that make no sense, the first from the command line [bar]
+    :param refused: limits that make no sense, the first one the parameter's default [bar]
     :param limits: of the first and of the second configuration [bar]
     :param inactive: pressures before activation, above the first limit
     :param active: pressures under the first limit's watch
@@ -81,10 +89,9 @@ def refuses_a_senseless_limit(run: Run) -> None:
     """Configuring fails, with FAILURE, while the limit is not above zero."""
     part = run.recording.phase('refused')
     tries = len(inputs(run).refused)
-    phase = Run(run.files, part, run.facts)
     what = 'configure with a limit that is not above zero'
     try:
-        require_answers(phase, f'{NODE}/change_state', [{'success': False}] * tries, what)
+        _require(run, 'refused', CHANGE, [{'success': False}] * tries, what)
     except Failed as failed:
         why = _why_let_through(run, part) or failed.why
         raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
@@ -102,13 +109,16 @@ def refuses_a_senseless_limit(run: Run) -> None:
                 ),
             )
     states = [{'current_state.label': 'unconfigured'}]
-    require_answers(phase, f'{NODE}/get_state', states, 'the question for its state')
+    _require(run, 'refused', f'{NODE}/get_state', states, 'the question for its state')
 
 
 def _why_let_through(run: Run, part: Recording) -> Cause | None:
     if why := why_no_verdict(run):
         return why
-    accepted = [answer for answer in part.answers(f'{NODE}/change_state') if 'data' in answer]
+    found = _DEFAULT.search('\n'.join(run.files.values()))
+    if found and float(found[1]) > 0.0:
+        return WRONG_DEFAULT
+    accepted = [answer for answer in part.answers(CHANGE) if 'data' in answer]
     if any(answer['data']['success'] for answer in accepted):
         return Cause(
             'let_through',
@@ -118,8 +128,16 @@ def _why_let_through(run: Run, part: Recording) -> Cause | None:
     return None
 
 
-def _why_ended(run: Run) -> Cause | None:
-    return why_no_verdict(run) or why_silent(run)
+def _require(
+    run: Run, phase: str, service: str, wanted: Sequence[Mapping[str, Any]], what: str
+) -> None:
+    """Fail unless the calls of one phase were answered as wanted; the whole run says why not."""
+    part = Run(run.files, run.recording.phase(phase), run.facts)
+    try:
+        require_answers(part, service, wanted, what)
+    except Failed as failed:
+        why = why_ended(run) or (None if died_in_vain(run) else failed.why)
+        raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
 
 
 def tells_why(run: Run) -> None:
@@ -136,8 +154,13 @@ def tells_why(run: Run) -> None:
 
 
 def _why_untold(run: Run, found: Sequence[Event], refused: Sequence[float]) -> Cause | None:
+    answers = run.recording.phase('refused').answers(f'{NODE}/set_parameters')
+    results = [result for one in answers if 'data' in one for result in one['data']['results']]
+    if not all(result['successful'] for result in results):
+        return NO_PARAMETER
     if not found:
-        return why_not_logged(run, run.recording.phase('refused').logs(), ERROR)
+        logs = run.recording.phase('refused').logs()
+        return why_not_logged(without_its_end(run), logs, ERROR) or SILENT_REFUSAL
     if len(found) > len(refused):
         return Cause(
             'repeated_log',
@@ -145,9 +168,11 @@ def _why_untold(run: Run, found: Sequence[Event], refused: Sequence[float]) -> C
             'Say it once, in one line with the limit in it.',
         )
     if len(found) < len(refused):
-        return None
+        return SILENT_REFUSAL
     if all(_shows(entry, refused[0]) for entry in found):
         return READ_ONCE
+    if all(map(_shows, found[1:], refused[1:])) and NUMBER.search(found[0]['text']):
+        return WRONG_DEFAULT
     return Cause(
         'no_value',
         'There is an ERROR line, but the limit is not in it.',
@@ -164,17 +189,39 @@ def _shows(entry: Event, limit: float) -> bool:
 
 def recovers(run: Run) -> None:
     """With a sensible limit it configures and activates after all."""
-    part = Run(run.files, run.recording.phase('mended'), run.facts)
+    part = run.recording.phase('mended')
+    setting = f'{NODE}/set_parameters'
     wanted = [{'results': [{'successful': True, 'reason': ''}]}]
-    require_answers(part, f'{NODE}/set_parameters', wanted, 'setting the parameter limit')
     try:
-        require_answers(part, f'{NODE}/change_state', [{'success': True}], 'configure')
+        _require(run, 'mended', setting, wanted, 'setting the parameter limit')
     except Failed as failed:
-        refused = any(answer.get('data') for answer in part.recording.answers(CHANGE))
-        why = READ_ONCE if refused else _why_ended(run) or failed.why
+        answered = any('data' in answer for answer in part.answers(setting))
+        why = NO_PARAMETER if answered else failed.why
+        observed = 'the node refuses' if answered else failed.observed
+        raise Failed(expected=failed.expected, observed=observed, why=why) from None
+    try:
+        _require(run, 'mended', CHANGE, [{'success': True}], 'configure')
+    except Failed as failed:
+        answered = any('data' in answer for answer in part.answers(CHANGE))
+        why = _why_still_refused(run, part) if answered else failed.why
         raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
-    later = Run(run.files, run.recording.phase('active'), run.facts)
-    require_answers(later, f'{NODE}/change_state', [{'success': True}], 'activate')
+    _require(run, 'active', CHANGE, [{'success': True}], 'activate')
+
+
+def _why_still_refused(run: Run, part: Recording) -> Cause:
+    """Explain that a limit above zero is refused, too."""
+    states = [event['data']['goal_state']['label'] for event in part.messages(EVENTS)]
+    if 'errorprocessing' in states:
+        return why_refused(run, 'configure')
+    told = own_logs(Run(run.files, part, run.facts), NODE, ERROR)
+    if any(_shows(entry, limit) for entry in told for limit in inputs(run).refused):
+        return READ_ONCE
+    return Cause(
+        'still_refuses',
+        'on_configure() returns FAILURE for a limit above zero as well.',
+        "FAILURE only unless self.get_parameter('limit').value > 0.0, and no except around it "
+        'that hides another mistake.',
+    )
 
 
 def warns_above_the_limit(run: Run) -> None:
@@ -192,17 +239,25 @@ def _warns(run: Run, phase: str, pressures: Sequence[float], limit: float) -> No
             observed='nobody listens',
             why=why_silent(run) or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
         )
-    for number, pressure in enumerate(pressures):
-        index = sent[number]['index'] if number < len(sent) else -1
-        found = [log for log in own_logs(run, NODE, WARN) if log['after_input'] == index]
+    followed = [_after(part, sent, number) for number in range(len(pressures))]
+    own = own_logs(Run(run.files, part, run.facts), NODE, WARN)
+    warned = [sum(log in own for log in logs) for logs in followed]
+    for pressure, logs, found in zip(pressures, followed, warned, strict=True):
         due = int(pressure > limit)
-        if len(found) != due:
-            logs = [log for log in part.logs() if log['after_input'] == index]
+        if found != due:
+            compared = why_compared_wrongly(list(zip(pressures, warned, strict=True)), limit)
             raise Failed(
                 expected=f'{due or "no"} WARN line after {_what(pressure, limit)}',
-                observed=f'{len(found) or "none"}',
-                why=_why_wrong(run, pressure, limit, len(found), logs),
+                observed=f'{found or "none"}',
+                why=why_silent(run) or compared or _why_wrong(run, pressure == limit, found, logs),
             )
+
+
+def _after(part: Recording, sent: Sequence[Event], number: int) -> list[Event]:
+    """Return the log lines that followed one of the inputs of a phase, none if it was not sent."""
+    if number >= len(sent):
+        return []
+    return [log for log in part.logs() if log['after_input'] == sent[number]['index']]
 
 
 def _what(pressure: float, limit: float) -> str:
@@ -211,14 +266,11 @@ def _what(pressure: float, limit: float) -> str:
     return f'a pressure {"above" if pressure > limit else "below"} the limit'
 
 
-def _why_wrong(
-    run: Run, pressure: float, limit: float, found: int, logs: Sequence[Event]
-) -> Cause | None:
-    if why := why_silent(run):
-        return why
-    if pressure == limit:
+def _why_wrong(run: Run, at_limit: bool, found: int, logs: Sequence[Event]) -> Cause:
+    """Explain a warning that is missing, or one too many; none is below the limit."""
+    if at_limit:
         return Cause(
-            'warns_at_limit',
+            'warns_at_threshold',
             'The comparison includes the limit itself.',
             'Above means strictly greater: value > limit, not >=.',
         )
@@ -228,16 +280,17 @@ def _why_wrong(
             'The same pressure is warned about more than once: it has several subscriptions.',
             'Create the subscription once, or destroy it in on_cleanup().',
         )
-    if pressure > limit:
+    if own_logs(run, NODE, WARN):
         return why_not_logged(run, logs, WARN) or Cause(
-            'never_warns',
-            'The pressure arrives while the node is active, and no warning follows.',
-            'Does on_activate() remember it, with self. in front? Is it value > self.limit?',
+            'missed_warning',
+            'Other pressures are warned about, this one is not.',
+            'Compare each one by itself: value > self.limit, without int(), round(), once= and '
+            'without memory.',
         )
-    return Cause(
-        'warns_below',
-        'It warns although the pressure is below the limit.',
-        'Compare with the limit of the last configuration: value > self.limit.',
+    return why_not_logged(run, logs, WARN) or Cause(
+        'never_warns',
+        'The pressure arrives while the node is active, and no warning follows.',
+        'Does on_activate() remember it, with self. in front? Is it value > self.limit?',
     )
 
 
@@ -260,13 +313,8 @@ def ignores_while_not_active(run: Run) -> None:
 
 def takes_the_new_limit(run: Run) -> None:
     """Configured again, it watches the new limit."""
-    part = Run(run.files, run.recording.phase('again'), run.facts)
     wanted = [{'success': True}] * 3
-    try:
-        require_answers(part, CHANGE, wanted, 'cleanup, configure and activate')
-    except Failed as failed:
-        why = failed.why or _why_ended(run)
-        raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
+    _require(run, 'again', CHANGE, wanted, 'cleanup, configure and activate')
     _, second = inputs(run).limits
     try:
         _warns(run, 'again', inputs(run).again, second)
@@ -311,7 +359,6 @@ def build(numbers: Inputs) -> Exam:
         requires=('pressure_monitor.py',),
         scenario=Scenario(
             file='pressure_monitor.py',
-            arguments=('-p', f'limit:={numbers.refused[0]}'),
             watch={EVENTS: EVENT_TYPE},
             feed={TOPIC: FeedTopic(TYPE, Qos())},
             steps=steps,

@@ -12,17 +12,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from autograder.causes import why_no_endpoint, why_silent
-from autograder.checks import require_endpoint, require_node, require_qos
+from autograder.checks import require_endpoint, require_node, require_qos, SECOND
 from autograder.exam import Cause, Exam, Failed, Run
-from autograder.scenario import Feed, FeedTopic, Join, Qos, Scenario
+from autograder.scenario import Advance, Feed, FeedTopic, Join, Look, Qos, Scenario
 
 TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'
 HISTORY = Qos(durability='TRANSIENT_LOCAL', depth=50)
+REST_S = 3.0  # simulated time without surveys, in which a timer would publish again [s]
 LATCH = Cause(
     'not_latched',
     'The publisher keeps nothing for those who come later.',
     'Give its profile durability=DurabilityPolicy.TRANSIENT_LOCAL.',
+)
+BEST_EFFORT = Cause(
+    'best_effort',
+    'The publisher offers best effort, so nobody who needs every map is connected to it.',
+    'Give its profile reliability=ReliabilityPolicy.RELIABLE.',
 )
 ASKS_TOO_MUCH = Cause(
     'asks_too_much',
@@ -39,6 +45,38 @@ def maps_of(run: Run, listener: str | None = None) -> list[str]:
         for event in run.recording.messages('/map', listener)
         if 'data' in event
     ]
+
+
+def new_maps(run: Run) -> list[str]:
+    """
+    Return what was published after the first survey, in order.
+
+    A publisher that was made a moment ago is not yet connected to our volatile listener, and the
+    early one, for which it keeps its map, hears it all the same.
+    """
+    heard = [
+        [
+            str(event['data']['data'])
+            for event in run.recording.messages('/map', listener)
+            if 'data' in event and event['after_input'] is not None
+        ]
+        for listener in (None, 'early')
+    ]
+    found = [text for text in max(heard, key=len) if text != FIRST]
+    if publishers_of_maps(run) > 1:
+        # What several publishers send arrives in any order.
+        places = {text: place for place, text in enumerate(run.facts['surveys'])}
+        found.sort(key=lambda text: places.get(text, len(places)))
+    return found
+
+
+def publishers_of_maps(run: Run) -> int:
+    """Return how many publishers on map there were at a time."""
+    counts = [
+        sum((end['kind'], end['topic']) == ('publisher', '/map') for end in graph['endpoints'])
+        for graph in run.recording.of('graph')
+    ]
+    return max(counts, default=0)
 
 
 def starts_its_node(run: Run) -> None:
@@ -65,19 +103,19 @@ def has_a_map_from_the_start(run: Run) -> None:
 
 
 def _why_no_first_map(run: Run, found: Sequence[str]) -> Cause | None:
-    if why := why_silent(run):
-        return why
     if found.count(FIRST) > 1:
         return Cause(
             'repeats',
             'The first map is published again and again.',
             'Publish it once, at the end of __init__; transient local does the rest.',
         )
-    joined = run.recording.of('joined', listener='early')
-    if joined and not joined[0]['matched']:
-        return LATCH
-    if found and found[0].strip().lower() == FIRST:
+    if why := why_silent(run) or _why_unmatched(run, 'early'):
+        return why
+    before = [text for text in found if text not in run.facts['surveys']]
+    if before and before[0].strip().lower() == FIRST:
         return Cause('wrong_text', 'Upper and lower case and spaces count.', f'Write {FIRST!r}.')
+    if before:
+        return Cause('wrong_text', 'The first map has another text.', f'Write {FIRST!r}.')
     return Cause(
         'no_first_map',
         'No map was published before the first survey.',
@@ -85,55 +123,101 @@ def _why_no_first_map(run: Run, found: Sequence[str]) -> Cause | None:
     )
 
 
+def _why_unmatched(run: Run, listener: str) -> Cause | None:
+    """Explain why a listener that asks for all that a latched map offers is not connected."""
+    joined = run.recording.of('joined', listener=listener)
+    if not joined or joined[0]['matched']:
+        return None
+    ends = run.recording.endpoints('publisher', '/map')
+    if not any(end['type'] == TYPE for end in ends):
+        return why_no_endpoint(run, 'publisher', '/map', TYPE)
+    if any(end['qos']['reliability'] != 'RELIABLE' for end in ends):
+        return BEST_EFFORT
+    return LATCH if 'DURABILITY' in joined[0]['refused'] else None
+
+
 def publishes_each_survey(run: Run) -> None:
     """Each survey becomes the new map, unchanged and once."""
-    surveys = run.facts['surveys']
-    found = [text for text in maps_of(run) if text != FIRST]
-    if found == list(surveys):
-        return
-    why = why_silent(run)
-    if not why and run.recording.of('not_connected'):
-        why = _why_unreached(run)
-    if not why and len(found) > len(surveys):
-        why = Cause('repeats', 'Maps are published more than once.', 'Publish once per survey.')
-    if not why and len(found) == len(surveys):
-        slip = 'The texts are not those of the surveys.'
-        why = Cause('wrong_text', slip, 'Publish String(data=survey.data), unchanged.')
-    raise Failed(
-        expected=f'the maps {_shown(surveys)} after the surveys of the same texts',
-        observed=_shown(found),
-        why=why,
-    )
+    surveys = list(run.facts['surveys'])
+    found = new_maps(run)
+    if found != surveys:
+        raise Failed(
+            expected=f'the maps {_shown(surveys)} after the surveys of the same texts',
+            observed=_shown(found),
+            why=_why_other_maps(run, found, surveys),
+        )
+
+
+def _why_other_maps(run: Run, found: Sequence[str], surveys: Sequence[str]) -> Cause | None:
+    if why := why_silent(run):
+        return why
+    if run.recording.of('not_connected'):
+        return _why_unreached(run)
+    if not found:
+        if not run.recording.endpoints('publisher', '/map'):
+            return why_no_endpoint(run, 'publisher', '/map', TYPE)
+        slip = 'Nothing is published when a survey arrives.'
+        return Cause('no_answer', slip, 'Publish String(data=survey.data) in its callback.')
+    if len(found) > len(surveys) and set(found) == set(surveys):
+        return Cause('repeats', 'Maps are published more than once.', 'Publish once per survey.')
+    others = [text for text in found if text not in surveys]
+    if others:
+        slip = f'{others[0][:40]!r} is no text of a survey.'
+        return Cause('wrong_text', slip, 'Publish String(data=survey.data), unchanged.')
+    return None
 
 
 def _why_unreached(run: Run) -> Cause:
-    if run.recording.endpoints('subscription', '/survey'):
+    ends = run.recording.endpoints('subscription', '/survey')
+    if any(end['type'] == TYPE for end in ends):
         return ASKS_TOO_MUCH
     return why_no_endpoint(run, 'subscription', '/survey', TYPE)
 
 
 def keeps_only_the_newest(run: Run) -> None:
     """Who comes after the surveys gets the newest map at once, and no older one."""
-    # Of its own maps: what they say is another check's business.
-    unreached = bool(run.recording.of('not_connected'))
-    newest = [*run.facts['surveys'], *([] if unreached else maps_of(run))][-1]
-    found = maps_of(run, 'late')
-    if found == [newest]:
-        return
-    why = why_silent(run) or (_why_unreached(run) if unreached else None)
-    joined = run.recording.of('joined', listener='late')
-    if not why and joined and 'DURABILITY' in joined[0]['refused']:
-        why = LATCH
-    elif not why and len(found) > 1:
-        why = Cause(
-            'keeps_too_many',
-            f'The publisher keeps {len(found)} maps or more for those who come late.',
-            'Give its profile depth=1: keep the last one.',
+    ends = run.recording.endpoints('publisher', '/map')
+    expiring = [end['qos']['lifespan_ns'] for end in ends if end['qos']['lifespan_ns']]
+    if expiring:
+        # Whether it has expired before our late listener comes is a matter of wall time.
+        raise Failed(
+            expected='a newest map for who comes late, however late',
+            observed=f'maps that expire after {expiring[0] / SECOND:g} s',
+            why=Cause(
+                'lifespan',
+                'The profile has a lifespan: later than that, nothing is kept for anybody.',
+                'Leave lifespan out.',
+            ),
         )
-    raise Failed(
-        expected=f'the newest map, {newest!r}, and nothing else, for who comes late',
-        observed=_shown(found),
-        why=why,
+    # Of its own maps: what they say is another check's business.
+    newest = [*run.facts['surveys'], *new_maps(run)][-1]
+    found = maps_of(run, 'late')
+    if found != [newest]:
+        raise Failed(
+            expected=f'the newest map, {newest!r}, and nothing else, for who comes late',
+            observed=_shown(found),
+            why=why_silent(run)
+            or _why_unmatched(run, 'late')
+            or _why_many(run, found)
+            or _why_other_maps(run, new_maps(run), run.facts['surveys']),
+        )
+
+
+def _why_many(run: Run, found: Sequence[str]) -> Cause | None:
+    """Explain more than one map for who comes late."""
+    if len(found) < 2:
+        return None
+    publishers = publishers_of_maps(run)
+    if publishers > 1:
+        return Cause(
+            'several_publishers',
+            f'There are {publishers} publishers on map, and each keeps a map of its own.',
+            'Create one publisher in __init__, and publish with it in the callback.',
+        )
+    return Cause(
+        'keeps_too_many',
+        f'The publisher keeps {len(found)} maps or more for those who come late.',
+        'Give its profile depth=1: keep the last one.',
     )
 
 
@@ -159,8 +243,10 @@ def build(surveys: Sequence[str]) -> Exam:
             watch={'/map': TYPE},
             feed={'/survey': FeedTopic(TYPE, Qos())},
             steps=(
+                Look('ready'),
                 Join('early', '/map', TYPE, HISTORY),
                 Feed('/survey', [{'data': text} for text in surveys], optional=True),
+                Advance(REST_S),
                 Join('late', '/map', TYPE, HISTORY),
             ),
             first_log_s=0,

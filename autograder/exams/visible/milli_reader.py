@@ -13,16 +13,24 @@ from collections.abc import Sequence
 import math
 
 from autograder.causes import why_silent
-from autograder.checks import field_of, require_endpoint, require_field, require_node, SECOND
+from autograder.checks import (
+    field_of,
+    require_endpoint,
+    require_field,
+    require_node,
+    require_partner,
+    SECOND,
+)
 from autograder.exam import Cause, Exam, Failed, Run
 from autograder.recording import Event
-from autograder.scenario import Advance, Feed, Scenario, Step
+from autograder.scenario import Advance, Feed, Look, Scenario, Step
 
 NODE = '/milli_reader'
 SOURCE, TARGET = '/raw', '/readings'
 SOURCE_TYPE = 'temp_monitor_pkg/msg/Num'
 TARGET_TYPE = 'temp_monitor_pkg/msg/Temperature'
 BETWEEN_S = 2.0  # simulated time before each number [s]
+MOST_MICROSECONDS = 1_000_000  # in a second
 CLOSE_S = 0.5  # how far a stamp may be from the moment it was heard [s]
 
 
@@ -38,8 +46,8 @@ def starts_its_node(run: Run) -> None:
 
 def hears_and_publishes(run: Run) -> None:
     """It subscribes to Num on raw and publishes Temperature on readings."""
-    require_endpoint(run, 'subscription', SOURCE, SOURCE_TYPE)
-    require_endpoint(run, 'publisher', TARGET, TARGET_TYPE)
+    require_partner(require_endpoint(run, 'subscription', SOURCE, SOURCE_TYPE))
+    require_partner(require_endpoint(run, 'publisher', TARGET, TARGET_TYPE))
 
 
 def answers_one_for_one(run: Run) -> None:
@@ -75,7 +83,7 @@ def divides_by_a_thousand(run: Run) -> None:
         if not math.isclose(value, number / 1000, rel_tol=1e-9, abs_tol=1e-9):
             raise Failed(
                 expected='the number divided by 1000, with its fraction',
-                observed=f'{value:g}',
+                observed=f'{value:.12g}',
                 why=_why_value(numbers, values),
             )
 
@@ -85,16 +93,35 @@ def _why_value(numbers: Sequence[int], values: Sequence[float]) -> Cause | None:
     if all(value in (number // 1000, int(number / 1000)) for number, value in pairs):
         return Cause(
             'whole_numbers',
-            'The fraction is lost: // divides whole numbers to whole numbers.',
+            'The fraction is lost: // and int() give whole numbers.',
             'Divide with / and a float: number.num / 1000.0.',
         )
     if all(value == number for number, value in pairs):
         return Cause('not_divided', 'The number is passed on as it came.', 'Divide it by 1000.0.')
-    if all(abs(value) < 1e-300 for value in values):
+    if not any(values):
         return Cause(
-            'int_in_float',
+            'value_not_set',
+            'temperature_value is 0.0: it was never set.',
+            'Set reading.temperature_value = number.num / 1000.0.',
+        )
+    if all(math.isnan(value) or abs(value) < 1e-300 for value in values):
+        return Cause(
+            'field_value',
             'A whole number was put into a float64 with field checks off.',
-            'Assign a float.',
+            'Assign a float: number.num / 1000.0.',
+        )
+    ratios = [number / value for number, value in pairs if value]
+    if len(ratios) == len(pairs) and math.isclose(min(ratios), max(ratios), rel_tol=1e-9):
+        return Cause(
+            'wrong_factor',
+            f'The number is divided by {ratios[0]:g}.',
+            'A thousand thousandths are one: divide by 1000.0.',
+        )
+    if all(abs(value - number / 1000) < 2 for number, value in pairs):
+        return Cause(
+            'rounded',
+            'The fraction is not right: the value is rounded, or put together from digits.',
+            'Divide, and neither round nor format: number.num / 1000.0.',
         )
     return None
 
@@ -132,23 +159,32 @@ def stamps_with_its_own_clock(run: Run) -> None:
             )
 
 
-def _why_stamp(sec: int, nanosec: int, clock: float) -> Cause | None:
+def _why_stamp(sec: int, nanosec: int, clock: float) -> Cause:
+    take = 'Take it in the callback: reading.timestamp = self.get_clock().now().to_msg().'
     if sec == nanosec == 0:
         return Cause(
-            'no_stamp',
-            'The stamp was never set.',
-            'Set reading.timestamp = self.get_clock().now().to_msg().',
+            'missing_stamp',
+            'The stamp is 0: it was never set, or taken before the clock ran, as in __init__.',
+            take,
         )
     if sec > clock + 1000:
         return Cause(
             'other_clock',
-            "The stamp is from the computer's clock, which does not follow the ROS time.",
-            "Take the node's clock: self.get_clock().now().to_msg().",
+            "The stamp is not from the node's own clock: a clock of another kind does not follow "
+            'the ROS time, and sec counts seconds.',
+            take,
         )
+    if nanosec == 0 and sec == int(clock):
+        return Cause(
+            'no_nanoseconds',
+            'The stamp has whole seconds only: nanosec was never set.',
+            take,
+        )
+    if sec == int(clock) and nanosec < MOST_MICROSECONDS:
+        slip = f'nanosec is {nanosec}: that many milliseconds or microseconds, not nanoseconds.'
+        return Cause('nanoseconds', slip, take)
     return Cause(
-        'old_stamp',
-        'The stamp was taken at another moment, or its parts are wrong.',
-        'Take it in the callback: self.get_clock().now().to_msg().',
+        'stale_stamp', 'The stamp was taken at another moment, or its parts are wrong.', take
     )
 
 
@@ -159,7 +195,8 @@ def build(numbers: Sequence[int], names: Sequence[str]) -> Exam:
     :param numbers: thousandths of a degree; none of them is a multiple of 1000
     :param names: the description of each
     """
-    steps: list[Step] = []
+    # What dies in its first callback has shown its endpoints by then.
+    steps: list[Step] = [Look('ready')]
     for index, (number, name) in enumerate(zip(numbers, names, strict=True)):
         steps.append(Advance(BETWEEN_S, phase_s=0.25 if index else 0.1))
         steps.append(Feed(SOURCE, [{'num': number, 'description': name}]))

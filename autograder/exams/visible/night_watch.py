@@ -8,18 +8,19 @@ namespace in the code.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 import re
 
 from autograder.causes import why_silent
-from autograder.checks import (
-    LEVELS,
-    own_logs,
-    require_node,
-    require_ros_clock,
-    SECOND,
-    why_not_logged,
-)
+from autograder.checks import LEVELS, own_logs, require_node, require_ros_clock, why_not_logged
 from autograder.exam import Cause, Exam, Failed, Run
+from autograder.exams.visible.harbour import (
+    require_timer,
+    second_of,
+    why_no_report,
+    why_other_period,
+)
+from autograder.own_time import is_flood
 from autograder.recording import Event, INFO, WARN
 from autograder.scenario import Advance, Await, Scenario
 
@@ -33,8 +34,13 @@ def node_of(run: Run) -> str:
 
 
 def reports(run: Run) -> list[Event]:
-    """Return what the node's own logger said, whatever the level."""
-    return own_logs(run, node_of(run))
+    """Return what the node's own logger said once it had started, whatever the level."""
+    return [entry for entry in own_logs(run, node_of(run)) if second_of(entry) > 0]
+
+
+def numbers_in(entry: Event) -> list[int]:
+    """Return the numbers in a line; 003 is 3, and digits of any script are digits."""
+    return [int(digits) for digits in re.findall(r'\d{1,9}', entry['text'])]
 
 
 def starts_in_the_namespace(run: Run) -> None:
@@ -45,12 +51,10 @@ def starts_in_the_namespace(run: Run) -> None:
 def reports_every_second(run: Run) -> None:
     """It logs one line a second, with its own logger, from a timer."""
     require_ros_clock(run)
-    seconds = run.facts['simulated_s']
-    found = reports(run)
-    # A timer fires on the first clock step at or after its time, and is seen one step later.
-    seen = [round((entry['clock_ns'] or 0) / SECOND - STEP_S) for entry in found]
-    if seen == list(range(1, seconds + 1)):
+    found, seconds = _no_flood(run), run.facts['simulated_s']
+    if [second_of(entry) for entry in found] == list(range(1, seconds + 1)):
         return
+    require_timer(run)
     raise Failed(
         expected=f'{seconds} lines in {seconds} s, one in every second',
         observed=f'{len(found) or "no"} lines',
@@ -58,50 +62,106 @@ def reports_every_second(run: Run) -> None:
     )
 
 
+def _no_flood(run: Run) -> list[Event]:
+    """Return the lines, unless there are so many that which of them arrive is luck."""
+    if is_flood(len(own_logs(run, node_of(run))), run.facts['simulated_s']):
+        raise Failed(
+            expected='one line a second',
+            observed='far more lines than that',
+            why=Cause(
+                'flood',
+                'Far more lines come than one a second.',
+                'Log once in the callback of one timer, and nowhere else.',
+            ),
+        )
+    return reports(run)
+
+
 def _why_not_every_second(run: Run, found: list[Event]) -> Cause | None:
     seconds = run.facts['simulated_s']
     if not found:
-        return why_not_logged(run, found, INFO)
+        return why_not_logged(run, found, INFO) or why_no_report(run, 1)
     if len(found) < seconds and (ended := why_silent(run)):
         return ended
-    fifth = seconds // EVERY
-    if len(found) == seconds + fifth:
+    return _why_not_one_line(seconds, found) or why_other_period(found, seconds, 1)
+
+
+def _why_not_one_line(seconds: int, found: Sequence[Event]) -> Cause | None:
+    """Explain watches with two lines or with none, which shift all that follow."""
+    fifths, moments = seconds // EVERY, {entry['clock_ns'] for entry in found}
+    if len(found) - seconds == fifths and len(moments) <= seconds:
         return Cause(
             'both_levels',
-            'A fifth watch is logged twice, at level INFO and at level WARN.',
-            'Use if and else: one line a watch.',
+            'A fifth watch is logged twice.',
+            'Use if and else: one line a watch, either INFO or WARN.',
         )
-    return Cause(
-        'wrong_period',
-        f'There is about one line every {seconds / len(found):.2g} s.',
-        'The first argument of create_timer() is the period in seconds: 1.0.',
-    )
+    if seconds - len(found) == fifths and not _warned(found):
+        return Cause(
+            'fifth_missing',
+            'A fifth watch is not logged at all.',
+            'Use if and else: one line a watch, also for the fifth.',
+        )
+    cause = why_other_period(found, seconds, 1)
+    return cause if cause and cause.cause_id == 'several_at_once' else None
+
+
+def _warned(found: Sequence[Event]) -> list[int]:
+    """Return which lines are warnings, counted from 1."""
+    return [number for number, entry in enumerate(found, 1) if entry['level'] == WARN]
 
 
 def lines_are_numbered(run: Run) -> None:
     """The lines carry the number of the watch: 1, 2, 3, and so on."""
     found = _enough(run)
     for number, entry in enumerate(found, 1):
-        if str(number) not in re.findall(r'\d+', entry['text']):
+        if number not in numbers_in(entry):
             raise Failed(
                 expected=f'the number {number} in line {number}',
                 observed=f'{entry["text"][:60]!r}',
-                why=_why_misnumbered(number, entry['text'], found[0]['text']),
+                why=_why_not_one_line(run.facts['simulated_s'], found)
+                or _why_misnumbered(number, found),
             )
 
 
-def _why_misnumbered(number: int, text: str, first: str) -> Cause | None:
-    if number > 1 and text == first:
+def _why_misnumbered(number: int, found: Sequence[Event]) -> Cause | None:
+    text, numbers = found[number - 1]['text'], numbers_in(found[number - 1])
+    if '{' in text and '}' in text:
+        return Cause(
+            'no_f_string',
+            'The text has braces in it: they are filled in only if an f stands before the quotes.',
+            "Write f'Watch {self.number}'.",
+        )
+    if not numbers:
+        return Cause('no_number', 'There is no number in the line.', "Log f'Watch {self.number}'.")
+    if len({entry['text'] for entry in found}) == 1:
         return Cause(
             'never_counts',
             'The number is the same in every line.',
             'Keep it in self.number, made once in __init__(), and add 1 in the callback.',
         )
-    if number == 1 and '0' in re.findall(r'\d+', text):
+    if number == 1 and 0 in numbers:
         return Cause(
             'counts_from_zero',
             'The first watch is number 0.',
             'Count first, then log; or begin at 1.',
+        )
+    if number == 1 and 2 in numbers:
+        return Cause(
+            'counted_before',
+            'The first line of the timer says 2: something has counted before it.',
+            'Count in the callback only, from 0, and let the timer alone call it.',
+        )
+    if number > 1 and set(numbers) & set(numbers_in(found[0])):
+        return Cause(
+            'begins_again',
+            f'The count goes back after {number - 1} lines.',
+            'Set the number once, in __init__(), and let it grow for ever.',
+        )
+    if number == 2:
+        return Cause(
+            'wrong_step',
+            'From one line to the next the number does not grow by 1.',
+            'Add 1 in the callback, once: self.number += 1.',
         )
     return None
 
@@ -115,30 +175,70 @@ def every_fifth_is_a_warning(run: Run) -> None:
             raise Failed(
                 expected=f'level {LEVELS[wanted]} for watch {number}',
                 observed=f'level {LEVELS.get(entry["level"], entry["level"])}',
-                why=_why_wrong_level(number, entry['level'])
-                if number == 1 or entry['text'] != found[0]['text']
-                else None,
+                why=_why_not_one_line(run.facts['simulated_s'], found)
+                or _why_wrong_level(number, entry['level'], found),
             )
 
 
-def _why_wrong_level(number: int, level: int) -> Cause | None:
-    if number % EVERY == 0 and level == INFO:
+def _why_wrong_level(number: int, level: int, found: Sequence[Event]) -> Cause | None:
+    warned, every = _warned(found), range(1, len(found) + 1)
+    misnumbered = any(one not in numbers_in(found[one - 1]) for one in every)
+    if misnumbered and all(
+        (entry['level'] == WARN) == any(one % EVERY == 0 for one in numbers_in(entry))
+        for entry in found
+    ):
+        return Cause(
+            'follows_number',
+            'The level fits the number in the line, but the number is not that of the watch.',
+            'Mend the count first.',
+        )
+    if level not in (INFO, WARN):
+        wanted = 'warning' if number % EVERY == 0 else 'info'
+        return Cause(
+            'wrong_level',
+            'A watch is neither INFO nor WARN.',
+            f'Use self.get_logger().{wanted}(...) here.',
+        )
+    if not warned:
         return Cause(
             'no_warning',
             'A fifth watch is logged like any other.',
             'If number % 5 == 0, use self.get_logger().warning(...).',
         )
-    if level == WARN and number % EVERY == EVERY - 1:
+    if warned == [one for one in every if one % EVERY]:
+        return Cause(
+            'inverted',
+            'INFO and WARN have changed places: number % 5 is 0 for every fifth, and 0 counts as '
+            'false.',
+            'Warn if number % 5 == 0.',
+        )
+    if warned == [one for one in every if one % EVERY == EVERY - 1]:
         return Cause(
             'warns_one_early',
-            'The warning comes one watch early: the number is looked at before it is counted.',
+            'The warning comes one watch early: the number is looked at before it is counted, or '
+            'one is added for the text alone.',
             'Count first, then decide.',
         )
-    if number % EVERY == 0:
+    if warned == [one for one in every if one % EVERY == 1 and (one > 1 or 1 in warned)]:
         return Cause(
-            'other_level',
-            'A fifth watch is neither INFO nor WARN.',
-            'Use self.get_logger().warning(...).',
+            'warns_one_late',
+            'The warning comes one watch late: number % 5 is looked at with a number that is one '
+            'behind.',
+            'Count first, then decide.',
+        )
+    if len(warned) > 1 and warned == [one for one in every if one % warned[0] == 0]:
+        return Cause(
+            'warns_otherwise',
+            f'Watch {warned[0]} is a warning, and so is each of its multiples.'
+            if warned[0] > 1
+            else 'Every watch is a warning.',
+            'Warn if number % 5 == 0, and log an INFO line below else.',
+        )
+    if warned == [EVERY]:
+        return Cause(
+            'warns_once',
+            'The fifth watch is a warning, the tenth is not.',
+            'Warn if number % 5 == 0: that holds for 5, 10, 15 and so on.',
         )
     if level == WARN:
         return Cause(
@@ -151,12 +251,13 @@ def _why_wrong_level(number: int, level: int) -> Cause | None:
 
 def _enough(run: Run) -> list[Event]:
     """Return the lines, if a warning is among those that are due."""
-    found = reports(run)
+    found = _no_flood(run)
     if len(found) < 2 * EVERY:
+        require_timer(run)
         raise Failed(
             expected=f'at least {2 * EVERY} lines to look at',
             observed=f'{len(found) or "none"}',
-            why=why_silent(run),
+            why=_why_not_every_second(run, found),
         )
     return found
 

@@ -13,7 +13,7 @@ from itertools import pairwise
 import math
 
 from autograder.causes import why_silent
-from autograder.checks import require_endpoint, require_node
+from autograder.checks import require_endpoint, require_node, require_partner
 from autograder.exam import Cause, Exam, Failed, Run
 from autograder.scenario import Feed, Scenario
 
@@ -59,20 +59,25 @@ def starts_its_node(run: Run) -> None:
 
 def reads_and_writes(run: Run) -> None:
     """It subscribes to readings and publishes on mean, both Float64."""
+    recording = run.recording
+    if recording.endpoints('subscription', TARGET) and recording.endpoints('publisher', SOURCE):
+        raise Failed(
+            expected=f'a subscription on {SOURCE} and a publisher on {TARGET}',
+            observed='the other way round',
+            why=Cause(
+                'swapped',
+                'The two topics have changed places.',
+                "Give create_subscription() the name 'readings', create_publisher() 'mean'.",
+            ),
+        )
     ends = require_endpoint(run, 'subscription', SOURCE, TYPE)
-    require_endpoint(run, 'publisher', TARGET, TYPE)
-    if run.recording.of('not_connected') or not run.recording.of('input'):
-        qos = ends[0]['qos']
+    require_partner(ends)
+    require_partner(require_endpoint(run, 'publisher', TARGET, TYPE))
+    if recording.of('not_connected') or not recording.of('input'):
         raise Failed(
             expected=f'a subscription on {SOURCE} that receives',
             observed='a subscription that gets nothing',
-            why=why_silent(run)
-            or Cause(
-                'qos_incompatible',
-                'Your subscription asks for a quality of service that the publisher does not '
-                f'offer ({qos["reliability"]}, {qos["durability"]}).',
-                'Pass the depth 10 as quality of service.',
-            ),
+            why=why_silent(run),
         )
 
 
@@ -144,8 +149,19 @@ def _why_value(run: Run, found: list[float], index: int) -> Cause | None:
         return Cause('sum', 'That is the sum.', 'Divide by how many numbers there were.')
     if like([0.0, *means_of(numbers)]):
         return Cause('one_behind', 'The newest number is missing in the mean.', 'Add it up first.')
-    if like([float(math.floor(mean)) for mean in means_of(numbers)]):
+    means = means_of(numbers)
+    if any(like([float(cut(mean)) for mean in means]) for cut in (math.floor, math.trunc)):
         return Cause('cut_off', 'The decimals are cut off.', 'Divide with /, not with //.')
+    if any(like([round(mean, digits) for mean in means]) for digits in range(4)):
+        return Cause('rounded', 'The mean is rounded.', 'Publish it as it is, without round().')
+    for extra in (1, -1):
+        counts = [number + extra for number in range(1, len(totals) + 1)]
+        if all(counts) and like([a / b for a, b in zip(totals, counts, strict=True)]):
+            return Cause(
+                'wrong_count',
+                'The sum is divided by one number too ' + ('many.' if extra > 0 else 'few.'),
+                'Begin with self.count = 0, and add 1 for each number, before you divide.',
+            )
     pairs = [(a + b) / 2 for a, b in pairwise(numbers)]
     if like([numbers[0], *pairs]):
         return Cause('last_two', 'That is the mean of the last two.', 'Keep a sum of all.')
@@ -194,8 +210,47 @@ def ignores_nan(run: Run) -> None:
             observed=f'{len(found)} means, not all of them right'
             if len(found) == len(due)
             else f'{len(found) or "no"} means',
-            why=why_silent(run),
+            why=why_silent(run) or _why_not_after_nan(run, found, len(means_of(singles[:since]))),
         )
+
+
+def _why_not_after_nan(run: Run, found: Sequence[float], before: int) -> Cause | None:
+    """
+    Explain means after NaN that are wrong or missing.
+
+    :param found: those that came after the first NaN
+    :param before: how many came before it
+    """
+    numbers: Sequence[float] = (*run.facts['singles'], *run.facts['burst'])
+    total, counted = 0.0, []
+    for place, number in enumerate(numbers, 1):
+        if not math.isnan(number):
+            total += number
+            counted.append(total / place)
+
+    def like(wanted: Sequence[float]) -> bool:
+        return bool(found) and all(map(math.isclose, found, wanted[before:]))
+
+    if like(counted):
+        return Cause(
+            'counts_nan',
+            'NaN is not added up, and yet it is counted: the sum is divided by too much.',
+            'Return before you count: if math.isnan(message.data).',
+        )
+    right = means_of(numbers)
+    if like(right) and len(found) < len(right) - before:
+        return Cause(
+            'misses_some',
+            'Where several numbers come at once, not each of them is answered.',
+            'Publish in the callback of the subscription, once for each message.',
+        )
+    if any(math.isclose(one, right[-1]) for one in found) and run.facts['burst']:
+        return Cause(
+            'misses_some',
+            'Where several numbers come at once, they do not get an answer each.',
+            'Publish in the callback of the subscription, once for each message.',
+        )
+    return None
 
 
 def build(singles: Sequence[float], burst: Sequence[float] = (), secret: bool = False) -> Exam:

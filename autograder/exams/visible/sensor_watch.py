@@ -15,20 +15,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import takewhile
 import re
 
 from autograder.causes import why_no_endpoint, why_silent
 from autograder.checks import (
     own_logs,
     require_endpoint,
-    require_log,
     require_node,
     require_qos,
+    SECOND,
     why_not_logged,
 )
 from autograder.exam import Cause, Exam, Failed, Run
-from autograder.recording import ERROR, Event, INFO, WARN
-from autograder.scenario import Await, Feed, Leave, Mark, Offer, Qos, Scenario
+from autograder.recording import ERROR, Event, INFO, Recording, WARN
+from autograder.scenario import Await, Feed, Leave, Look, Mark, Offer, Qos, Scenario
 
 TYPE = 'std_msgs/msg/Float64'
 NODE = '/sensor_watch'
@@ -36,6 +37,24 @@ DEADLINE_NS = 300_000_000
 SILENCE_S = 1.5
 MORE_THAN_COME = 1000
 """So that the whole silence is waited for, however much a program logs."""
+BY_RCLPY = 'New publisher discovered on topic'
+"""How the line of rclpy's own callback for refused publishers begins."""
+REQUEST = {
+    'RELIABILITY': 'Request reliability=ReliabilityPolicy.BEST_EFFORT.',
+    'DURABILITY': 'Leave durability out: the sensor keeps nothing for latecomers.',
+    'DEADLINE': 'Request deadline=Duration(seconds=0.3), which is what the sensor promises.',
+    'LIVELINESS': 'Leave liveliness out: the sensor does not assert it by hand.',
+}
+TWICE = Cause(
+    'logged_twice',
+    'More than one INFO line shows the same distance.',
+    'Log once in the callback, and subscribe once.',
+)
+ONE_LINE = Cause(
+    'several_errors',
+    'One refused publisher gives more than one ERROR line.',
+    'Put all there is to say into one line.',
+)
 
 
 def numbers_in(text: str) -> list[float]:
@@ -46,6 +65,13 @@ def numbers_in(text: str) -> list[float]:
 def during(run: Run, phase: str) -> Run:
     """Return one phase of the run."""
     return replace(run, recording=run.recording.phase(phase))
+
+
+def before_speaking(run: Run) -> list[Event]:
+    """Return what the node has logged before there was a sensor that fits."""
+    until = ('mark', 'speaking')
+    events = takewhile(lambda one: (one['event'], one.get('name')) != until, run.recording.events)
+    return own_logs(replace(run, recording=Recording(run.recording.header, tuple(events))), NODE)
 
 
 def starts_its_node(run: Run) -> None:
@@ -59,6 +85,7 @@ def asks_for_no_more_than_is_offered(run: Run) -> None:
         require_endpoint(run, 'subscription', '/distance', TYPE),
         reliability='BEST_EFFORT',
         durability='VOLATILE',
+        liveliness='AUTOMATIC',
     )
 
 
@@ -71,44 +98,61 @@ def requests_the_deadline(run: Run) -> None:
 def logs_each_distance(run: Run) -> None:
     """Each distance gives one INFO line that contains the number."""
     lines = own_logs(run, NODE, INFO)
-    for distance in run.facts['distances']:
+    for index, distance in enumerate(run.facts['distances']):
         found = [line for line in lines if distance in numbers_in(str(line['text']))]
-        if len(found) != 1:
+        # A later line may show it again, as the nearest distance so far.
+        at_once = [line for line in found if line['after_input'] == index]
+        if len(found) != 1 and len(at_once) != 1:
             raise Failed(
                 expected=f'one INFO line with {distance:g}',
                 observed=f'{len(found) or "no"} such line{"" if len(found) == 1 else "s"}',
-                why=_why_unheard(run) if not found else None,
+                why=_why_not_shown(run, index) if not found else TWICE,
             )
+
+
+def _why_not_shown(run: Run, index: int) -> Cause | None:
+    if why := _why_unheard(run):
+        return why
+    then = [line for line in own_logs(run, NODE) if line['after_input'] == index]
+    other = next((str(line['text']) for line in then if line['level'] == INFO), '')
+    if other:
+        return Cause(
+            'number_not_shown',
+            f'The INFO line is {other[:60]!r}: the number is not in it, or it is rounded.',
+            "Log the number as it came: self.get_logger().info(f'{message.data} m').",
+        )
+    return why_not_logged(run, then, INFO)
 
 
 def _why_unheard(run: Run) -> Cause | None:
     if why := why_silent(run):
         return why
+    ends = run.recording.endpoints('subscription', '/distance')
+    if not any(end['type'] == TYPE for end in ends):
+        return why_no_endpoint(run, 'subscription', '/distance', TYPE)
     offered = run.recording.of('offered', publisher='sensor')
     if offered and offered[0]['refused']:
-        policy = ' and '.join(offered[0]['refused'])
+        policy = offered[0]['refused'][0]
         return Cause(
             'refused',
             f'Your subscription refuses the sensor: the policy {policy} asks for too much.',
-            'Request best effort, and a deadline of 0.3 s or more.',
+            REQUEST.get(policy, 'Request no more than the sensor offers.'),
         )
-    if not run.recording.endpoints('subscription', '/distance'):
-        return why_no_endpoint(run, 'subscription', '/distance', TYPE)
-    return why_not_logged(run, own_logs(run, NODE), INFO)
+    return None
 
 
 def warns_of_silence(run: Run) -> None:
     """A missed deadline gives a WARN line, and nothing else does."""
-    early = own_logs(during(run, 'weak'), NODE, WARN)
+    early = [line for line in before_speaking(run) if line['level'] == WARN]
     if early:
         raise Failed(
             expected='no WARN line before the sensor has fallen silent',
             observed=repr(str(early[0]['text'])[:80]),
-            why=Cause(
+            why=_why_default(early)
+            or Cause(
                 'warns_of_something_else',
-                'WARN is for missed deadlines; a refused publisher is an ERROR.',
-                'Give incompatible_qos a callback of your own, which logs an error, and pass the '
-                'callbacks on: create_subscription(..., event_callbacks=events).',
+                'WARN is for missed deadlines; here nobody has missed one yet.',
+                'A refused publisher is an ERROR, everything else an INFO.',
             ),
         )
     silence = own_logs(during(run, 'silence'), NODE)
@@ -120,18 +164,47 @@ def warns_of_silence(run: Run) -> None:
         )
 
 
+def _why_default(lines: Sequence[Event]) -> Cause | None:
+    """Explain a WARN line that rclpy itself has written."""
+    if not any(str(line['text']).startswith(BY_RCLPY) for line in lines):
+        return None
+    return Cause(
+        'default_callback',
+        'The WARN line about the refused publisher is from rclpy: your subscription has no '
+        'callback of its own for incompatible_qos.',
+        'Give incompatible_qos a callback that logs an error, and pass the callbacks on: '
+        'create_subscription(..., event_callbacks=events).',
+    )
+
+
 def _why_no_warning(run: Run, silence: Sequence[Event]) -> Cause | None:
-    ends = run.recording.endpoints('subscription', '/distance')
-    if ends and all(end['qos']['deadline_ns'] is None for end in ends):
+    if why := _why_unheard(run):
+        return why
+    asked = [end['qos']['deadline_ns'] for end in _ends(run)]
+    if None in asked:
         return Cause(
             'no_deadline',
             'Your subscription requests no deadline, so none can be missed.',
             'Give its profile deadline=Duration(seconds=0.3).',
         )
-    offered = run.recording.of('offered', publisher='sensor')
-    if offered and offered[0]['refused']:
-        return _why_unheard(run)
-    return why_not_logged(run, silence, WARN)
+    if asked and min(asked) > SILENCE_S * SECOND / 2:
+        return Cause(
+            'long_deadline',
+            f'Your subscription requests a deadline of {min(asked) / SECOND:g} s, and the '
+            'silence is too short to miss it.',
+            'Give its profile deadline=Duration(seconds=0.3).',
+        )
+    return why_not_logged(run, silence, WARN) or Cause(
+        'no_deadline_callback',
+        'A deadline is missed, and nothing is logged: its event has no callback, or the callback '
+        'logs nothing.',
+        'SubscriptionEventCallbacks(deadline=self.miss, ...), and a warning in miss().',
+    )
+
+
+def _ends(run: Run) -> list[Event]:
+    ends = run.recording.endpoints('subscription', '/distance')
+    return [end for end in ends if end['type'] == TYPE]
 
 
 def names_the_policy(run: Run) -> None:
@@ -148,19 +221,37 @@ def names_the_policy(run: Run) -> None:
             ),
         )
     lines = own_logs(during(run, 'weak'), NODE)
-    require_log(run, lines, ERROR, 1, 'after a publisher that promises no deadline')
-    (error,) = (str(line['text']) for line in lines if line['level'] == ERROR)
+    errors = [str(line['text']) for line in lines if line['level'] == ERROR]
+    if len(errors) != 1:
+        raise Failed(
+            expected='1 ERROR line after a publisher that promises no deadline',
+            observed=f'{len(errors) or "no"} ERROR lines',
+            why=ONE_LINE if errors else _why_no_error(run, lines),
+        )
     policies = lazy[0]['refused'] if lazy else ['DEADLINE']
-    if not any(policy in error.upper() for policy in policies):
+    if not any(policy in errors[0].upper() for policy in policies):
         raise Failed(
             expected=f'the name {" or ".join(policies)} in the ERROR line',
-            observed=repr(error[:80]),
+            observed=repr(errors[0][:80]),
             why=Cause(
                 'policy_not_named',
                 'The line does not say which policy failed.',
                 'qos_policy_name_from_kind(event.last_policy_kind) is its name.',
             ),
         )
+
+
+def _why_no_error(run: Run, lines: Sequence[Event]) -> Cause | None:
+    if why := why_silent(run) or _why_default(lines):
+        return why
+    if not _ends(run):
+        return why_no_endpoint(run, 'subscription', '/distance', TYPE)
+    return why_not_logged(run, lines, ERROR) or Cause(
+        'no_incompatible_callback',
+        'A publisher is refused, and nothing is logged: the event has no callback, or the '
+        'callback logs nothing.',
+        'SubscriptionEventCallbacks(incompatible_qos=self.refuse, ...), and an error in refuse().',
+    )
 
 
 def build(distances: Sequence[float]) -> Exam:
@@ -179,6 +270,7 @@ def build(distances: Sequence[float]) -> Exam:
         scenario=Scenario(
             file='sensor_watch.py',
             steps=(
+                Look('ready'),
                 Mark('weak'),
                 Offer('lazy', '/distance', TYPE, Qos('BEST_EFFORT')),
                 Await(logs=1),

@@ -12,9 +12,10 @@ from __future__ import annotations
 
 import re
 
-from autograder.causes import close_name, why_no_endpoint, why_no_node
+from autograder.causes import close_name, why_no_endpoint, why_no_node, why_silent
 from autograder.checks import require_messages, require_period, require_qos
 from autograder.exam import Cause, Exam, Failed, Run
+from autograder.own_time import names_another_clock
 from autograder.recording import Event
 from autograder.scenario import Advance, Scenario
 
@@ -131,23 +132,44 @@ def moves_with_its_namespace(run: Run) -> None:
 
 def speaks_twice_a_second(run: Run) -> None:
     """It publishes twice a second, measured on the ROS clock."""
-    if run.recording.in_wall_time:
+    code = '\n'.join(run.files.values())
+    # A loop that sleeps and serves the node in between answers now and then.
+    sleeps = run.recording.end_reason == 'unresponsive' and 'create_timer' not in code
+    if run.recording.in_wall_time or (sleeps and names_another_clock(run.files)):
         raise Failed(
             expected='two messages a second of the ROS clock',
             observed='messages that do not follow the ROS clock',
             why=Cause(
                 'own_loop',
-                'Your program keeps its own time: nobody spins the node, and its clock stands '
-                'still.',
+                'Your program keeps its own time, in a loop, and its node has no timer that '
+                'follows the ROS clock.',
                 'Use self.create_timer(0.5, ...) and rclpy.spin(node) instead of a loop.',
             ),
         )
-    require_period(run, greetings(run), PERIOD_S, run.facts['seconds'], STEP_S)
+    found = greetings(run)
+    if len(found) < 3 and not why_silent(run):
+        raise Failed(
+            expected='two messages a second of the ROS clock',
+            observed=f'{len(found)} in {run.facts["seconds"]:g} s',
+            why=Cause(
+                'wrong_rate',
+                'The period of the timer is much too long.',
+                'The first argument of create_timer() is the period in seconds: 0.5.',
+            ),
+        )
+    require_period(run, found, PERIOD_S, run.facts['seconds'], STEP_S)
 
 
 def counts_its_greetings(run: Run) -> None:
     """The texts are hello 1, hello 2 and so on, one more each time."""
-    found = require_messages(run, greetings(run), int(run.facts['seconds']) // 2, 'messages')
+    found, least = greetings(run), int(run.facts['seconds']) // 2
+    if len(found) < least:
+        raise Failed(
+            expected=f'at least {least} messages, to see how it counts',
+            observed=f'{len(found)}',
+            why=why_silent(run)
+            or Cause('wrong_rate', 'The messages come too rarely.', 'Mend their rate first.'),
+        )
     texts = [str(event['data']['data']) for event in found]
     # Code that keeps its own time may have spoken before it could be heard.
     match = GREETING.fullmatch(texts[0])
@@ -163,16 +185,37 @@ def counts_its_greetings(run: Run) -> None:
 
 def _why_text(texts: list[str], text: str, number: int) -> Cause | None:
     match = GREETING.fullmatch(text)
+    if '{' in text and '}' in text:
+        return Cause(
+            'no_f_string',
+            'The text has braces in it: they are filled in only if an f stands before the quotes.',
+            "Publish String(data=f'hello {self.count}').",
+        )
     if match is None:
         if GREETING.search(text.lower()):
             slip = 'Upper and lower case, spaces and punctuation count.'
             return Cause('wrong_text', slip, "Publish String(data=f'hello {self.count}').")
         return Cause('wrong_text', 'The text has another form.', 'Compare with the table.')
-    if int(match[1]) == number - 1 and text == texts[0]:
-        return Cause('counts_from_zero', 'The count begins with 0.', 'Add 1 before you publish.')
     if len(set(texts)) == 1:
-        return Cause('never_counts', 'The number never changes.', 'Add 1 in the callback.')
-    return None
+        return Cause(
+            'never_counts',
+            'The number never changes.',
+            'Keep it in self.count, made once in __init__(), and add 1 in the callback.',
+        )
+    if text != texts[0]:
+        return Cause(
+            'wrong_step',
+            'From one message to the next the number does not grow by 1.',
+            'Add 1 in the callback, once: self.count += 1.',
+        )
+    if match[1] == '0':
+        return Cause('counts_from_zero', 'The count begins with 0.', 'Add 1 before you publish.')
+    return Cause(
+        'begins_later',
+        f'The first greeting that can be heard is number {match[1]}: what was published before '
+        'anybody was connected is lost, or something counts before the timer does.',
+        'Let the timer alone call the method that counts and publishes.',
+    )
 
 
 def offers_reliable_qos(run: Run) -> None:

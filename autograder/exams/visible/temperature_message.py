@@ -7,14 +7,14 @@ message of the built type travel to a probe that holds the reference type, and b
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 import random
 import re
 from typing import Any
-import xml.etree.ElementTree as ElementTree
 
 from autograder.causes import close_name
 from autograder.exam import Cause, Exam, Failed, Run
+from autograder.message_checks import require_declarations, require_fields, why_no_build
 from autograder.scenario import Feed, Scenario
 
 FIELDS = (
@@ -25,147 +25,18 @@ FIELDS = (
 )
 TYPE = 'temp_monitor_pkg/msg/Temperature'
 LONGEST_CMAKE = 20_000  # characters; the lesson's file has 700
+COMMANDS = {'project', 'find_package', 'rosidl_generate_interfaces', 'ament_package'}
 MSG, MANIFEST, CMAKE = 'msg/Temperature.msg', 'package.xml', 'CMakeLists.txt'
-
-
-def fields_of(text: str) -> list[tuple[str, str]]:
-    """
-    Read a message definition as (type, name) pairs, in order, without constants.
-
-    :param text: a .msg file; a line that is no field gives its own words back
-    """
-    found = []
-    for line in text.splitlines():
-        words = line.partition('#')[0].split()
-        constant = len(words) > 1 and ('=' in words[1] or (words[2:3] and words[2][0] == '='))
-        if words and not constant:
-            found.append((words[0], words[1] if len(words) > 1 else ''))
-    return found
 
 
 def defines_the_fields(run: Run) -> None:
     """Temperature.msg has exactly the four fields, with these types and in this order."""
-    found = fields_of(_text(run, MSG))
-    expected = '; '.join(' '.join(field) for field in FIELDS)
-    if tuple(found) == FIELDS:
-        return
-    right = sum(field in found for field in FIELDS)
-    raise Failed(
-        expected=expected,
-        observed='; '.join(' '.join(field) for field in found)[:300] or 'no field',
-        share=0.0 if len(found) > len(FIELDS) + 2 else round(right / (2 * len(FIELDS)), 2),
-        why=_why_fields(found),
-    )
-
-
-def _why_fields(found: Sequence[tuple[str, str]]) -> Cause | None:
-    types = {name: kind for kind, name in FIELDS}
-    for kind, name in found:
-        if '.' in kind:
-            return Cause(
-                'dotted_type',
-                f'{kind} is Python; in a .msg file a type of another package has a slash.',
-                'Write builtin_interfaces/Time.',
-            )
-        if name in types and kind != types[name]:
-            return Cause(
-                'field_type',
-                f'The field {name} has the type {kind[:40]}.',
-                f'Its type is {types[name]}.',
-            )
-        if name not in types:
-            return no_such_field(name, types)
-    missing = [name for _, name in FIELDS if name not in {name for _, name in found}]
-    return missing_or_disordered(missing)
-
-
-def no_such_field(name: str, types: Mapping[str, str]) -> Cause:
-    """
-    Explain a field that nobody asked for.
-
-    :param types: type of each field that is asked for, by name
-    """
-    near = close_name(name, types)
-    return Cause(
-        'field_name',
-        f'There is no field {name[:40]!r} in the specification.',
-        f'Did you mean {near}?' if near else 'Compare with the table.',
-    )
-
-
-def missing_or_disordered(missing: Sequence[str]) -> Cause:
-    """
-    Explain fields that are all right by themselves and not right together.
-
-    :param missing: names of fields that are not there
-    """
-    if missing:
-        verb = 'is' if len(missing) == 1 else 'are'
-        return Cause(
-            'field_missing',
-            f'{", ".join(missing)} {verb} missing.',
-            'Add one line for each field: the type first, then the name.',
-        )
-    return Cause('field_order', 'The order is different.', 'Order is part of a message type.')
+    require_fields(_text(run, MSG), FIELDS)
 
 
 def declares_its_dependencies(run: Run) -> None:
     """package.xml declares what generating and using the message needs."""
-    try:
-        root = ElementTree.fromstring(_text(run, MANIFEST))  # noqa: S314 - expat refuses bombs
-    except ElementTree.ParseError as error:
-        raise Failed(
-            expected='a well-formed package.xml',
-            observed=f'XML that cannot be read: {error}',
-            why=Cause('xml', 'A tag is not closed, or is misspelled.', 'Look at that line.'),
-        ) from None
-    have = {(child.tag, (child.text or '').strip()) for child in root}
-    missing = [wanted for wanted, ways in _declarations() if not any(way <= have for way in ways)]
-    if root.findtext('name', '').strip() != 'temp_monitor_pkg':
-        missing.insert(0, '<name>temp_monitor_pkg</name>')
-    kind = root.findtext('export/build_type', '').strip()
-    if kind != 'ament_cmake':
-        missing.append('<export><build_type>ament_cmake</build_type></export>')
-    if missing:
-        total = len(_declarations()) + 2
-        raise Failed(
-            expected='the declarations of the lesson, all of them',
-            observed='missing: ' + ', '.join(missing),
-            share=round(0.5 * (1 - len(missing) / total), 2) if len(missing) < total // 2 else 0,
-            why=Cause(
-                'manifest',
-                'Without the group or a generator, nothing is generated or nothing is found.',
-                f'Add {missing[0]}.',
-            ),
-        )
-
-
-def _declarations() -> list[tuple[str, list[set[tuple[str, str]]]]]:
-    """Return each needed declaration with the sets of tags that declare it (REP 149)."""
-
-    def ways(name: str, *alternatives: str) -> list[set[tuple[str, str]]]:
-        return [{(tag, name) for tag in tags.split()} for tags in alternatives]
-
-    generators, runtime = 'rosidl_default_generators', 'rosidl_default_runtime'
-    return [
-        (
-            '<buildtool_depend>ament_cmake</buildtool_depend>',
-            ways('ament_cmake', 'buildtool_depend'),
-        ),
-        (
-            f'<buildtool_depend>{generators}</buildtool_depend>',
-            ways(generators, 'buildtool_depend', 'build_depend', 'depend'),
-        ),
-        (
-            '<depend>builtin_interfaces</depend>',
-            ways('builtin_interfaces', 'depend', 'build_depend exec_depend'),
-        ),
-        (f'<exec_depend>{runtime}</exec_depend>', ways(runtime, 'exec_depend', 'depend')),
-        (
-            '<member_of_group>rosidl_interface_packages</member_of_group>',
-            ways('rosidl_interface_packages', 'member_of_group'),
-        ),
-    ]
+    require_declarations(_text(run, MANIFEST), 'temp_monitor_pkg')
 
 
 def commands_of(text: str) -> list[tuple[str, list[str]]]:
@@ -199,8 +70,7 @@ def generates_the_interface(run: Run) -> None:
         return  # however it is written, it does what it has to
     found = commands_of(_text(run, CMAKE))
     packages = {words[0] for name, words in found if name == 'find_package' and words}
-    generated = [words for name, words in found if name == 'rosidl_generate_interfaces']
-    words = generated[0] if generated else []
+    words = _generated(found)
     wanted = (
         ('project(temp_monitor_pkg)', ('project', ['temp_monitor_pkg']) in _heads(found)),
         ('find_package(ament_cmake REQUIRED)', 'ament_cmake' in packages),
@@ -218,12 +88,58 @@ def generates_the_interface(run: Run) -> None:
             expected='the commands of the lesson, all of them',
             observed='missing: ' + ', '.join(missing),
             share=round(0.5 * (1 - len(missing) / len(wanted)), 2) if len(missing) < 3 else 0,
-            why=Cause(
+            why=_why_cmake(_text(run, CMAKE))
+            or Cause(
                 'cmake',
                 'CMake generates only what it is told to, from packages that it has found.',
                 f'Add {missing[0]}.',
             ),
         )
+
+
+def _why_cmake(text: str) -> Cause | None:
+    """Explain commands that are there and not as they should be."""
+    found = commands_of(text)
+    words = _generated(found)
+    bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE])
+    if bare.count('(') != bare.count(')'):
+        return Cause(
+            'cmake_syntax',
+            'There are not as many closing brackets as opening ones.',
+            'End each command with its own closing bracket.',
+        )
+    names = {name for name, _ in found}
+    for name in sorted(names - COMMANDS):
+        near = close_name(name, COMMANDS - names)
+        if near:
+            slip = f'There is no command {name[:60]}().'
+            return Cause('unknown_command', slip, f'Its name is {near}.')
+    projects = [words[0] for name, words in found if name == 'project' and words]
+    if projects and projects[0] != 'temp_monitor_pkg':
+        return Cause(
+            'name_mismatch',
+            f'project() has the name {projects[0][:60]}, and package.xml another one.',
+            'Write project(temp_monitor_pkg).',
+        )
+    files = [word for word in words if word.endswith('.msg')]
+    if files and MSG not in files:
+        return Cause(
+            'file_not_listed',
+            f'{files[0][:60]} is handed to the generators, and the file is {MSG}.',
+            'Write it letter by letter as the file is called, with its folder.',
+        )
+    if 'builtin_interfaces' in words and 'DEPENDENCIES' not in words:
+        return Cause(
+            'dependencies_keyword',
+            'builtin_interfaces is there, and the word before it is not DEPENDENCIES.',
+            'Write DEPENDENCIES builtin_interfaces.',
+        )
+    return None
+
+
+def _generated(found: Sequence[tuple[str, list[str]]]) -> list[str]:
+    generated = (words for name, words in found if name == 'rosidl_generate_interfaces')
+    return next(generated, [])
 
 
 def _heads(found: Sequence[tuple[str, list[str]]]) -> list[tuple[str, list[str]]]:
@@ -249,9 +165,10 @@ def builds_and_travels(run: Run) -> None:
     echoed = recording.messages('/echo_out')
     expected = f'{len(run.facts["sent"])} messages sent and received back unchanged'
     if not recording.nodes:
-        raise Failed(
-            expected='a package that builds', observed='no built message', why=_why_no_build(run)
-        )
+        why = why_no_build(run)
+        if why.cause_id == 'file_not_listed':  # CMake takes any word for the name of a file
+            why = _why_cmake(_text(run, CMAKE)) or why
+        raise Failed(expected='a package that builds', observed='no built message', why=why)
     ends = recording.endpoints('subscription', '/echo_in')
     raise Failed(
         expected=expected,
@@ -262,47 +179,6 @@ def builds_and_travels(run: Run) -> None:
             'Name, field types and field order all belong to a message type.',
         ),
     )
-
-
-ADVICE = (
-    (
-        "KeyError: 'builtin_interfaces'",
-        'cmake',
-        'Add DEPENDENCIES builtin_interfaces to rosidl_generate_interfaces(...).',
-    ),
-    ('is an invalid message name', 'dotted_type', 'Write builtin_interfaces/Time, with a slash.'),
-    ('Could not find a package configuration file', 'find_package', 'Check find_package(...).'),
-    ('rosidl_interface_packages', 'manifest', 'Add the <member_of_group> to package.xml.'),
-    ('Unknown CMake command', 'cmake', 'Is its find_package(...) missing above?'),
-    ('Error(s) in package', 'xml', 'Look at package.xml.'),
-    ('InvalidResourceName', 'field_type', 'Look at the types in Temperature.msg.'),
-    ('InvalidSpecification', 'field_name', 'Look at the field names in Temperature.msg.'),
-    ('UnknownMessageType', 'field_type', 'Look at the types in Temperature.msg.'),
-)
-
-
-def _why_no_build(run: Run) -> Cause | None:
-    text = ''.join(str(run.recording.process.get(name, '')) for name in ('stdout', 'stderr'))
-    killed = str(run.recording.process.get('killed', ''))
-    if killed:
-        return Cause(
-            killed, 'The build was ended: it used more than it may.', 'Build it yourself.'
-        )
-    if run.recording.process.get('exit') is None:
-        return Cause('endless_build', 'The build does not come to an end.', 'Build it yourself.')
-    for sign, cause_id, advice in ADVICE:
-        if sign in text:
-            return Cause(cause_id, f'colcon stops: {_line_with(text, sign)}', advice)
-    return Cause(
-        'build',
-        f'colcon stops: {_line_with(text, "rror")}',
-        'Run build_messages() in the notebook and read the first error.',
-    )
-
-
-def _line_with(text: str, sign: str) -> str:
-    lines = [line.strip() for line in text.splitlines() if sign in line]
-    return lines[0][:200] if lines else 'no error line was printed'
 
 
 def _text(run: Run, name: str) -> str:

@@ -10,104 +10,39 @@ warning; does not warn for NaN; uses the node's logger.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 import math
-import re
-from typing import Any
 
 from autograder.causes import why_silent
-from autograder.checks import LEVELS, require_endpoint, require_node
+from autograder.checks import LEVELS, require_endpoint, require_node, require_partner
 from autograder.exam import Cause, Exam, Failed, Run
-from autograder.recording import ERROR, Event, INFO, WARN
+from autograder.readings import cool_groups, Reading, Sent, sent, share_of, shown_in, THRESHOLD_C
+from autograder.recording import ERROR, INFO, WARN
 from autograder.scenario import Feed, Scenario
 
 NODE = '/temperature_subscriber'
 TOPIC = '/temperature_topic'
 TYPE = 'temp_monitor_pkg/msg/Temperature'
-THRESHOLD_C = 30.0
-NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
-
-
-@dataclass(frozen=True)
-class Reading:
-    """
-    One message that the probe sends.
-
-    :param kind: what it tries, in words that may be shown; never the value of a hidden one
-    """
-
-    value: float
-    kind: str
-    unit: str = 'Celsius'
-
-    @property
-    def celsius(self) -> float | None:
-        """Return the value in degrees Celsius, None for a unit nobody has heard of."""
-        if self.unit == 'Celsius':
-            return self.value
-        return (self.value - 32.0) / 1.8 if self.unit == 'Fahrenheit' else None
-
-    @property
-    def hot(self) -> bool:
-        """Tell whether a warning is due: strictly above the threshold."""
-        return self.celsius is not None and self.celsius > THRESHOLD_C
-
-    @property
-    def odd(self) -> bool:
-        """Tell whether it is no proper temperature."""
-        return self.celsius is None or math.isnan(self.celsius)
-
-    def message(self, number: int) -> dict[str, Any]:
-        """Return the fields that are sent."""
-        value: float | str = str(self.value) if math.isnan(self.value) else self.value
-        stamp = {'sec': 100 + number, 'nanosec': 250_000_000}
-        return {
-            'temperature_value': value,
-            'unit': self.unit,
-            'timestamp': stamp,
-            'sensor_id': 'temp_sensor_01',
-        }
-
-
-@dataclass(frozen=True)
-class Sent:
-    """
-    Readings that go together, and the log lines that followed them.
-
-    :param sent: False if the run ended before; then nothing followed
-    """
-
-    readings: tuple[Reading, ...]
-    logs: tuple[Event, ...]
-    sent: bool = True
-
-    def count(self, level: int) -> int:
-        """Return how many lines have a level."""
-        return sum(entry['level'] == level for entry in self.logs)
-
-
-def sent(run: Run) -> list[Sent]:
-    """Pair every reading of the exam, sent or not, with what was logged after it."""
-    singles: Sequence[Reading] = run.facts['singles']
-    burst: Sequence[Reading] = run.facts['burst']
-    inputs = len(run.recording.of('input'))
-    groups = [
-        Sent((reading,), tuple(run.recording.logs(after_input=number)), number < inputs)
-        for number, reading in enumerate(singles)
-    ]
-    if burst:
-        logs: list[Event] = []
-        for number in range(len(singles), len(singles) + len(burst)):
-            logs += run.recording.logs(after_input=number)
-        groups.append(Sent(tuple(burst), tuple(logs), inputs == len(singles) + len(burst)))
-    return groups
-
-
-def share_of(run: Run, right: int, all_of_them: int) -> float:
-    """Return the part of the points for what was right before a program ended in mid-run."""
-    if all(group.sent for group in sent(run)) or not all_of_them:
-        return 0.0
-    return round(right / all_of_them, 2)
+REPEATED = Cause(
+    'repeated_warning',
+    'The same reading is warned about more than once.',
+    'One call of self.get_logger().warning(...) in the callback, one subscription, and no timer '
+    'for it.',
+)
+OTHER_LOGGER = Cause(
+    'other_logger',
+    "The lines come from a logger that is not the node's own; they reach no /rosout.",
+    'Use self.get_logger(), not rclpy.logging.get_logger(...).',
+)
+NO_UNIT = Cause(
+    'unit_text',
+    'Readings in Celsius are answered with an ERROR, as if nobody knew their unit.',
+    "Compare with the whole words, letter by letter: msg.unit == 'Celsius', 'Fahrenheit'.",
+)
+QUEUE_DEPTH = Cause(
+    'queue_depth',
+    'Readings that come at once are lost: the queue of your subscription is too short.',
+    'Pass the depth 10 as quality of service.',
+)
 
 
 def starts_its_node(run: Run) -> None:
@@ -118,12 +53,12 @@ def starts_its_node(run: Run) -> None:
 def subscribes_to_readings(run: Run) -> None:
     """It subscribes to Temperature messages on temperature_topic and receives them."""
     ends = require_endpoint(run, 'subscription', TOPIC, TYPE)
+    require_partner(ends)
     if run.recording.of('not_connected') or not run.recording.of('input'):
-        qos = ends[0]['qos']
+        asked = 'a deadline' if ends[0]['qos']['deadline_ns'] else 'a quality of service'
         why = why_silent(run) or Cause(
             'qos_incompatible',
-            'Your subscription asks for a quality of service that the publisher does not offer '
-            f'({qos["reliability"]}, {qos["durability"]}).',
+            f'Your subscription asks for {asked} that the publisher does not promise.',
             'Pass the depth 10 as quality of service.',
         )
         raise Failed(
@@ -139,7 +74,7 @@ def logs_every_reading(run: Run) -> None:
     proper = [
         (reading, group) for group in groups for reading in group.readings if not reading.odd
     ]
-    missing = [pair for pair in proper if not _shown(pair[0], pair[1].logs, INFO)]
+    missing = [pair for pair in proper if not shown_in(pair[0], pair[1].logs, INFO)]
     if not missing and groups:
         return
     reading, group = missing[0] if missing else (None, None)
@@ -152,32 +87,15 @@ def logs_every_reading(run: Run) -> None:
     )
 
 
-def _shown(reading: Reading, logs: Sequence[Event], level: int | None) -> bool:
-    """Tell whether a line shows the reading's value, raw or converted, however rounded."""
-    wanted = [value for value in (reading.value, reading.celsius) if value is not None]
-    for entry in logs:
-        if level is None or entry['level'] == level:
-            # Half of the last place of one decimal, and a little.
-            for text in NUMBER.findall(entry['text']):
-                number = float(text.replace(',', '.'))
-                if any(abs(number - value) <= 0.051 for value in wanted):
-                    return True
-    return False
-
-
 def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Cause | None:
     why = why_silent(run)
     if why:
         return why
     printed = str(run.recording.process.get('stdout', ''))
     if not run.recording.logs() and '[INFO] [' in printed:
-        return Cause(
-            'other_logger',
-            "The lines come from a logger that is not the node's own; they reach no /rosout.",
-            'Use self.get_logger(), not rclpy.logging.get_logger(...).',
-        )
+        return OTHER_LOGGER
     if not run.recording.logs(level=INFO) and any(
-        _shown(one, [{'level': 0, 'text': printed}], None)
+        shown_in(one, [{'level': 0, 'text': printed}], None)
         for one in (*run.facts['singles'], *run.facts['burst'])
         if not one.odd
     ):
@@ -187,13 +105,9 @@ def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Ca
             'Use self.get_logger().info(...): it also goes to the topic /rosout.',
         )
     if group is not None and len(group.readings) > 1:
-        return Cause(
-            'queue_depth',
-            'Readings that come at once are lost: the queue of your subscription is too short.',
-            'Pass the depth 10 as quality of service.',
-        )
+        return QUEUE_DEPTH
     if reading is not None and group is not None:
-        levels = [entry['level'] for entry in group.logs if _shown(reading, [entry], None)]
+        levels = [entry['level'] for entry in group.logs if shown_in(reading, [entry], None)]
         if levels:
             return Cause(
                 'wrong_level',
@@ -243,13 +157,13 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
         return why
     if too_many and group.count(WARN) <= len(group.readings):
         return _why_false_alarm(group)
+    if not too_many and len(group.readings) > 1 and group.count(INFO) < len(group.readings):
+        return QUEUE_DEPTH
     if too_many:
-        return Cause(
-            'repeated_warning',
-            'The same reading is warned about more than once.',
-            'One call of self.get_logger().warning(...) in the callback, and no timer for it.',
-        )
+        return REPEATED
     levels = {entry['level'] for entry in group.logs} - {INFO, WARN}
+    if ERROR in levels and any(one.count(ERROR) for one in cool_groups(run)):
+        return NO_UNIT
     if levels:
         return Cause(
             'wrong_level',
@@ -257,6 +171,8 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
             'Use self.get_logger().warning(...).',
         )
     printed = str(run.recording.process.get('stdout', '')).upper()
+    if not run.recording.logs() and '[WARN] [' in printed:
+        return OTHER_LOGGER
     logged = ''.join(entry['text'] for entry in run.recording.logs()).upper()
     if 'WARN' in printed and 'WARN' not in logged and not run.recording.logs(level=WARN):
         return Cause(
@@ -268,18 +184,15 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
         return Cause(
             'missed_warning',
             'Other readings are warned about, this one is not.',
-            'Compare each reading by itself: value > 30.0, without rounding and without memory.',
+            'Compare each reading by itself: value > 30.0, without int(), round(), once= and '
+            'without memory.',
         )
-    return _never_warns()
+    return _never_warns(run)
 
 
 def stays_quiet_otherwise(run: Run) -> None:
     """It logs no warning for any other reading: 30.0 °C exactly is not above 30 °C."""
-    groups = [
-        group
-        for group in sent(run)
-        if all(one.unit == 'Celsius' and not one.odd and not one.hot for one in group.readings)
-    ]
+    groups = cool_groups(run)
     for group in groups:
         if group.count(WARN):
             raise Failed(
@@ -305,11 +218,13 @@ def _can_warn(run: Run) -> None:
         raise Failed(
             expected='warnings for hot readings and none for this',
             observed='no warning at all',
-            why=why_silent(run) or _never_warns(),
+            why=why_silent(run) or _never_warns(run),
         )
 
 
-def _never_warns() -> Cause:
+def _never_warns(run: Run) -> Cause:
+    if any(group.count(ERROR) for group in cool_groups(run)):
+        return NO_UNIT
     return Cause(
         'no_warning',
         'No warning is ever logged.',
@@ -317,8 +232,12 @@ def _never_warns() -> Cause:
     )
 
 
+def _at_limit(group: Sent) -> bool:
+    return any(one.value == THRESHOLD_C for one in group.readings)
+
+
 def _why_false_alarm(group: Sent) -> Cause | None:
-    if any(one.value == THRESHOLD_C for one in group.readings):
+    if _at_limit(group):
         return Cause(
             'warns_at_threshold',
             'The comparison includes 30.0 itself.',
@@ -349,8 +268,10 @@ def converts_fahrenheit(run: Run) -> None:
 
 def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
     # Without a conversion the usual Fahrenheit numbers are all above 30: too many warnings.
-    if not too_many:
+    if not too_many or group.count(WARN) > len(group.readings):
         return _why_no_warning(run, group, too_many)
+    if alarms := [one for one in cool_groups(run) if one.count(WARN) and not _at_limit(one)]:
+        return why_silent(run) or _why_false_alarm(alarms[0])
     return why_silent(run) or Cause(
         'ignores_unit',
         'The number is compared without conversion, or the conversion gives another number.',
@@ -368,7 +289,7 @@ def reports_an_unknown_unit(run: Run) -> None:
                 observed=f'{_lines(group.count(ERROR), "ERROR")}, '
                 f'{_lines(group.count(WARN), "WARN")}',
                 why=(
-                    why_silent(run)
+                    (why_silent(run) if run.recording.logs() else _why_not_logged(run, None, None))
                     or Cause(
                         'unknown_unit',
                         'A number without a known unit cannot be compared with 30 °C.',
@@ -405,7 +326,7 @@ def _was_listening(run: Run, groups: Sequence[Sent]) -> None:
     raise Failed(
         expected='a node that goes on after every reading',
         observed='no log line afterwards',
-        why=why_silent(run),
+        why=_why_not_logged(run, None, None),
     )
 
 

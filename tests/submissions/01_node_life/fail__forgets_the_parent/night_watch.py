@@ -1,0 +1,22 @@
+import rclpy
+from rclpy.node import Node
+
+
+class NightWatch(Node):
+    def __init__(self):
+        super().__init__()
+        self.number = 0
+        self.create_timer(1.0, self.report)
+
+    def report(self):
+        self.number += 1
+        self.get_logger().info(f'Watch {self.number}')
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    rclpy.spin(NightWatch())
+
+
+if __name__ == '__main__':
+    main()

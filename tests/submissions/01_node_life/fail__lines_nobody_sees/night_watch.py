@@ -1,0 +1,28 @@
+import rclpy
+import rclpy.logging
+from rclpy.node import Node
+
+logger = rclpy.logging.get_logger('watchman')
+
+
+class NightWatch(Node):
+    def __init__(self):
+        super().__init__('night_watch')
+        self.number = 0
+        self.create_timer(1.0, self.report)
+
+    def report(self):
+        self.number += 1
+        if self.number % 5 == 0:
+            logger.warning(f'Watch {self.number}')
+        else:
+            logger.info(f'Watch {self.number}')
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    rclpy.spin(NightWatch())
+
+
+if __name__ == '__main__':
+    main()

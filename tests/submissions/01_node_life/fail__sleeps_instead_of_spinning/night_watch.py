@@ -1,0 +1,27 @@
+import rclpy
+from rclpy.node import Node
+
+
+class NightWatch(Node):
+    def __init__(self):
+        super().__init__('night_watch')
+        self.number = 0
+        self.create_timer(1.0, self.report)
+
+    def report(self):
+        self.number += 1
+        if self.number % 5 == 0:
+            self.get_logger().warning(f'Watch {self.number}')
+        else:
+            self.get_logger().info(f'Watch {self.number}')
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    node = NightWatch()
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()
