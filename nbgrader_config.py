@@ -4,6 +4,7 @@ nbgrader's settings for this course; read by every nbgrader command and by formg
 Student code never runs in nbgrader's process: see autograder/nbgrader_plugin.py.
 """
 
+from importlib.util import find_spec
 import os
 from pathlib import Path
 import sys
@@ -65,5 +66,11 @@ warnings.filterwarnings('ignore', message='Object of type .* not in session')
 c.HTMLExporter.sanitize_html = True
 c.HTMLExporter.filters = {
     'markdown2html': 'autograder.nbgrader_plugin.safe_markdown',
-    'clean_html': 'autograder.nbgrader_plugin.safe_html',
+    'clean_html': 'autograder.nbgrader_plugin.safe_output',
 }
+# Our own page for students: nothing is loaded from elsewhere, and it is readable in the dark.
+# Formgrader names its own template.
+c.HTMLExporter.template_name = 'feedback_page'
+c.HTMLExporter.extra_template_basedirs = [
+    str(Path(find_spec('autograder').origin).parent / 'templates')
+]

@@ -15,12 +15,13 @@ Formgrader, feedback and export then work unchanged.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import bleach
+from bleach.css_sanitizer import CSSSanitizer
 from nbconvert.exporters import NotebookExporter
 from nbconvert.filters import markdown2html
 from nbformat import from_dict, NotebookNode
@@ -33,6 +34,7 @@ from traitlets.utils.importstring import import_item
 from autograder.cells import CellSyntaxError, parse_cell, UNSOLVED
 from autograder.extract import CHECK_PREFIX
 from autograder.feedback import exam_text, FOR_REVIEW, printable
+from autograder.feedback_html import exam_html
 from autograder.inbox import read_file
 from autograder.layout import Layout
 from autograder.pipeline import Engine, grade_opened, Lesson, load_lesson
@@ -54,6 +56,29 @@ _SAFE_TAGS = {
     *('del', 's', 'sub', 'sup', 'dl', 'dt', 'dd'),
 }
 _SAFE_ATTRIBUTES = {**bleach.ALLOWED_ATTRIBUTES, '*': ['class', 'id']}
+# Our pictures, and the style of the words around them: nothing of it loads or runs anything.
+_PICTURE_TAGS = {'svg', 'g', 'title', 'desc', 'path', 'line', 'rect', 'text'}
+_PICTURE_ATTRIBUTES = [
+    *('class', 'id', 'style', 'role', 'aria-labelledby', 'transform', 'd', 'x', 'y'),
+    *('x1', 'x2', 'y1', 'y2', 'rx', 'width', 'height', 'viewBox', 'fill', 'fill-opacity'),
+    *('stroke', 'stroke-width', 'stroke-opacity', 'stroke-dasharray', 'text-anchor'),
+    *('font-family', 'font-size', 'font-style', 'font-weight'),
+]
+_STYLE = CSSSanitizer(
+    allowed_css_properties=[
+        *('display', 'grid-template-columns', 'gap', 'margin', 'padding', 'float', 'width'),
+        *(
+            'max-width',
+            'min-width',
+            'height',
+            'text-align',
+            'line-height',
+            'font-weight',
+            'overflow-x',
+        ),
+        *('overflow-wrap', 'border-left', 'color'),
+    ]
+)
 
 Resources = dict[str, Any]
 Step = tuple[NotebookNode, Resources]
@@ -73,6 +98,19 @@ def safe_html(html: object) -> str:
 def safe_markdown(source: str) -> str:
     """Render a student's Markdown without scripts: instructors open it with their rights."""
     return safe_html(markdown2html(source))
+
+
+def safe_output(html: object) -> str:
+    """Return the HTML of an output: like :func:`safe_html`, and our own pictures."""
+    text = html.decode() if isinstance(html, bytes) else str(html)
+    return str(
+        bleach.clean(
+            text,
+            tags=_SAFE_TAGS | _PICTURE_TAGS,
+            attributes={**bleach.ALLOWED_ATTRIBUTES, '*': _PICTURE_ATTRIBUTES},
+            css_sanitizer=_STYLE,
+        )
+    )
 
 
 class ClearSolutionsByKind(ClearSolutions):
@@ -184,7 +222,7 @@ def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
             continue
         problems = [*general, *_about(result, exam, nb)]
         general = []
-        cell.outputs = [_text(exam_text(exam, problems)), _score(min(exam.points, maximum))]
+        cell.outputs = [_told(exam, problems), _score(min(exam.points, maximum))]
         cell.execution_count = 1
 
 
@@ -209,6 +247,15 @@ def _about(result: SubmissionResult, exam: ExamResult, nb: NotebookNode) -> list
 def _text(text: str) -> NotebookNode:
     """Return a cell output of plain text."""
     return new_output('stream', name='stdout', text=text)
+
+
+def _told(exam: ExamResult, problems: Sequence[Problem]) -> NotebookNode:
+    """Return a cell output with the feedback, as text and as HTML with pictures."""
+    data = {
+        'text/plain': exam_text(exam, problems),
+        'text/html': exam_html(exam, problems, lesson=''),
+    }
+    return new_output('display_data', data=data)
 
 
 def _score(points: float) -> NotebookNode:

@@ -10,12 +10,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from autograder.inbox import read_file
 from autograder.results import ExamResult
 
+if TYPE_CHECKING:
+    from autograder.exam import Exam
+
 MAX_FILES = 200
-KINDS = ('.py', '.msg', '.srv', '.action', '.xml', '.txt', '.cfg', '.toml', '.yaml')
+NOTEBOOK_KINDS = ('.py', '.msg', '.srv', '.action', '.xml', '.txt', '.cfg', '.toml', '.yaml')
+"""What the cells of a lesson make."""
+
+KINDS = (
+    *NOTEBOOK_KINDS,
+    *('', '.md', '.rst', '.in', '.cmake', '.json', '.yml', '.sh', '.launch'),
+    *('.h', '.hpp', '.c', '.cpp'),
+)
+"""What a build may need; no suffix have the marker in resource/ and licences."""
 
 
 def read_package(folder: Path) -> dict[str, str]:
@@ -29,7 +41,7 @@ def read_package(folder: Path) -> dict[str, str]:
         inside = path.relative_to(folder)
         if any(part.startswith(('.', '__pycache__')) for part in inside.parts):
             continue
-        if path.suffix not in KINDS or path.is_symlink() or not path.is_file():
+        if path.suffix not in NOTEBOOK_KINDS or path.is_symlink() or not path.is_file():
             continue
         if path.suffix == '.py' and len(inside.parts) > 1 and inside.parts[0] != 'test':
             inside = Path(*inside.parts[1:])
@@ -37,6 +49,20 @@ def read_package(folder: Path) -> dict[str, str]:
         if data is not None and not problems and len(found) < MAX_FILES:
             found.setdefault(inside.as_posix(), data.decode('utf-8', 'replace'))
     return found
+
+
+def own_files(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
+    """
+    Return the files that an exam is about, of all that a notebook has made.
+
+    A message package is built without the nodes of later exercises, as in grading; so an edit of
+    a node builds nothing again.
+
+    :param files: from :func:`read_package`
+    """
+    if exam.scenario.program != 'build' or any(name.endswith('.py') for name in exam.requires):
+        return dict(files)
+    return {name: text for name, text in files.items() if not name.endswith('.py')}
 
 
 def what_is_there(files: Mapping[str, str]) -> str:

@@ -2,19 +2,23 @@
 An instructor's quick look: the exams of the course on one submission, whatever its form.
 
 A script, a package folder, a zip of one, or a notebook.  The same exams, the same sandbox and the
-same words as for a class; nothing goes into a gradebook.
+same words as for a class; nothing goes into a gradebook.  A package that says how it is built is
+built, and run by its executables; other folders are laid out beside the node file.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
+import tempfile
 from typing import TYPE_CHECKING
 
 from autograder import exams
+from autograder.built_package import as_package, explained, package_name
 from autograder.errors import GraderError
 from autograder.exam import Exam
 from autograder.examine import examine
@@ -23,6 +27,7 @@ from autograder.intake import NotTakenInError, read_handed_in, with_node_files
 from autograder.layout import Layout
 from autograder.package import name_missing, what_is_there
 from autograder.pipeline import THREADS
+from autograder.recording import Recording
 from autograder.results import ExamResult, Problem
 
 if TYPE_CHECKING:
@@ -37,11 +42,13 @@ class Look:
 
     :param files: relative path to text
     :param problems: what is wrong with the cells of a notebook
+    :param notebook: whether the files are cells of one
     """
 
     exam: Exam
     files: Mapping[str, str]
     problems: tuple[Problem, ...] = ()
+    notebook: bool = False
 
 
 def short_name(assignment: str) -> str:
@@ -81,6 +88,7 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
     if not path.exists():
         raise NotTakenInError(f'{path}: expected a submission, got nothing of that name.')
     files = read_handed_in(path)
+    package = package_name(files) if path.suffix != '.py' else ''
     found = []
     for exam in chosen:
         wanted = [name for name in {exam.scenario.file, *exam.requires} if name]
@@ -90,6 +98,10 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
             theirs = {nodes[0]: files[path.name]}  # a script may have any name
         if len(chosen) == 1 or any(name in theirs for name in exam.requires):
             found.append(Look(exam, theirs))
+        elif package and exam.scenario.program == 'node':
+            found.append(Look(exam, theirs))  # its executable may come from any file
+    if package:
+        found = [replace(look, exam=as_package(look.exam, package)) for look in found]
     if not found:
         wanted = sorted({name for exam in chosen for name in exam.requires})
         raise NotTakenInError(
@@ -112,7 +124,7 @@ def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator
         files = extract(opened, theirs, release, path.name)
         for exam in theirs:
             said = (*opened.problems, *files[exam.name].problems)
-            yield Look(exam, files[exam.name].files, said)
+            yield Look(exam, files[exam.name].files, said, notebook=True)
 
 
 def quick_look(
@@ -132,15 +144,22 @@ def quick_look(
     """
 
     def run(look: Look) -> ExamResult:
-        result = examine(
-            look.exam,
-            look.files,
-            sandbox=sandbox,
-            recordings=recordings,
-            fresh=fresh or told is not None,
-            told=told,
-        )
-        return result if look.problems else name_missing(result, look.files)
+        if told and look.exam.scenario.program in ('build', 'package'):
+            told({'event': 'mark', 'clock_ns': None, 'name': 'building with colcon'})
+        with _folder(recordings) as kept:
+            result = examine(
+                look.exam,
+                look.files,
+                sandbox=sandbox,
+                recordings=kept,
+                fresh=fresh or told is not None,
+                told=told,
+            )
+            if look.notebook:
+                return result if look.problems else name_missing(result, look.files)
+            path = kept / look.exam.name / result.recording
+            recording = Recording.load(path) if result.recording else None
+        return explained(look.exam, name_missing(result, look.files), recording, look.files)
 
     workers = 1 if told else len(found)
     pool = ThreadPoolExecutor(max_workers=workers, thread_name_prefix=THREADS)
@@ -148,6 +167,16 @@ def quick_look(
         yield from zip(found, pool.map(run, found))
     finally:
         pool.shutdown(wait=False, cancel_futures=True)  # after Ctrl-C, main ends what runs
+
+
+@contextmanager
+def _folder(recordings: Path | None) -> Iterator[Path]:
+    """Yield the folder of recordings, one that is thrown away if nothing is to be kept."""
+    if recordings is not None:
+        yield recordings
+        return
+    with tempfile.TemporaryDirectory(prefix='look-') as folder:
+        yield Path(folder)
 
 
 def text_of(look: Look, result: ExamResult) -> str:

@@ -11,17 +11,17 @@ from collections.abc import Sequence
 import json
 from pathlib import Path
 import shutil
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 from urllib.parse import quote
 
 from autograder.feedback import headline, number, printable
-from autograder.results import SubmissionResult
+from autograder.feedback_html import checks_html
+from autograder.results import ExamResult, SubmissionResult
 
 if TYPE_CHECKING:
     from jinja2 import Environment
     from rich.console import Console
 
-VERDICTS = {'PASSED': 'Passed', 'FAILED': 'Failed', 'NOT_RUN': 'Not run'}
 WHY_CHARS = 160
 
 
@@ -43,13 +43,8 @@ def write_reports(
     for result in results:
         page = templates.get_template('student.html.j2').render(
             result=result,
-            verdicts=VERDICTS,
             modes=_modes([result]),
             lacks=_lacks([result]),
-            titles={
-                exam.exam: {check.check: check.title for check in exam.checks}
-                for exam in result.exams
-            },
         )
         (pages / page_name(result.student)).write_text(page, encoding='utf-8')
     index = pages / 'index.html'
@@ -115,8 +110,16 @@ def _templates() -> Environment:
     templates.filters.update(
         number=number,
         words=lambda name: str(name).replace('_', ' ').capitalize(),
+        checks=_checks,
     )
     return templates
+
+
+def _checks(exam: ExamResult) -> Any:
+    """Return the checks of an exam as HTML, which has escaped all that came from a student."""
+    from markupsafe import Markup
+
+    return Markup(checks_html(exam))  # noqa: S704
 
 
 def print_table(console: Console, assignment: str, results: Sequence[SubmissionResult]) -> None:

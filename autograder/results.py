@@ -94,6 +94,8 @@ class ExamResult:
     :param flags: what an instructor should look at, in words
     :param timing: wall-clock facts [s]; never part of a verdict
     :param recording: name of the kept recording, empty if nothing was run or kept
+    :param pictures: by the name of a check, what its picture shows; JSON types, see
+        :mod:`autograder.picture_data`; never part of a verdict
     """
 
     exam: str
@@ -104,6 +106,7 @@ class ExamResult:
     timing: Mapping[str, float] = field(default_factory=dict)
     recording: str = ''
     not_protected: tuple[str, ...] = ()
+    pictures: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def points(self) -> float:
@@ -136,6 +139,7 @@ class ExamResult:
             timing=dict(data.get('timing', {})),
             recording=data.get('recording', ''),
             not_protected=tuple(data.get('not_protected', ())),
+            pictures=dict(data.get('pictures', {})),
         )
 
 

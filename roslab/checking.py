@@ -18,6 +18,7 @@ from typing import Any
 from autograder import exams
 from autograder.cells import UNSOLVED
 from autograder.errors import ExamInvalid
+from autograder.layout import Layout
 from autograder.results import ExamResult, Problem
 from roslab import child
 from roslab.output import ElapsedTime
@@ -67,7 +68,17 @@ def _run(exam: str, package: LearnerPackage) -> CheckReport:
             deadline_s=_DEADLINE_S,
             on_tick=elapsed.tick,
         )
-    return _read(exam, outcome, tuple(_unfinished(exam, files)))
+    report = _read(exam, outcome, tuple(_unfinished(exam, files)))
+    report.lesson = _lesson_of(exam)
+    return report
+
+
+def _lesson_of(exam: str) -> str | None:
+    """Return the file name of the lesson that an exercise belongs to, None if there is none."""
+    try:
+        return Layout.here().release(exams.load(exam, hidden=False).assignment).name
+    except (ExamInvalid, FileNotFoundError):
+        return None
 
 
 def _unfinished(exam: str, files: Mapping[str, str]) -> list[str]:

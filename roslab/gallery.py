@@ -16,7 +16,7 @@ import textwrap
 
 import yaml
 
-from roslab.build_advice import diagnose
+from autograder.build_advice import diagnose, texts_of
 from roslab.errors import RoslabError
 from roslab.package_files import learner_package
 
@@ -100,7 +100,7 @@ def explain(error: str | BaseException | None = None) -> None:
     if found:
         print('\n\n'.join(_paragraph(entry) for entry in found))
         return
-    diagnosis = diagnose(text, learner_package().folder)
+    diagnosis = diagnose(text, texts_of(learner_package().folder))
     if diagnosis.cause:
         place = f'{diagnosis.where}: ' if diagnosis.where else ''
         print(

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 import textwrap
 
-from roslab import svg
+from drawing import svg
+from drawing.graph_layout import arrange, Arrow, Layout, Spot
 from roslab.graph_facts import Edge, Facts, only_topic, QUIET_TOPICS, read_graph, Topic
-from roslab.graph_layout import arrange, Arrow, Layout, Spot
 from roslab.lookup import DISCOVERY_S, not_here, resolved, topics_now
 from roslab.session import Session
 from roslab.waiting import wait_in

@@ -9,9 +9,9 @@ from lifecycle_msgs.srv import GetState
 from rclpy.lifecycle.node import LifecycleNodeMixin
 from rclpy.node import Node
 
+from drawing.svg import FONT
 from roslab.errors import NotHereError, RoslabError
 from roslab.session import Session, session
-from roslab.svg import FONT
 from roslab.waiting import wait_in
 
 STATES = {

@@ -19,9 +19,15 @@ from pathlib import Path
 import shutil
 import sys
 
+from autograder.build_advice import (
+    diagnose,
+    Diagnosis,
+    MISSING_AMENT_PACKAGE,
+    NO_MESSAGES,
+    texts_of,
+)
 from autograder.cells import UNSOLVED
 from roslab import child
-from roslab.build_advice import diagnose, Diagnosis, MISSING_AMENT_PACKAGE, NO_MESSAGES
 from roslab.errors import NotHereError
 from roslab.output import ElapsedTime, show
 from roslab.package_files import learner_package, LearnerPackage
@@ -168,7 +174,7 @@ def _failure(outcome: child.Outcome, package: LearnerPackage) -> Diagnosis:
     if outcome.returncode is None:
         error = f'The build did not end within {_DEADLINE_S:.0f} s.'
         return Diagnosis('deadline', error, 'run the cell again.', '')
-    return diagnose(outcome.output, package.folder)
+    return diagnose(outcome.output, texts_of(package.folder))
 
 
 def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> child.Outcome:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 import math
 
-from roslab import svg
+from drawing import svg
 
 _WIDTH = 720.0
 _HEIGHT = 250.0

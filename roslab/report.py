@@ -1,17 +1,16 @@
-"""The result of visible checks as a table, in HTML and in plain text."""
+"""The result of visible checks, in HTML and in plain text, in the grader's own words."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 import html
+import textwrap
 
-from autograder.results import CheckResult, ExamResult, Problem, Verdict
+from autograder.feedback import check_lines, number, titles_of, WIDTH
+from autograder.feedback_html import checks_html, paragraph
+from autograder.results import ExamResult, Problem, Verdict
 from roslab.output import current_cell, show
 
-_MARKS = {Verdict.PASSED: '\N{CHECK MARK}', Verdict.FAILED: '\N{BALLOT X}', Verdict.NOT_RUN: '-'}
-_COLOURS = {Verdict.PASSED: '#388e3c', Verdict.FAILED: '#c0392b', Verdict.NOT_RUN: '#777777'}
-_WORDS = {Verdict.PASSED: 'passed', Verdict.FAILED: 'failed', Verdict.NOT_RUN: 'not run'}
 _MISSING_FILE = 'missing_file'
 _RUN_FIRST = 'A cell is saved when it runs: run the cell of the exercise before its check.'
 _NO_SANDBOX = (
@@ -28,12 +27,14 @@ class CheckReport:
     :param result: the verdicts, None if there are none
     :param problem: why there are none
     :param unfinished: files that still have their stub
+    :param lesson: file name of the lesson's notebook, for links to what to read
     """
 
     exam: str
     result: ExamResult | None = None
     problem: Problem | None = None
     unfinished: tuple[str, ...] = ()
+    lesson: str | None = None
     _shown_in: int | None = field(default=None, repr=False, compare=False)
 
     def __bool__(self) -> bool:
@@ -67,11 +68,8 @@ class CheckReport:
     def _headline(self) -> str:
         if self.result is None:
             return f'{self.exam}: not checked'
-        return f'{self.exam}: {self.points:g} of {self.max_points:g} points in the visible checks'
-
-    @property
-    def _titles(self) -> dict[str, str]:
-        return {check.check: check.title for check in self.result.checks} if self.result else {}
+        points = f'{number(self.points)} of {number(self.max_points)} points'
+        return f'{self.exam}: {points} in the visible checks'
 
     @property
     def _remarks(self) -> list[str]:
@@ -90,56 +88,19 @@ class CheckReport:
         return remarks
 
     def __str__(self) -> str:
-        checks = self.result.checks if self.result else ()
-        lines = [self._headline, *(f'  {remark}' for remark in self._remarks)]
-        for check in checks:
-            score = f'{check.points:g}/{check.max_points:g}'
-            lines.append(f'  {_MARKS[check.verdict]} {score:>5}  {check.title}')
-            lines.extend(f'           {name}: {text}' for name, text in facts(check, self._titles))
+        lines = [self._headline]
+        for remark in self._remarks:
+            lines += textwrap.wrap(remark, WIDTH, initial_indent='  ', subsequent_indent='  ')
+        if self.result is not None:
+            titles = titles_of(self.result)
+            for check in self.result.checks:
+                lines += check_lines(check, titles)
         return '\n'.join(lines)
 
     def __repr__(self) -> str:
         return str(self)
 
     def _repr_html_(self) -> str:
-        checks = self.result.checks if self.result else ()
-        remarks = ''.join(f'<p>{html.escape(remark)}</p>' for remark in self._remarks)
-        rows = ''.join(_row(check, facts(check, self._titles)) for check in checks)
-        head = ''.join(
-            f'<th scope="col" style="text-align: left">{name}</th>'
-            for name in ('result', 'check', 'points')
-        )
-        table = f'<table><tr>{head}</tr>{rows}</table>' if rows else ''
-        return f'<div><strong>{html.escape(self._headline)}</strong>{remarks}{table}</div>'
-
-
-def facts(check: CheckResult, titles: Mapping[str, str]) -> list[tuple[str, str]]:
-    """
-    Return what a learner is told about a check that did not pass, by name.
-
-    :param check: any result; a passed check has nothing to tell
-    :param titles: of all checks, by their names
-    """
-    if check.verdict is Verdict.PASSED:
-        return []
-    if check.verdict is Verdict.NOT_RUN and check.waits_for:
-        return [('waits for', titles.get(check.waits_for, check.waits_for))]
-    told = (
-        ('expected', check.expected),
-        ('observed', check.observed),
-        ('likely cause', check.cause),
-        ('try', check.try_this),
-        ('read', check.read),
-    )
-    return [(name, text) for name, text in told if text]
-
-
-def _row(check: CheckResult, facts: Sequence[tuple[str, str]]) -> str:
-    told = ''.join(f'<br><em>{name}:</em> {html.escape(text)}' for name, text in facts)
-    return (
-        f'<tr><td style="color: {_COLOURS[check.verdict]}; font-size: 120%; text-align: left" '
-        f'aria-label="{_WORDS[check.verdict]}" title="{_WORDS[check.verdict]}">'
-        f'{_MARKS[check.verdict]}</td>'
-        f'<td style="text-align: left">{html.escape(check.title)}{told}</td>'
-        f'<td>{check.points:g} of {check.max_points:g}</td></tr>'
-    )
+        remarks = ''.join(paragraph(remark) for remark in self._remarks)
+        checks = checks_html(self.result, self.lesson) if self.result else ''
+        return f'<div><strong>{html.escape(self._headline)}</strong>{remarks}{checks}</div>'

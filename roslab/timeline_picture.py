@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from roslab import svg
+from drawing import svg
 from roslab.errors import RoslabError
 from roslab.silence import type_name
 

@@ -17,12 +17,16 @@ import sys
 import gate  # type: ignore[import-not-found]  # beside this file, inside the sandbox
 
 
-def main() -> None:
-    """Build and carry on as the echo node, or end with colcon's exit code."""
-    gate.wait()
-    source, package, type_name = sys.argv[1:4]
+def build(source: str, package: str) -> Path:
+    """
+    Build a copy of a package, or end with colcon's exit code.
+
+    :param source: folder of the package, read-only
+    :returns: where it is installed
+    """
     workspace = Path('/tmp/ws') if not os.environ.get('TMPDIR') else Path(os.environ['TMPDIR'])
-    shutil.copytree(source, workspace / 'src' / package)
+    copy = workspace / 'src' / package
+    shutil.copytree(source, copy)
     command = ['colcon', '--log-base', str(workspace / 'log'), 'build', '--merge-install']
     command += ['--base-paths', str(workspace / 'src')]
     command += ['--build-base', str(workspace / 'build')]
@@ -37,17 +41,29 @@ def main() -> None:
     built = subprocess.run(command, check=False, env={**os.environ, 'MAKEFLAGS': '-j4'})
     if built.returncode != 0:
         sys.exit(built.returncode)
-    prefix = str(workspace / 'install')
-    variables = dict(os.environ)
+    return workspace / 'install'
+
+
+def variables(prefix: Path) -> dict[str, str]:
+    """Return the environment in which programs find what was installed there."""
     found = glob(f'{prefix}/lib/python3*/site-packages')
+    whole = dict(os.environ)
     for name, value in (
         ('PYTHONPATH', ':'.join(found)),
         ('LD_LIBRARY_PATH', f'{prefix}/lib'),
-        ('AMENT_PREFIX_PATH', prefix),
+        ('AMENT_PREFIX_PATH', str(prefix)),
     ):
-        variables[name] = ':'.join(filter(None, (value, variables.get(name))))
+        whole[name] = ':'.join(filter(None, (value, whole.get(name))))
+    return whole
+
+
+def main() -> None:
+    """Build and carry on as the echo node, or end with colcon's exit code."""
+    gate.wait()
+    source, package, type_name = sys.argv[1:4]
+    prefix = build(source, package)
     echo = str(Path(__file__).with_name('echo_node.py'))
-    os.execve(sys.executable, [sys.executable, echo, type_name], variables)
+    os.execve(sys.executable, [sys.executable, echo, type_name], variables(prefix))
 
 
 if __name__ == '__main__':

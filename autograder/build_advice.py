@@ -143,6 +143,13 @@ MISTAKES = (
         place='{file}',
     ),
     Mistake(
+        'no_file_listed',
+        r'rosidl_generate_interfaces\(\) called without any interface files',
+        'rosidl_generate_interfaces() is given no message file.',
+        'Name the file behind the target, as in "msg/Temperature.msg".',
+        place='rosidl_generate_interfaces',
+    ),
+    Mistake(
         'ament_package_first',
         r'rosidl_generate_interfaces\(\) must be called before ament_package\(\)',
         'ament_package() stands above rosidl_generate_interfaces().',
@@ -221,6 +228,13 @@ MISTAKES = (
         '{line}',
     ),
     Mistake(
+        'indented_line',
+        r"the constant type '' must be a primitive type|Error processing ' [^']{0,200}' of",
+        'A line of the .msg file begins with a space.',
+        'Begin every constant and every field at the left edge.',
+        'msg',
+    ),
+    Mistake(
         'duplicate_field',
         r'the fields iterable contains duplicate names: (?P<name>\w+)',
         "Two fields are called '{name}'.",
@@ -246,7 +260,7 @@ MISTAKES = (
     ),
     Mistake(
         'reserved_word',
-        r'struct\.h:\d+:\d+: error: .*?\| \S+ (?P<name>\w+); ',
+        r'struct\.h:\d+:\d+: error: .{0,400}?\| \S{1,80} (?P<name>\w+); ',
         "'{name}' is a word that C or C++ keeps for itself.",
         'Give the field another name.',
         'msg',
@@ -275,12 +289,26 @@ NO_MESSAGES = Diagnosis(
 )
 
 
-def diagnose(output: str, folder: Path) -> Diagnosis:
+def texts_of(folder: Path) -> dict[str, str]:
+    """
+    Return the texts of a package that a mistake may lie in, by their path inside it.
+
+    :param folder: the package's folder
+    """
+    paths = [folder / 'package.xml', folder / 'CMakeLists.txt', *sorted(folder.glob('msg/*.msg'))]
+    return {
+        path.relative_to(folder).as_posix(): path.read_text(encoding='utf-8', errors='replace')
+        for path in paths
+        if path.is_file()
+    }
+
+
+def diagnose(output: str, files: Mapping[str, str]) -> Diagnosis:
     """
     Find the decisive line of a failed build.
 
-    :param output: all that the build printed
-    :param folder: sources of the package, to name the line of the mistake
+    :param output: all that the build printed; it may come from anybody
+    :param files: texts of the package by their path inside it, to name the line of the mistake
     """
     text = ' '.join(output.split())
     for mistake in MISTAKES:
@@ -291,25 +319,20 @@ def diagnose(output: str, folder: Path) -> Diagnosis:
                 mistake.cause,
                 mistake.error.format_map(groups),
                 mistake.advice.format_map(groups),
-                _where(mistake, groups, folder),
+                _where(mistake, groups, files),
             )
     return Diagnosis('', _decisive_line(output), 'Read the log; the first error counts.', '')
 
 
-def _where(mistake: Mistake, groups: Mapping[str, str], folder: Path) -> str:
+def _where(mistake: Mistake, groups: Mapping[str, str], files: Mapping[str, str]) -> str:
     name, place = mistake.file.format_map(groups), mistake.place.format_map(groups)
     if place.startswith('#'):
         return f'{name}, line {place[1:]}'
-    files = sorted(folder.glob('msg/*.msg')) if name == 'msg' else [folder / name]
-    for path in files:
-        lines = (
-            path.read_text(encoding='utf-8', errors='replace').splitlines()
-            if path.is_file()
-            else []
-        )
-        for number, line in enumerate(lines, 1):
+    messages = sorted(path for path in files if path.startswith('msg/'))
+    for path in messages if name == 'msg' else [name]:
+        for number, line in enumerate(files.get(path, '').splitlines(), 1):
             if place and place in f' {" ".join(line.split())} ':
-                return f'{path.relative_to(folder).as_posix()}, line {number}'
+                return f'{path}, line {number}'
     return '' if name == 'msg' else name
 
 
@@ -317,7 +340,10 @@ def _decisive_line(output: str) -> str:
     """Return the first line that looks like an error, or the last one."""
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     for number, line in enumerate(lines):
-        if line.startswith('CMake Error'):
+        # What an execute_process() has ended with is in a later line.
+        if line.startswith('CMake Error') and 'execute_process' not in ''.join(
+            lines[number + 1 :][:1]
+        ):
             return ' '.join(lines[number : number + 2])
     for line in lines:
         if re.search(r'\b(?:fatal )?error:|\w+Error: ', line):

@@ -8,17 +8,17 @@ that a picture is readable on a light and on a dark page.  Colour never says any
 from __future__ import annotations
 
 from collections.abc import Iterable
+import hashlib
 import html
-import itertools
 
 FONT = 'system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif'
+
+_LEAST = 480.0  # pixels of width below which letters are too small; the picture then scrolls
 
 BLUE = '#1e88e5'
 ORANGE = '#f57c00'
 RED = '#e53935'
 GREEN = '#43a047'
-
-_numbers = itertools.count(1)
 
 
 def escape(text: object) -> str:
@@ -42,16 +42,20 @@ def picture(
     :param description: what can be seen in it, in words
     :param parts: of the drawing, as SVG
     """
-    number = next(_numbers)
+    drawn = ''.join(parts)
+    # Equal pictures have equal names, so that equal results give equal pages.
+    whole = f'{title}|{description}|{drawn}'
+    name = f'picture-{hashlib.sha256(whole.encode()).hexdigest()[:12]}'
     return (
         f'<div style="overflow-x: auto; color: var(--jp-content-font-color1, currentColor)">'
         f'<svg xmlns="http://www.w3.org/2000/svg" role="img" '
-        f'aria-labelledby="roslab-t{number} roslab-d{number}" width="{width:.0f}" '
-        f'viewBox="0 0 {width:.0f} {height:.0f}" style="max-width: 100%; height: auto; '
-        f'font-family: {html.escape(FONT)}; font-size: 12px" fill="currentColor">'
-        f'<title id="roslab-t{number}">{escape(title)}</title>'
-        f'<desc id="roslab-d{number}">{escape(description)}</desc>'
-        f'{"".join(parts)}</svg></div>'
+        f'aria-labelledby="{name}-title {name}-words" width="{width:.0f}" '
+        f'viewBox="0 0 {width:.0f} {height:.0f}" '
+        f'style="max-width: 100%; min-width: {min(width, _LEAST):.0f}px; height: auto" '
+        f'font-family="{html.escape(FONT)}" font-size="12" fill="currentColor">'
+        f'<title id="{name}-title">{escape(title)}</title>'
+        f'<desc id="{name}-words">{escape(description)}</desc>'
+        f'{drawn}</svg></div>'
     )
 
 

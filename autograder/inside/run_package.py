@@ -1,0 +1,67 @@
+"""
+Build the student's package inside the sandbox with colcon, then run one of its executables.
+
+Usage: run_package.py SOURCE PACKAGE EXECUTABLE [arguments of the program].  The executable is what
+``ros2 run PACKAGE EXECUTABLE`` would start: a file of that name in ``lib/PACKAGE``.  If there is
+none, what is there is written to standard error as one line, and the exit code says so.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+import sys
+
+import build_package  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+import gate  # type: ignore[import-not-found]
+
+NO_EXECUTABLE, NOT_BUILT = 97, 98
+MARK = 'run_package: '
+
+
+def executable(prefix: Path, package: str, name: str) -> Path | None:
+    """Return the file that is run, which may carry its suffix in its name."""
+    folder = prefix / 'lib' / package
+    for file in (folder / name, folder / f'{name}.py'):
+        if file.is_file() and os.access(file, os.X_OK):
+            return file
+    return None
+
+
+def what_is_there(prefix: Path, package: str) -> dict[str, list[str]]:
+    """Return the names of executables where they belong and where they may have gone."""
+    places = {'lib': prefix / 'lib' / package, 'bin': prefix / 'bin'}
+    return {
+        word: sorted(file.name for file in folder.glob('*') if os.access(file, os.X_OK))[:20]
+        for word, folder in places.items()
+    }
+
+
+def command(file: Path) -> list[str]:
+    """Return how to start a file: a Python script with the Python that has ROS."""
+    with file.open('rb') as script:
+        first = script.readline(200)
+    if first.startswith(b'#!') and b'python' in first:
+        return [sys.executable, str(file)]
+    return [str(file)]
+
+
+def main() -> None:
+    """Build and become the program."""
+    gate.wait()
+    source, package, name, *arguments = sys.argv[1:]
+    try:
+        prefix = build_package.build(source, package)
+    except SystemExit:
+        sys.exit(NOT_BUILT)
+    file = executable(prefix, package, name)
+    if file is None:
+        print(MARK + json.dumps(what_is_there(prefix, package)), file=sys.stderr)
+        sys.exit(NO_EXECUTABLE)
+    argv = [*command(file), *arguments]
+    os.execve(argv[0], argv, build_package.variables(prefix))
+
+
+if __name__ == '__main__':
+    main()
