@@ -1,5 +1,5 @@
 """
-The instructor's commands around single submissions: ``run``, ``rejudge`` and ``explain``.
+The instructor's commands around single submissions, and ``collect``, with which a class begins.
 
 Here are only their options and what they print; each has a module of its own.
 """
@@ -37,6 +37,26 @@ def add_commands(commands: Any) -> None:
     run.add_argument('--fresh', action='store_true', help='run again what is recorded')
     run.add_argument('--json', action='store_true', help='print the results as JSON')
     run.set_defaults(run=_run)
+
+    collect = commands.add_parser(
+        'collect', help='take in a class from a folder, a zip of an LMS or an exchange'
+    )
+    collect.add_argument('source', type=Path, metavar='SOURCE')
+    collect.add_argument(
+        '--assignment', default='', metavar='NAME', help='the only one (default: by the notebooks)'
+    )
+    collect.add_argument(
+        '--kind',
+        choices=('canvas', 'moodle', 'gradescope', 'exchange', 'folder'),
+        default='',
+        help='where it comes from (default: by the names in it)',
+    )
+    collect.add_argument(
+        '--to', type=Path, metavar='DIR', help='default: autograder/_work/submitted'
+    )
+    collect.add_argument('--dry-run', action='store_true', help='write nothing, only say')
+    collect.add_argument('--json', action='store_true', help='print the table as JSON')
+    collect.set_defaults(run=_collect)
 
     rejudge = commands.add_parser(
         'rejudge', help='new verdicts from the kept recordings after an exam edit; runs nothing'
@@ -82,6 +102,24 @@ def _run(chosen: argparse.Namespace) -> int:
     else:
         print(quick_look.summary(results, chosen.visible))
     return OK
+
+
+def _collect(chosen: argparse.Namespace) -> int:
+    """Take in a class."""
+    from autograder.collect import collect, LEFT, print_rows
+    from autograder.grading import assignment_named
+
+    layout = Layout.here()
+    if chosen.assignment:
+        assignment_named(chosen.assignment, layout.assignments())
+    to = chosen.to or layout.submitted
+    write = not chosen.dry_run
+    rows = collect(chosen.source, layout, to, chosen.assignment, chosen.kind, write)
+    if chosen.json:
+        print(json.dumps([row.to_json() for row in rows]))
+    else:
+        print_rows(rows, to, write)
+    return FOR_REVIEW if any(row.done == LEFT for row in rows) else OK
 
 
 def _show(event: Any) -> None:

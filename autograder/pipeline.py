@@ -1,8 +1,9 @@
 """
-The stages put together: one submission, or a class of them in a pool of threads.
+The stages put together: one submission, or a class of them at the same time.
 
-The threads only wait for sandboxes.  Our own fault makes one submission "for review"; it never
-becomes a zero and never stops the others.
+Threads here wait for runs, which take place in :mod:`autograder.workers`, and judge what comes
+back.  Our own fault makes one submission "for review"; it never becomes a zero and never stops
+the others.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 import os
 from pathlib import Path
 import threading
@@ -21,12 +23,14 @@ from autograder.errors import ExamInvalid, GraderError
 from autograder.extract import answer_files, ExamFiles, extract
 from autograder.inbox import Submission
 from autograder.layout import Layout
+from autograder.progress import Done
 from autograder.results import ExamResult, SubmissionResult
 from autograder.submission import Notebook, open_submission, Opened, read_release
 
 if TYPE_CHECKING:
     from autograder.exam import Exam
     from autograder.sandbox import Sandbox
+    from autograder.workers import Place
 
 
 THREADS = 'grading'
@@ -55,12 +59,14 @@ class SandboxEngine:
     :param recordings: folder of recordings; an identical run is read, not repeated
     :param fresh: repeat all runs
     :param hidden: whether the hidden checks are part of it
+    :param place: where runs take place, None for the calling thread
     """
 
     sandbox: Sandbox
     recordings: Path | None = None
     fresh: bool = False
     hidden: bool = True
+    place: Place | None = None
 
     def exams(self, assignment: str) -> Sequence[Exam]:
         """Return the exams of an assignment in the lesson's order."""
@@ -73,11 +79,16 @@ class SandboxEngine:
         from autograder.examine import examine
 
         return examine(
-            exam, files, sandbox=self.sandbox, recordings=self.recordings, fresh=self.fresh
+            exam,
+            files,
+            sandbox=self.sandbox,
+            recordings=self.recordings,
+            fresh=self.fresh,
+            place=self.place,
         )
 
 
-def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') -> Engine:
+def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') -> SandboxEngine:
     """
     Return the engine for grades: the strongest sandbox, or what was named to be accepted.
 
@@ -169,14 +180,14 @@ def grade_class(
     lesson: Lesson,
     engine: Engine,
     jobs: int,
-    on_done: Callable[[], None] = lambda: None,
+    on_done: Callable[[Done], None] = lambda done: None,
     meanwhile: Callable[[], None] = lambda: None,
 ) -> tuple[Graded, ...]:
     """
     Grade a class, (submission, exam) by (submission, exam); equal files are one run.
 
     :param jobs: how many runs at a time
-    :param on_done: called after each run, in any thread, for a progress bar
+    :param on_done: called for each exam of each submission, in any thread
     :param meanwhile: called in this thread while the pool works
     :returns: in the order of the submissions
     """
@@ -192,7 +203,8 @@ def grade_class(
                 run = exam.name, tuple(sorted(answers.items()))
                 if run not in runs:
                     runs[run] = pool.submit(_run, engine, exam, answers)
-                runs[run].add_done_callback(lambda _: on_done())
+                tell = partial(_tell, on_done, submissions[index].student, exam.name)
+                runs[run].add_done_callback(tell)
                 tasks[index, exam.name] = runs[run]
         meanwhile()
         wait(tasks.values())
@@ -205,6 +217,16 @@ def grade_class(
         result = _assemble(opened[index], submission.student, lesson, files[index], outcomes)
         graded.append(Graded(submission, opened[index], result))
     return tuple(graded)
+
+
+def _tell(
+    on_done: Callable[[Done], None],
+    student: str,
+    exam: str,
+    task: Future[ExamResult | GraderError],
+) -> None:
+    if not task.cancelled() and task.exception() is None:
+        on_done(Done(student, exam, task.result()))
 
 
 def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> ExamResult | GraderError:

@@ -1,0 +1,15 @@
+"""
+The results of the last grading for other programs, one module a format.
+
+=========================  ===========================================================
+:mod:`.table`              CSV as RFC 4180 has it, safe to open in a spreadsheet
+:mod:`.canvas`             the gradebook file that Canvas gave, one column of it filled
+:mod:`.gradescope`         ``results.json`` of each submission
+:mod:`.gradescope_zip`     an autograder for Gradescope, made of this course
+:mod:`.junit`              JUnit XML, for CI servers
+:mod:`.as_json`            everything, as docs/results.schema.json describes it
+=========================  ===========================================================
+
+Each format is a pure function from results to bytes; :mod:`.files` writes them.  A submission that
+is for review has no score anywhere: an empty cell, a null, a missing file, never a zero.
+"""

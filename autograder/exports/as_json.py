@@ -1,0 +1,82 @@
+"""
+Everything about the last grading, as data; docs/results.schema.json describes it.
+
+``points`` of a submission and of its exams and checks are null while it is for review.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+import json
+from typing import Any
+
+from autograder.class_results import ClassResults
+from autograder.results import ExamResult, SubmissionResult
+
+FORMAT = 'ros2-course-results'
+VERSION = 1
+
+
+def results_json(classes: Iterable[ClassResults]) -> bytes:
+    """Return the document, in UTF-8."""
+    data = {
+        'format': FORMAT,
+        'version': VERSION,
+        'submissions': [_submission(one) for graded in classes for one in graded.results],
+    }
+    text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
+    return f'{text}\n'.encode('utf-8', 'replace')  # a program may print half a character
+
+
+def _submission(result: SubmissionResult) -> dict[str, Any]:
+    review = bool(result.fault)
+    return {
+        'assignment': result.assignment,
+        'student': result.student,
+        'status': 'for review' if review else 'graded',
+        'points': None if review else result.points,
+        'max_points': result.max_points,
+        'fault': result.fault,
+        'flags': list(result.flags),
+        'problems': [
+            {
+                'where': problem.where,
+                'expected': problem.expected,
+                'got': problem.got,
+                'try_this': problem.try_this,
+                'cells': list(problem.cells),
+            }
+            for problem in result.problems
+        ],
+        'exams': [_exam(exam, review) for exam in result.exams],
+    }
+
+
+def _exam(exam: ExamResult, review: bool) -> dict[str, Any]:
+    return {
+        'exam': exam.exam,
+        'points': None if review else exam.points,
+        'max_points': exam.max_points,
+        'note': exam.note,
+        'isolation': exam.mode,
+        'not_protected': list(exam.not_protected),
+        'timing': dict(exam.timing),
+        'recording': exam.recording,
+        'checks': [
+            {
+                'check': check.check,
+                'title': check.title,
+                'verdict': check.verdict.value,
+                'points': None if review else check.points,
+                'max_points': check.max_points,
+                'expected': check.expected,
+                'observed': check.observed,
+                'cause': check.cause,
+                'cause_id': check.cause_id,
+                'try_this': check.try_this,
+                'read': check.read,
+                'waits_for': check.waits_for,
+            }
+            for check in exam.checks
+        ],
+    }

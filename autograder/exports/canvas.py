@@ -1,0 +1,269 @@
+"""
+The gradebook file that Canvas gave, with the one column of an assignment filled in.
+
+What Canvas writes and reads again (its own ``gradebook_exporter.rb``, ``gradebook_importer.rb``):
+a header with ``Student`` (or ``LastName``, ``FirstName``), ``ID``, perhaps ``SIS User ID``,
+``SIS Login ID`` and more, ``Section``, columns of its own, assignments as ``Name (id)``, and
+totals; perhaps a line of posting policies; a line ``Points Possible`` with ``(read only)`` where
+nothing may be changed; then the students.  Fields are separated by commas, or by semicolons where
+the user's language wants that.  A student is found by an id, never by a name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import csv
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+import io
+from pathlib import Path
+import re
+
+from autograder.errors import GraderError
+from autograder.exports.marks import Mark
+from autograder.feedback import number
+
+ID_COLUMNS = ('SIS Login ID', 'SIS User ID', 'ID')
+"""Where a student's id is looked for."""
+
+ASSIGNMENT = re.compile(r'^(?P<title>.*\S) \((?P<id>\d+)\)$')
+READ_ONLY = re.compile(r'read\s+only')
+KEPT = {'EX': 'is excused in Canvas', 'N/A': 'is not assigned this in Canvas'}
+"""Cells that say why there is no score; they stay."""
+BOM = '\N{ZERO WIDTH NO-BREAK SPACE}'
+SHOWN = 12
+
+
+@dataclass(frozen=True)
+class Gradebook:
+    """
+    A file of Canvas, cell by cell.
+
+    :param possible: index of the line ``Points Possible``
+    :param delimiter: comma or semicolon
+    :param newline: how its lines end
+    """
+
+    rows: list[list[str]]
+    possible: int
+    delimiter: str
+    newline: str
+    bom: bool
+
+    @property
+    def header(self) -> list[str]:
+        """Return the names of the columns."""
+        return self.rows[0]
+
+    def students(self) -> range:
+        """Return the indices of the students' lines."""
+        return range(self.possible + 1, len(self.rows))
+
+    def to_bytes(self) -> bytes:
+        """Return the file again."""
+        text = io.StringIO()
+        writer = csv.writer(text, delimiter=self.delimiter, lineterminator=self.newline)
+        writer.writerows(self.rows)
+        return ((BOM if self.bom else '') + text.getvalue()).encode('utf-8')
+
+
+@dataclass
+class Filled:
+    """
+    What was done to the file.
+
+    :param column: header of the column
+    :param replaced: student, what the cell held, what it holds now
+    :param left_out: student, and why nothing was entered
+    :param untouched: lines of Canvas that no submission belongs to
+    """
+
+    data: bytes = b''
+    column: str = ''
+    filled: int = 0
+    replaced: list[tuple[str, str, str]] = field(default_factory=list)
+    left_out: list[tuple[str, str]] = field(default_factory=list)
+    untouched: int = 0
+
+    def text(self) -> str:
+        """Return it in words, a line a fact."""
+        lines = [f'{self.column}: {self.filled} scores entered.']
+        lines += [f'replaced: {who}: {old} -> {new}' for who, old, new in self.replaced]
+        lines += [f'not entered: {who}: {why}' for who, why in self.left_out]
+        if self.untouched:
+            lines.append(f'{self.untouched} lines of Canvas have no submission; left as they are.')
+        return '\n'.join(lines)
+
+
+def fill(data: bytes, where: str, column: str, marks: Sequence[Mark], scale: bool) -> Filled:
+    """
+    Enter marks in one column of a Canvas gradebook.
+
+    :param data: the file that Canvas gave
+    :param where: how to name it in messages
+    :param column: its header, its title or its id
+    :param scale: convert the points if Canvas has another maximum
+    :raises GraderError: if this is no such file, there is no such column, or the points differ
+    """
+    book = read(data, where)
+    index = _column(book, where, column)
+    factor = _factor(book, where, index, marks, scale)
+    done = Filled(column=book.header[index])
+    rows = _matched(book, marks, done)
+    for row, mark in rows.items():
+        _enter(book.rows[row], index, mark, factor, done)
+    done.untouched = len(book.students()) - len(rows)
+    done.data = book.to_bytes()
+    return done
+
+
+def read(data: bytes, where: str) -> Gradebook:
+    """
+    Read a file of Canvas.
+
+    :raises GraderError: if it is none
+    """
+    try:
+        text = data.decode('utf-8')
+    except UnicodeDecodeError as error:
+        raise _no_gradebook(where, 'text in another encoding than UTF-8') from error
+    bom, text = text.startswith(BOM), text.removeprefix(BOM)
+    first = text.partition('\n')[0]
+    delimiter = ';' if first.count(';') > first.count(',') else ','
+    try:
+        rows = list(csv.reader(io.StringIO(text, newline=''), delimiter=delimiter, strict=True))
+    except csv.Error as error:
+        raise _no_gradebook(where, f'a line that is no CSV ({error})') from error
+    rows = [row for row in rows if row]
+    header = rows[0] if rows else []
+    if not header or header[0] not in ('Student', 'LastName') or 'ID' not in header:
+        raise _no_gradebook(where, f'a first line {",".join(header)[:60]!r}')
+    for line, row in enumerate(rows, start=1):
+        if len(row) != len(header):
+            raise _no_gradebook(
+                where, f'{len(row)} fields in line {line}, {len(header)} in the first'
+            )
+    possible = [index for index, row in enumerate(rows) if 'Points Possible' in row[0]]
+    if not possible:
+        raise _no_gradebook(where, 'no line "Points Possible"')
+    return Gradebook(rows, possible[0], delimiter, '\r\n' if '\r\n' in text else '\n', bom)
+
+
+def read_file(path: Path) -> bytes:
+    """
+    Read the file that Canvas gave.
+
+    :raises GraderError: if it cannot be read
+    """
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise GraderError(
+            f'{path}: expected the file that Canvas exports, got: {error.strerror}.',
+            'Try: in Canvas, Grades, Export, Export Entire Gradebook',
+        ) from error
+
+
+def _no_gradebook(where: str, got: str) -> GraderError:
+    return GraderError(
+        f'{where}: expected a gradebook as Canvas exports it, got {got}.',
+        'Try: in Canvas, Grades, Export, Export Entire Gradebook; do not save it with Excel',
+    )
+
+
+def _column(book: Gradebook, where: str, wanted: str) -> int:
+    """Return the index of the one assignment column that is meant."""
+    there = {
+        index: found
+        for index, name in enumerate(book.header)
+        if (found := ASSIGNMENT.match(name))
+        and not READ_ONLY.search(book.rows[book.possible][index])
+    }
+    exact = [index for index, found in there.items() if found[0] == wanted]
+    meant = exact or [
+        index for index, found in there.items() if wanted in (found['title'], found['id'])
+    ]
+    if len(meant) == 1:
+        return meant[0]
+    names = [found[0] for found in there.values()]
+    if meant:
+        several = ', '.join(book.header[index] for index in meant)
+        raise GraderError(
+            f'{where}: expected one column {wanted!r}, got several: {several}.', 'Name its id.'
+        )
+    titles = {found['title']: found[0] for found in there.values()}
+    close = get_close_matches(wanted, titles, n=1, cutoff=0.5)
+    hint = f'Did you mean {titles[close[0]]!r}? ' if close else ''
+    raise GraderError(
+        f'{where}: expected an assignment column {wanted!r} that may be changed, got none.',
+        f'{hint}There are: {"; ".join(names[:SHOWN]) or "no assignments"}.',
+    )
+
+
+def _factor(book: Gradebook, where: str, index: int, marks: Sequence[Mark], scale: bool) -> float:
+    """Return what to multiply points with: 1, unless scaling is wanted."""
+    most = max((mark.max_points for mark in marks), default=0.0)
+    possible = _number(book.rows[book.possible][index])
+    if possible is None or most <= 0 or abs(possible - most) < 0.005:
+        return 1.0
+    if scale:
+        return possible / most
+    raise GraderError(
+        f'{where}: expected {number(most)} points possible for {book.header[index]}, got '
+        f'{number(possible)}.',
+        f'Try: change the points of the assignment in Canvas, or --scale to multiply with '
+        f'{number(possible / most)}',
+    )
+
+
+def _number(text: str) -> float | None:
+    """Read a number as Canvas writes it, with a point or a comma; None if it is none."""
+    parts = re.split('[.,]', text.strip())
+    joined = f'{"".join(parts[:-1])}.{parts[-1]}' if len(parts) > 1 else parts[0]
+    try:
+        return float(joined)
+    except ValueError:
+        return None
+
+
+def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, Mark]:
+    """Return which line belongs to which student; who fits none or several is left out."""
+    columns = [book.header.index(name) for name in ID_COLUMNS if name in book.header]
+    lines: dict[str, set[int]] = {}
+    for row in book.students():
+        for column in columns:
+            if book.rows[row][column].strip():
+                lines.setdefault(book.rows[row][column].strip(), set()).add(row)
+    found: dict[int, list[Mark]] = {}
+    for mark in marks:
+        rows = lines.get(mark.student, set())
+        if len(rows) == 1:
+            found.setdefault(min(rows), []).append(mark)
+            continue
+        where = ' and '.join(str(row + 1) for row in sorted(rows))
+        names = ', '.join(book.header[column] for column in columns)
+        why = f'the lines {where} both have this id' if rows else f'no such {names} in the file'
+        done.left_out.append((mark.student, why))
+    for row, several in found.items():
+        if len(several) > 1:
+            names = ' and '.join(mark.student for mark in several)
+            why = f'{names} are the same line {row + 1} of Canvas'
+            done.left_out += [(mark.student, why) for mark in several]
+    return {row: several[0] for row, several in found.items() if len(several) == 1}
+
+
+def _enter(row: list[str], index: int, mark: Mark, factor: float, done: Filled) -> None:
+    """Write one cell, unless there is no mark or Canvas says that there is to be none."""
+    old = row[index].strip()
+    if mark.points is None:
+        kept = f'; Canvas keeps {old}' if old else ''
+        done.left_out.append((mark.student, f'{mark.status}{kept}'))
+        return
+    if old.upper() in KEPT:
+        done.left_out.append((mark.student, KEPT[old.upper()]))
+        return
+    new = number(mark.points * factor)
+    if old and _number(old) != _number(new):
+        done.replaced.append((mark.student, old, new))
+    row[index] = new
+    done.filled += 1

@@ -1,0 +1,58 @@
+"""Files that are there whole or not at all, and that replace nothing unless that is said."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+import os
+from pathlib import Path
+import uuid
+
+from autograder.errors import GraderError
+
+
+def refuse_existing(paths: Iterable[Path], force: bool) -> None:
+    """
+    Refuse to replace files.
+
+    :param force: whether replacing is wanted
+    :raises GraderError: naming the first file that is there, or a folder in its place
+    """
+    for path in paths:
+        if path.is_dir():
+            raise GraderError(f'{path}: expected a file to write, got a folder.')
+        if os.path.lexists(path) and not force:
+            raise GraderError(
+                f'{path}: expected a new file, got one that is already there.',
+                'Try: --force to replace it, or --to with another name',
+            )
+
+
+def write_file(path: Path, data: bytes, force: bool = False, mode: int = 0o644) -> None:
+    """
+    Write a file under a temporary name beside it and rename it.
+
+    :param force: replace a file that is there
+    :param mode: permissions, less what the process's umask takes away
+    :raises GraderError: if the file is there and is not to be replaced
+    """
+    refuse_existing([path], force)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = path.with_name(f'.{path.name}.{uuid.uuid4().hex}')
+    try:
+        descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
+        with os.fdopen(descriptor, 'wb') as file:
+            file.write(data)
+            file.flush()
+            os.fsync(descriptor)
+        refuse_existing([path], force)  # somebody may have made it meanwhile
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def safe_name(student: str) -> str:
+    """Return a file name for a student's id, whatever is in it; different ids stay different."""
+    from urllib.parse import quote
+
+    name = quote(student, safe='').replace('%', '~')
+    return name.replace('.', '~2E', 1) if name.startswith('.') else name or '~'

@@ -1,0 +1,108 @@
+"""
+``results.json`` as Gradescope's autograder specification describes it.
+
+Scores stand at each test and as their sum at the top.  Students' own words are shown as plain text
+(``text``), never as HTML.  What the grader prints is for instructors.  Tests of the hidden exam
+are shown when the grades are published, unless another ``visibility`` is chosen: shown at once,
+whoever submits often enough reads out what is tested.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from autograder.class_results import seconds_of
+from autograder.errors import GraderError
+from autograder.exports.marks import automatic
+from autograder.feedback import number, printable
+from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
+
+VISIBILITIES = ('after_published', 'after_due_date', 'visible', 'hidden')
+RESULTS = 'results.json'
+
+
+def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> dict[str, Any]:
+    """
+    Return the content of ``results.json``.
+
+    :param visibility: when students see the tests, one of :data:`VISIBILITIES`
+    :raises GraderError: if there is no mark, which this format cannot say: a file without a score
+        is refused, and without the file Gradescope asks for a person
+    """
+    mark = automatic(result)
+    if mark.points is None:
+        raise GraderError(f'{result.student}: {mark.status}, so no results.', result.fault)
+    return {
+        'score': round(mark.points, 4),
+        'execution_time': round(seconds_of(result), 2),
+        'output': _about(result),
+        'output_format': 'text',
+        'test_output_format': 'text',
+        'test_name_format': 'text',
+        'visibility': visibility,
+        'stdout_visibility': 'hidden',
+        'tests': [
+            _test(exam, check, f'{one}.{two}', visibility)
+            for one, exam in enumerate(result.exams, start=1)
+            for two, check in enumerate(exam.checks, start=1)
+        ],
+        'extra_data': {
+            'assignment': result.assignment,
+            'isolation': sorted({exam.mode for exam in result.exams if exam.mode}),
+            'recordings': {exam.exam: exam.recording for exam in result.exams if exam.recording},
+            'flags': list(result.flags),
+        },
+    }
+
+
+def results_bytes(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> bytes:
+    """
+    Return the file.
+
+    :raises GraderError: if there is no mark
+    """
+    data = results_of(result, visibility)
+    text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
+    return f'{text}\n'.encode('utf-8', 'replace')  # a program may print half a character
+
+
+def _about(result: SubmissionResult) -> str:
+    """Return what concerns the submission as a whole, for the student."""
+    lines = [f'{number(result.points)} of {number(result.max_points)} points of automatic checks']
+    lines += [problem.line() for problem in result.problems]
+    lines += [f'{exam.exam}: {exam.note}' for exam in result.exams if exam.note]
+    weak = [lack for exam in result.exams for lack in exam.not_protected]
+    lines += [f'Run with weak isolation: {lack}.' for lack in dict.fromkeys(weak)]
+    return printable('\n'.join(lines))
+
+
+def _test(exam: ExamResult, check: CheckResult, place: str, visibility: str) -> dict[str, Any]:
+    """Return one check as a test case."""
+    return {
+        'name': printable(f'{exam.exam}: {check.title}'),
+        'number': place,
+        'score': round(check.points, 4),
+        'max_score': round(check.max_points, 4),
+        'status': 'passed' if check.verdict is Verdict.PASSED else 'failed',
+        'output': printable(_output(exam, check)),
+        'output_format': 'text',
+        'visibility': visibility,
+    }
+
+
+def _output(exam: ExamResult, check: CheckResult) -> str:
+    """Return what the student is told about a check."""
+    if check.verdict is Verdict.PASSED:
+        return ''
+    if check.verdict is Verdict.NOT_RUN:
+        titles = {one.check: one.title for one in exam.checks}
+        return f'Not looked at, it waits for: {titles.get(check.waits_for, check.waits_for)}'
+    facts = {
+        'Expected': check.expected,
+        'Observed': check.observed,
+        'Likely cause': check.cause,
+        'Try': check.try_this,
+        'Read': check.read,
+    }
+    return '\n'.join(f'{name}: {text}' for name, text in facts.items() if text)

@@ -1,0 +1,67 @@
+"""
+One submission in Gradescope's container: ``python -m autograder.exports.gradescope_run``.
+
+It is started by ``run_autograder`` of :mod:`autograder.exports.gradescope_zip`.  If there is no
+verdict through our own fault, no ``results.json`` is written: Gradescope then says that the
+autograder failed and asks for the staff, and gives no zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import json
+from pathlib import Path
+import sys
+
+from autograder.errors import GraderError
+from autograder.exports.files import write_file
+from autograder.exports.gradescope import RESULTS, results_bytes
+from autograder.exports.gradescope_zip import SETTINGS
+from autograder.inbox import open_folder
+from autograder.layout import Layout
+from autograder.pipeline import grade_opened, grading_engine, load_lesson, open_one
+from autograder.results import SubmissionResult
+
+OK, NO_VERDICT = 0, 1
+
+
+def main(arguments: Sequence[str]) -> int:
+    """
+    Grade ``ROOT/submission`` and write ``ROOT/results/results.json``.
+
+    :param arguments: the folder ROOT, ``/autograder`` in the container
+    :returns: the exit code
+    """
+    root = Path(arguments[0])
+    results = root / 'results' / RESULTS
+    results.unlink(missing_ok=True)
+    try:
+        layout = Layout.here()
+        settings = json.loads((layout.root / SETTINGS).read_text(encoding='utf-8'))
+        result = grade(layout, settings['assignment'], root / 'submission', settings['allow_weak'])
+        write_file(results, results_bytes(result, settings['visibility']), force=True)
+    except GraderError as error:
+        print(f'No verdict, so no score: {error}', flush=True)
+        return NO_VERDICT
+    for flag in result.flags:
+        print(f'flag: {flag}')
+    return OK
+
+
+def grade(layout: Layout, assignment: str, folder: Path, allow_weak: str) -> SubmissionResult:
+    """
+    Grade the notebook in a folder with the full exams.
+
+    :param folder: what the student uploaded
+    :raises GraderError: if no isolation that may run hidden exams works here
+    """
+    engine = grading_engine(layout, allow_weak=allow_weak)
+    if not getattr(engine, 'hidden', True):
+        raise GraderError('Only visible checks could be run here, and they make no grade.')
+    lesson = load_lesson(layout, assignment, engine)
+    opened = open_one(open_folder(folder, 'submission', lesson.notebook), lesson)
+    return grade_opened(opened, 'submission', lesson, engine)
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

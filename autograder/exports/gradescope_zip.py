@@ -1,0 +1,100 @@
+"""
+An autograder for Gradescope, made of this course: the same exams, in Gradescope's container.
+
+``setup.sh`` and ``run_autograder`` stand at the root of the zip; the rest is the course without
+its submissions and with the course's secret, so that hidden inputs are the same here and there.
+The zip therefore is as secret as the hidden exams.  What the container has to allow is in the
+README of the zip: without user namespaces only the weaker isolation works, and it is used only
+if it was named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+import io
+import json
+from pathlib import Path
+import stat
+import zipfile
+
+from autograder.errors import GraderError
+from autograder.exports.gradescope import VISIBILITIES
+from autograder.inputs import course_secret
+from autograder.layout import Layout
+
+HERE = Path(__file__).parent / 'gradescope_files'
+EXECUTABLE = ('setup.sh', 'run_autograder')
+SETTINGS = 'gradescope.json'
+SECRET = 'autograder/_work/course_secret'  # noqa: S105 - a path
+TREES = (
+    'autograder',
+    'drawing',
+    'environment',
+    'notebooks',
+    'roslab',
+    'solutions',
+    'temp_monitor_pkg',
+)
+FILES = ('nbgrader_config.py', 'pyproject.toml')
+LEFT_OUT = {'_work', '__pycache__', '.ipynb_checkpoints', 'ros_ws', '.mypy_cache', '.ruff_cache'}
+MADE = (2024, 1, 1, 0, 0, 0)
+"""Date of every entry: the same course gives the same bytes."""
+
+
+def autograder_zip(
+    layout: Layout, assignment: str, visibility: str = VISIBILITIES[0], allow_weak: str = ''
+) -> bytes:
+    """
+    Return the zip.
+
+    :param assignment: full name of the assignment
+    :param visibility: see :mod:`autograder.exports.gradescope`
+    :param allow_weak: isolation that may be used in the container, see
+        :mod:`autograder.isolation`; empty for the full one only
+    :raises GraderError: if this copy of the course has no hidden exams
+    """
+    from autograder.isolation import MODES
+
+    if allow_weak and not MODES[allow_weak].keeps_secrets:
+        raise GraderError(
+            f'--allow-weak {allow_weak}: it runs no hidden exam, so it gives no grade.'
+        )
+    if not (layout.root / 'autograder' / 'exams' / 'hidden').is_dir():
+        raise GraderError(
+            'This is the copy of the course that students have; it has no hidden exams.',
+            'Try: the full project',
+        )
+    settings = {'assignment': assignment, 'visibility': visibility, 'allow_weak': allow_weak}
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
+        for path in sorted(HERE.iterdir()):
+            if path.is_file():
+                _add(archive, path.name, path.read_bytes(), path.name in EXECUTABLE)
+        _add(archive, SETTINGS, (json.dumps(settings, indent=1) + '\n').encode())
+        for name, path in course_files(layout):
+            _add(archive, name, path.read_bytes(), bool(path.stat().st_mode & stat.S_IXUSR))
+        _add(archive, SECRET, course_secret(), mode=0o600)
+    return made.getvalue()
+
+
+def course_files(layout: Layout) -> Iterator[tuple[str, Path]]:
+    """Yield what grading needs of the course: name in the zip, and file; sorted, no links."""
+    for tree in TREES:
+        for path in sorted((layout.root / tree).rglob('*')):
+            inside = path.relative_to(layout.root)
+            hidden = any(part in LEFT_OUT or part.startswith('.') for part in inside.parts)
+            if not hidden and path.is_file() and not path.is_symlink():
+                yield inside.as_posix(), path
+    for name in FILES:
+        yield name, layout.root / name
+
+
+def _add(
+    archive: zipfile.ZipFile, name: str, data: bytes, executable: bool = False, mode: int = 0o644
+) -> None:
+    """Add a file with its permissions, as Info-ZIP keeps them."""
+    entry = zipfile.ZipInfo(name, MADE)
+    entry.create_system = 3  # Unix: the upper half of external_attr is st_mode
+    entry.external_attr = (stat.S_IFREG | (0o755 if executable else mode)) << 16
+    entry.compress_type = zipfile.ZIP_DEFLATED
+    archive.writestr(entry, data)

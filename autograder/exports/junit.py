@@ -1,0 +1,109 @@
+"""
+JUnit XML for CI servers: a suite an exam of each submission, a case a check.
+
+There is no standard; this keeps to what the schema of Jenkins' xUnit plugin (junit-10.xsd) and the
+readers of Jenkins and GitLab agree on.  A failed check is a ``failure``, one that waits for
+another is ``skipped``, a submission for review is an ``error``: the grader could not do its work.
+XML 1.0 has no control characters, not even escaped, so they are replaced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+import re
+from xml.etree import ElementTree
+
+from autograder.class_results import ClassResults, seconds_of_exam
+from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
+
+NO_XML = re.compile('[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
+"""What the production Char of XML 1.0 (section 2.2) leaves out."""
+
+COUNTS = {'failures': 'failure', 'errors': 'error', 'skipped': 'skipped'}
+
+
+def junit_xml(classes: Iterable[ClassResults]) -> bytes:
+    """Return the document, in UTF-8."""
+    suites = ElementTree.Element('testsuites', name='autograder')
+    for graded in classes:
+        for result in graded.results:
+            for exam in result.exams:
+                suites.append(_suite(result, exam))
+            if result.fault:
+                suites.append(_review(result))
+    for name in ('tests', 'failures', 'errors'):
+        suites.set(name, str(sum(int(suite.get(name, '0')) for suite in suites)))
+    suites.set('time', _seconds(sum(float(suite.get('time', '0')) for suite in suites)))
+    ElementTree.indent(suites)
+    text: bytes = ElementTree.tostring(suites, encoding='utf-8', xml_declaration=True)
+    return text + b'\n'
+
+
+def clean(text: str) -> str:
+    """Return a text that XML can hold."""
+    return NO_XML.sub('\N{REPLACEMENT CHARACTER}', text)
+
+
+def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
+    """Return one exam of one submission."""
+    suite = _new_suite(f'{result.assignment}/{result.student}/{exam.exam}')
+    for check in exam.checks:
+        case = _case(suite, result, f'{exam.exam}/{check.check}')
+        if check.verdict is Verdict.FAILED:
+            message = check.cause or check.observed or check.title
+            failure = ElementTree.SubElement(case, 'failure', message=clean(message))
+            failure.set('type', clean(check.cause_id) or 'failed')
+            failure.text = clean(_five_things(check))
+        elif check.verdict is Verdict.NOT_RUN:
+            ElementTree.SubElement(case, 'skipped', message=clean(f'waits for {check.waits_for}'))
+    said = [problem.line() for problem in result.problems]
+    said += [text for text in (exam.note, *exam.flags) if text]
+    if said:
+        ElementTree.SubElement(suite, 'system-out').text = clean('\n'.join(said))
+    return _counted(suite, seconds_of_exam(exam))
+
+
+def _review(result: SubmissionResult) -> ElementTree.Element:
+    """Return the suite that says a person has to look."""
+    suite = _new_suite(f'{result.assignment}/{result.student}/for review')
+    case = _case(suite, result, 'grading')
+    error = ElementTree.SubElement(case, 'error', message=clean(result.fault), type='for_review')
+    error.text = 'The grader could not finish, so there is no score. A person has to look.'
+    return _counted(suite, 0.0)
+
+
+def _new_suite(name: str) -> ElementTree.Element:
+    return ElementTree.Element('testsuite', name=clean(name))
+
+
+def _case(suite: ElementTree.Element, result: SubmissionResult, name: str) -> ElementTree.Element:
+    """Add a case; class name and name together are unique in a class."""
+    where = clean(f'{result.assignment}.{result.student}')
+    return ElementTree.SubElement(suite, 'testcase', classname=where, name=clean(name))
+
+
+def _counted(suite: ElementTree.Element, seconds: float) -> ElementTree.Element:
+    """Set the numbers of a suite from what is in it."""
+    suite.set('tests', str(len(suite.findall('testcase'))))
+    for attribute, tag in COUNTS.items():
+        suite.set(attribute, str(len(suite.findall(f'testcase/{tag}'))))
+    suite.set('time', _seconds(seconds))
+    return suite
+
+
+def _seconds(seconds: float) -> str:
+    return f'{seconds:.3f}'
+
+
+def _five_things(check: CheckResult) -> str:
+    """Return what a learner is told, a line each."""
+    facts = {
+        'checked': check.title,
+        'expected': check.expected,
+        'observed': check.observed,
+        'likely cause': check.cause,
+        'try': check.try_this,
+        'read': check.read,
+        'points': f'{check.points:g} of {check.max_points:g}',
+    }
+    return '\n'.join(f'{name}: {text}' for name, text in facts.items() if text)

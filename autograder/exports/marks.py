@@ -1,0 +1,109 @@
+"""
+One mark a student: of the automatic checks alone, or of nbgrader's gradebook.
+
+The gradebook's has what was graded by hand and what the late policy took away; it is there only
+when nothing of the submission waits for a person.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+import warnings
+
+from autograder.class_results import ClassResults
+from autograder.errors import GraderError
+from autograder.isolation import MODES
+from autograder.layout import Layout
+from autograder.results import SubmissionResult
+
+AUTOMATIC, GRADEBOOK = 'automatic', 'gradebook'
+SOURCES = (AUTOMATIC, GRADEBOOK)
+GRADED, REVIEW, BY_HAND, NOT_ENTERED, NO_GRADE = (
+    'graded',
+    'for review',
+    'to be graded by hand',
+    'not in the gradebook',
+    'only visible checks were run',
+)
+
+
+@dataclass(frozen=True)
+class Mark:
+    """
+    What a student gets for an assignment.
+
+    :param points: None if there is no mark yet, which is not the same as zero
+    :param status: one of the words above; why there is none
+    """
+
+    student: str
+    points: float | None
+    max_points: float
+    status: str = GRADED
+
+
+def marks(layout: Layout, graded: ClassResults, source: str) -> tuple[Mark, ...]:
+    """
+    Return everybody's mark, in the order of the results.
+
+    :param source: one of :data:`SOURCES`
+    :raises GraderError: if the gradebook is wanted and does not have the assignment
+    """
+    if source == AUTOMATIC:
+        return tuple(automatic(result) for result in graded.results)
+    return from_gradebook(layout, graded.assignment, graded.results)
+
+
+def automatic(result: SubmissionResult) -> Mark:
+    """Return the mark of the automatic checks; visible checks alone make none."""
+    modes = [MODES[exam.mode] for exam in result.exams if exam.mode in MODES]
+    if result.fault:
+        return Mark(result.student, None, result.max_points, REVIEW)
+    if not all(mode.keeps_secrets for mode in modes):
+        return Mark(result.student, None, result.max_points, NO_GRADE)
+    return Mark(result.student, result.points, result.max_points)
+
+
+def from_gradebook(
+    layout: Layout, assignment: str, results: Sequence[SubmissionResult]
+) -> tuple[Mark, ...]:
+    """
+    Return the marks that nbgrader's gradebook has.
+
+    :raises GraderError: if there is no gradebook, or it does not have the assignment
+    """
+    from nbgrader.api import Gradebook, MissingEntry
+
+    from autograder.converters import load_config
+
+    url = str(load_config(layout).CourseDirectory.db_url)
+    missing = GraderError(
+        f'{assignment}: expected it in the gradebook, got none.',
+        'Try: make grade, or --points automatic for the points of the checks alone',
+    )
+    if url.startswith('sqlite:///') and not Path(url.removeprefix('sqlite:///')).is_file():
+        raise missing  # opening would make an empty one
+    entered: dict[str, Mark] = {}
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore')  # SQLAlchemy about nbgrader's own queries
+        with Gradebook(url) as gradebook:
+            try:
+                most = float(gradebook.find_assignment(assignment).max_score)
+            except MissingEntry as error:
+                raise missing from error
+            for one in gradebook.assignment_submissions(assignment):
+                points = max(0.0, float(one.score) - float(one.late_submission_penalty or 0.0))
+                waits = bool(one.needs_manual_grade)
+                entered[one.student.id] = Mark(
+                    one.student.id, None if waits else points, most, BY_HAND if waits else GRADED
+                )
+    return tuple(_entered(result, entered, most) for result in results)
+
+
+def _entered(result: SubmissionResult, entered: dict[str, Mark], most: float) -> Mark:
+    """Return one student's mark; what is for review stays so."""
+    if result.fault:
+        return Mark(result.student, None, most, REVIEW)
+    return entered.get(result.student) or Mark(result.student, None, most, NOT_ENTERED)

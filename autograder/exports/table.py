@@ -1,0 +1,114 @@
+"""
+CSV as RFC 4180 describes it, safe to open in a spreadsheet.
+
+Lines end with CR LF, fields with a comma, quote or line break are quoted, quotes are doubled, each
+line has as many fields as the first.  A spreadsheet runs a cell that begins like a formula, and
+names and causes come from students, so such a text gets an apostrophe in front (what OWASP
+advises against CSV injection).  Numbers are written as numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+import csv
+import io
+
+from autograder.class_results import ClassResults
+from autograder.exports.marks import automatic, Mark
+from autograder.feedback import headline, number, printable
+
+FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠')
+"""How a cell begins that a spreadsheet may run, full-width signs included."""
+
+MARKS = (
+    'assignment',
+    'student',
+    'status',
+    'points',
+    'max_points',
+    'first_cause',
+    'flags',
+)
+CHECKS = (
+    'assignment',
+    'student',
+    'status',
+    'exam',
+    'check',
+    'verdict',
+    'points',
+    'max_points',
+    'cause_id',
+    'cause',
+)
+
+Cell = str | float | None
+
+
+def marks_csv(classes: Iterable[tuple[ClassResults, Sequence[Mark]]]) -> bytes:
+    """
+    Return a line a submission.
+
+    :param classes: results, and the marks that belong to them in the same order
+    """
+    rows = [
+        (
+            graded.assignment,
+            mark.student,
+            mark.status,
+            mark.points,
+            mark.max_points,
+            headline(result),
+            '; '.join(result.flags),
+        )
+        for graded, marks in classes
+        for result, mark in zip(graded.results, marks)
+    ]
+    return csv_bytes(MARKS, rows)
+
+
+def checks_csv(classes: Iterable[ClassResults]) -> bytes:
+    """Return a line a check of each submission; without points where there is no mark."""
+    rows = [
+        (
+            graded.assignment,
+            result.student,
+            mark.status,
+            exam.exam,
+            check.check,
+            check.verdict.value,
+            None if mark.points is None else check.points,
+            check.max_points,
+            check.cause_id,
+            check.cause,
+        )
+        for graded in classes
+        for result, mark in ((one, automatic(one)) for one in graded.results)
+        for exam in result.exams
+        for check in exam.checks
+    ]
+    return csv_bytes(CHECKS, rows)
+
+
+def csv_bytes(header: Sequence[str], rows: Iterable[Sequence[Cell]]) -> bytes:
+    """Return a table in UTF-8."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator='\r\n')
+    writer.writerow(header)
+    writer.writerows([_field(cell) for cell in row] for row in rows)
+    return text.getvalue().encode('utf-8', 'replace')
+
+
+def _field(cell: Cell) -> str:
+    """Return a cell's text: nothing for None, a number as a number, everything else harmless."""
+    if cell is None:
+        return ''
+    return harmless(cell) if isinstance(cell, str) else number(cell)
+
+
+def harmless(text: str) -> str:
+    """Return a text that no spreadsheet takes for a formula."""
+    formula = text.lstrip(' ').startswith(FORMULA_STARTS) or text.lstrip().startswith(
+        FORMULA_STARTS
+    )
+    return f"'{printable(text)}" if formula else printable(text)
