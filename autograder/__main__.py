@@ -8,36 +8,26 @@ be done (its arguments, or our own fault), 130 stopped by Ctrl-C.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 import json
 import os
 from pathlib import Path
 import sys
-import time
 from typing import Any, TYPE_CHECKING
 
 from autograder.commands import add_commands
+from autograder.commands_class import add_class_commands
 from autograder.errors import GraderError, SandboxUnavailable
-from autograder.isolation import banner, not_protected, WEAK
+from autograder.grading import add_grade, FOR_REVIEW, OK, short, UsageError
 from autograder.layout import Layout
 from autograder.pipeline import end_runs
 from environment.ros import EnvironmentError_
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from autograder.exam import Exam
 
-    from rich.console import Console
-
-    from autograder.pipeline import Engine, Graded
-    from autograder.results import SubmissionResult
-
-OK, FOR_REVIEW, USAGE, STOPPED = 0, 1, 2, 130
-OURS = ('autograder', 'environment', 'roslab')
-
-
-class UsageError(Exception):
-    """The command line asks for something that is not there."""
+USAGE, STOPPED = 2, 130
+OURS = ('autograder', 'drawing', 'environment', 'roslab')
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -97,33 +87,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog='python -m autograder', description=__doc__)
     commands = parser.add_subparsers(required=True, metavar='COMMAND', dest='command')
 
-    grade = commands.add_parser('grade', help='grade a class and write reports')
-    grade.add_argument(
-        '--submitted',
-        type=Path,
-        metavar='DIR',
-        help='folder of STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: autograder/_work/submitted)',
-    )
-    grade.add_argument('--assignment', metavar='NAME', help='only this one (default: all)')
-    grade.add_argument(
-        '--jobs',
-        type=_positive,
-        default=(os.cpu_count() or 1) + 1,
-        metavar='N',
-        help='runs at a time (default: one more than processors, as runs wait; here %(default)s)',
-    )
-    grade.add_argument('--fresh', action='store_true', help='repeat runs that are recorded')
-    grade.add_argument('--json', action='store_true', help='print the results as JSON')
-    grade.add_argument(
-        '--allow-weak',
-        choices=WEAK,
-        default='',
-        metavar='MODE',
-        help='accept isolation down to this where none of the better works: '
-        f'{", ".join(WEAK)} (see docs/threat-model.md)',
-    )
-    grade.set_defaults(run=_grade)
-
+    add_grade(commands)
     check = commands.add_parser('check', help='run one exam on the files of a package')
     check.add_argument('exam', metavar='EXAM')
     check.add_argument('--files', type=Path, required=True, metavar='DIR', help='the package')
@@ -140,14 +104,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     proof.set_defaults(run=_self_check)
     add_commands(commands)
+    add_class_commands(commands)
     return parser
-
-
-def _positive(text: str) -> int:
-    """Read a whole number of at least one."""
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f'expected a whole number of at least 1, got {text!r}')
-    return int(text)
 
 
 def _self_check(chosen: argparse.Namespace) -> int:
@@ -163,176 +121,6 @@ def _self_check(chosen: argparse.Namespace) -> int:
     return code
 
 
-# -- grade ----------------------------------------------------------------------------------
-
-
-def _grade(chosen: argparse.Namespace) -> int:
-    """Grade a class."""
-    from rich.console import Console
-
-    from autograder.pipeline import grading_engine
-
-    layout = Layout.here()
-    told = Console(stderr=chosen.json, width=None if sys.stdout.isatty() else 120)
-    submitted = _submitted_folder(layout, chosen.submitted, told)
-    assignments = _assignments(layout, chosen.assignment)
-    engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
-    jobs = _warn_if_weak(engine, chosen.jobs, told)
-    results: list[SubmissionResult] = []
-    trouble = ''
-    for assignment in assignments:
-        try:
-            results += _grade_assignment(layout, assignment, submitted, engine, jobs, told)
-        except NotEnteredError as error:
-            results += error.results
-            trouble = str(error)
-    if not results:
-        raise UsageError(
-            f'{submitted}: expected STUDENT/ASSIGNMENT folders with one of '
-            f'{", ".join(assignments)}, got none of them.'
-        )
-    if chosen.json:
-        print(json.dumps([result.to_json() for result in results]))
-    if trouble:
-        raise GraderError(trouble)
-    return FOR_REVIEW if any(result.fault for result in results) else OK
-
-
-def _warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:
-    """Print the banner of a weak mode; return how many runs at a time may be."""
-    mode = getattr(getattr(engine, 'sandbox', None), 'mode', '')
-    if not not_protected(mode):
-        return jobs
-    told.print(banner(mode), style='bold red', highlight=False, markup=False)
-    return 1
-
-
-class NotEnteredError(GraderError):
-    """The results are there, but nbgrader's gradebook refused some of them."""
-
-    def __init__(self, what: str, results: Sequence[SubmissionResult]) -> None:
-        """Keep the results, which are reported all the same."""
-        super().__init__(what)
-        self.results = tuple(results)
-
-
-def _submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path:
-    """Return the folder to grade; the default one is filled with the sample class if empty."""
-    if chosen is not None:
-        if not chosen.is_dir():
-            raise UsageError(f'--submitted {chosen}: expected a folder, got none.')
-        return chosen.resolve()
-    if not layout.submitted.is_dir() or not any(layout.submitted.iterdir()):
-        from autograder.sample_class import write_sample_class
-
-        count = write_sample_class(layout, layout.submitted)
-        told.print(
-            f'autograder/_work/submitted is empty, so the {count} example submissions of '
-            'tests/submissions were put there.',
-            highlight=False,
-        )
-    return layout.submitted
-
-
-def _assignments(layout: Layout, chosen: str | None) -> tuple[str, ...]:
-    """Return which assignments to grade."""
-    known = layout.assignments()
-    if not known:
-        raise UsageError('notebooks/ holds no assignment. Generate it with: make release')
-    if chosen is None:
-        return known
-    if chosen not in known:
-        from difflib import get_close_matches
-
-        close = get_close_matches(chosen, known, n=1, cutoff=0.3)
-        hint = f'Did you mean {close[0]}?' if close else f'Known: {", ".join(known)}.'
-        raise UsageError(f'--assignment {chosen}: there is no such assignment. {hint}')
-    return (chosen,)
-
-
-def _grade_assignment(
-    layout: Layout, assignment: str, submitted: Path, engine: Engine, jobs: int, told: Console
-) -> list[SubmissionResult]:
-    """Grade one assignment of a class, record it, write the reports, print the table."""
-    from autograder.inbox import discover
-    from autograder.pipeline import grade_class, load_lesson
-    from autograder.record import enter_assignment, record
-    from autograder.report import print_table, write_reports
-
-    lesson = load_lesson(layout, assignment, engine)
-    try:
-        submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())
-    except OSError as error:
-        raise UsageError(f'{submitted}: cannot be read: {error.strerror}.') from error
-    if not submissions:
-        return []
-    graded_in_full = getattr(engine, 'hidden', True)  # visible checks alone make no grade
-    began = time.monotonic()
-    with _progress(len(submissions) * len(lesson.exams)) as done:
-        graded = grade_class(
-            submissions,
-            lesson,
-            engine,
-            jobs,
-            done,
-            meanwhile=lambda: enter_assignment(layout, assignment) if graded_in_full else None,
-        )
-    graded_s = time.monotonic() - began
-    refused = ''
-    try:
-        if graded_in_full:
-            record(layout, lesson, graded)
-    except GraderError as error:
-        refused = str(error)
-    total_s = time.monotonic() - began
-    results = [one.result for one in graded]
-    summary = _summary(graded, graded_s, total_s)
-    index = write_reports(layout.reports, assignment, results, summary)
-    print_table(told, assignment, results)
-    told.print(summary, highlight=False)
-    told.print(f'Reports: {_short(index, layout)}', highlight=False, soft_wrap=True)
-    if refused:
-        raise NotEnteredError(refused, results)
-    return results
-
-
-def _summary(graded: Sequence[Graded], graded_s: float, total_s: float) -> str:
-    """Say how many, how long and how isolated."""
-    reviews = sum(bool(one.result.fault) for one in graded)
-    exams = [exam for one in graded for exam in one.result.exams]
-    modes = sorted({exam.mode for exam in exams if exam.mode})
-    parts = [f'{len(graded)} submissions in {total_s:.1f} s ({graded_s:.1f} s of it running)']
-    if modes:
-        parts.append(f'isolation {", ".join(modes)}')
-    if reviews:
-        parts.append(f'{reviews} for review')
-    return f'{"; ".join(parts)}.'
-
-
-def _short(path: Path, layout: Layout) -> str:
-    """Return a path as seen from the course."""
-    return str(path.relative_to(layout.root)) if path.is_relative_to(layout.root) else str(path)
-
-
-@contextmanager
-def _progress(total: int) -> Iterator[Callable[[], None]]:
-    """Show a progress bar on a terminal; be quiet in a log."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    quiet = not console.is_terminal or bool(os.environ.get('CI'))
-    columns: tuple[Any, ...] = (
-        'Grading',
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console, disable=quiet, transient=True) as progress:
-        task = progress.add_task('grade', total=total)
-        yield lambda: progress.advance(task)
-
-
 # -- check ----------------------------------------------------------------------------------
 
 
@@ -341,13 +129,13 @@ def _check(chosen: argparse.Namespace) -> int:
     from autograder import exams
     from autograder.examine import examine
     from autograder.intake import read_handed_in, with_node_files
-    from autograder.package import name_missing, read_package, what_is_there
+    from autograder.package import name_missing, own_files, read_package, what_is_there
 
     if not chosen.files.is_dir():
         raise UsageError(f'--files {chosen.files}: expected a package folder, got none.')
     exam = exams.load(chosen.exam, hidden=not chosen.visible)
     if chosen.visible:
-        files = read_package(chosen.files)  # the files a notebook made, as grading sees them
+        files = own_files(exam, read_package(chosen.files))
     else:
         files = with_node_files(read_handed_in(chosen.files), exam.requires)
     missing = [name for name in exam.requires if name not in files]
@@ -355,7 +143,8 @@ def _check(chosen: argparse.Namespace) -> int:
         there = what_is_there(files)
         raise UsageError(f'{chosen.files}: expected {", ".join(missing)}, got {there}.')
     sandbox, said = _sandbox(allow_plain=chosen.visible)
-    result = name_missing(examine(exam, files, sandbox=sandbox), files)
+    kept = _kept_builds(exam) if chosen.visible else None
+    result = name_missing(examine(exam, files, sandbox=sandbox, recordings=kept), files)
     if said:
         print(said, file=sys.stderr)
     if chosen.json:
@@ -365,6 +154,18 @@ def _check(chosen: argparse.Namespace) -> int:
 
         print(exam_text(result), end='')
     return OK
+
+
+def _kept_builds(exam: Exam) -> Path | None:
+    """Return where the runs of visible checks that build are kept: unchanged files build once."""
+    folder = Layout.here().recordings
+    if exam.scenario.program != 'build':
+        return None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None  # a course that may only be read: every check builds
+    return folder if os.access(folder, os.W_OK) else None
 
 
 def _as_problem(what: str, fix: str) -> dict[str, Any]:
@@ -403,7 +204,7 @@ def _sample_class(chosen: argparse.Namespace) -> int:
     layout = Layout.here()
     folder = (chosen.to or layout.submitted).resolve()
     count = write_sample_class(layout, folder)
-    print(f'{count} submissions are in {_short(folder, layout)}.')
+    print(f'{count} submissions are in {short(folder, layout)}.')
     return OK
 
 

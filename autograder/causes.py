@@ -8,57 +8,24 @@ points anywhere, the answer is None: a misleading cause is worse than none.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 import difflib
 import re
 
 from autograder.exam import Cause, Run
+from autograder.raised import exception_cause, traceback_of
 
-_FRAME = re.compile(r'File "[^"]*/(?P<file>[A-Za-z0-9_]+\.py)", line (?P<line>\d+)')
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
-_ERROR = re.compile(r'^(?P<type>[A-Za-z_][\w.]*(?:Error|Exception|Interrupt|Exit|Invalid\w*))\b')
-
-PUBLIC = ('Celsius', 'Fahrenheit', 'temp_sensor_01', 'nan', '30')
-"""Parts of inputs that every lesson shows; an error that names one gives nothing away."""
-
-RAISED = (
-    (
-        'InvalidNodeNameException',
-        '',
-        'invalid_name',
-        'A node name has a character that is not allowed, such as a dash or a slash',
-        'Use letters, digits and underscores; a namespace is no part of the name.',
-    ),
-    (
-        'TypeError',
-        "'NoneType' object is not callable",
-        'called_not_passed',
-        'A callback is None: the method was called where it should have been passed on',
-        'Write the method without parentheses: create_timer(1.0, self.report).',
-    ),
-    (
-        'ValueError',
-        'Logger severity cannot be changed',
-        'one_level_a_place',
-        'One place in the code logs with two levels, and rclpy refuses the second',
-        'Write two lines, one for each level, below if and else.',
-    ),
-    (
-        'AttributeError',
-        "has no attribute '_default_callback_group'",
-        'no_super_init',
-        'The class is used before its parent class is ready',
-        "Call super().__init__('...') first of all in __init__().",
-    ),
-)
-"""Exceptions of beginners: class, part of the message, cause, its text up to the place, repair."""
+_PERIOD = re.compile(r'create_timer\(\s*([\w.]{1,60})\s*,')
 
 BUSY_S = 1.5
 """Processor time [s] that imports and a node's start never reach, four times what they use."""
 
+LONG_S = 50.0
+"""A period [s] that no exercise has; who writes it thinks of milliseconds."""
+
 LIMITS = {
     'wall_time_limit': ('the run took longer than 60 s', 'a loop that never ends or waits'),
-    'cpu_limit': ('it used more than 40 s of processor time', 'a loop that never waits'),
+    'cpu_limit': ('it used more than 20 s of processor time', 'a loop that never waits'),
     'busy_before_node': (
         'it computes and computes without making a node',
         'a loop that never ends before the node is created',
@@ -69,100 +36,6 @@ LIMITS = {
     'too_much_recorded': ('it sent more than 32 MB', 'a publish in a loop without a pause'),
     'too_many_events': ('it sent thousands of messages', 'a publish in a loop without a pause'),
 }
-
-
-@dataclass(frozen=True)
-class Traceback:
-    """
-    The last exception a program died of.
-
-    :param error: type and message, one line
-    :param line: line of the student's file, None if no frame is in it
-    """
-
-    error: str
-    file: str
-    line: int | None
-
-    @property
-    def kind(self) -> str:
-        """Return the exception's class name."""
-        return self.error.partition(':')[0].rpartition('.')[2]
-
-
-def traceback_of(run: Run) -> Traceback | None:
-    """Return the exception at the end of standard error, if the program died of one."""
-    text = str(run.recording.process.get('stderr', ''))
-    if 'Traceback (most recent call last)' not in text and 'Error' not in text:
-        return None
-    lines = text.splitlines()
-    errors = [line for line in lines if _ERROR.match(line)]
-    if not errors:
-        return None
-    own = {name.rpartition('/')[2] for name in run.files}
-    error = _without_secrets(run, errors[-1][:200])
-    frames = [match for match in map(_FRAME.search, lines) if match and match['file'] in own]
-    if not frames:
-        return Traceback(error, '', None)
-    return Traceback(error, frames[-1]['file'], int(frames[-1]['line']))
-
-
-def _without_secrets(run: Run, error: str) -> str:
-    """Leave out the message of an exception that shows what a hidden exam has sent."""
-    if not run.facts.get('secret'):
-        return error
-    for event in run.recording.of('input'):
-        for value in event['data'].values():
-            shown = f'{value:g}' if isinstance(value, float) else str(value)
-            if shown not in PUBLIC and (shown in error or str(value) in error):
-                return error.partition(':')[0]
-    return error
-
-
-def exception_cause(trace: Traceback) -> Cause:
-    """Name what a program died of, with the line of the learner's cell."""
-    # Line 1 of the cell is the magic line, so line n of the file is line n + 1 of the cell.
-    where = f' in line {trace.line + 1} of the cell' if trace.line else ''
-    if trace.kind == 'NotImplementedError':
-        return Cause(
-            'not_started',
-            f'The exercise still raises NotImplementedError{where}.',
-            'Replace that line with your own code and run the cell again.',
-        )
-    if trace.kind in ('SyntaxError', 'IndentationError', 'TabError'):
-        return Cause(
-            'syntax', f'Python cannot read the file{where}: {trace.error}', 'Mend that line.'
-        )
-    if trace.kind in ('ModuleNotFoundError', 'ImportError'):
-        return Cause(
-            'import',
-            f'An import fails{where}: {trace.error}',
-            'Check the spelling of the package and of the name.',
-        )
-    for kind, words, name, text, try_this in RAISED:
-        if trace.kind == kind and words in trace.error:
-            # What is None is found out by the executor, below a line that is innocent.
-            at = '' if name == 'called_not_passed' else where
-            return Cause(name, f'{text}{at}.', try_this)
-    if trace.kind == 'InvalidParameterTypeException':
-        # The message shows the value that the grader has set.
-        return Cause(
-            'parameter_type',
-            f'A parameter gets a value of another type than its default has{where}.',
-            'Give the default the type of the table: 1.0 is a float, 1 a whole number.',
-        )
-    if trace.error == 'AssertionError':
-        # So rclpy checks the types of some arguments.
-        return Cause(
-            'assertion',
-            f'An assertion fails{where}, and says no more.',
-            'Is there a value of a type that does not belong there, such as 0.3 for a Duration?',
-        )
-    return Cause(
-        'exception',
-        f'The program stopped with an exception{where}: {trace.error}',
-        'Read the last line of the traceback first, then the line of your cell that it names.',
-    )
 
 
 def why_it_ended(run: Run) -> Cause | None:
@@ -185,14 +58,39 @@ def why_it_ended(run: Run) -> Cause | None:
             'A node lives until it is stopped: rclpy.spin(node), and no sys.exit() in a callback.',
         )
     if code == 0:
-        return Cause(
-            'exited_early',
-            'The program ended by itself before anything could happen.',
-            'Does main() call rclpy.spin(node)? Without it the program runs to its end at once.',
-        )
+        return _why_over_at_once('\n'.join(run.files.values()))
     if code is not None:
         return Cause('died', f'The program died with exit code {code}.', 'Run it in a terminal.')
     return None
+
+
+def _why_over_at_once(code: str) -> Cause:
+    """Explain a program that came to its end before anything could happen, by what it says."""
+    if 'def main' in code and not re.search(
+        r'^(?!\s*(?:async )?def ).*\bmain\b', code, re.MULTILINE
+    ):
+        return Cause(
+            'main_not_called',
+            'Your program defines main() and never calls it.',
+            "Write as its last lines: if __name__ == '__main__': and below it, indented, main().",
+        )
+    if 'spin_once' in code and not re.search(r'\b(?:while|for)\b', code):
+        return Cause(
+            'spins_once',
+            'spin_once() serves one callback and returns, and then the program ends.',
+            'Call rclpy.spin(node), which goes on until the program is stopped.',
+        )
+    if code.strip() and 'spin' not in code:
+        return Cause(
+            'no_spin',
+            'Nothing in your code spins the node, so the program runs to its end at once.',
+            'Call rclpy.spin(node) in main(); it returns when the program is stopped.',
+        )
+    return Cause(
+        'exited_early',
+        'The program ended by itself before anything could happen.',
+        'Does main() call rclpy.spin(node)? Without it the program runs to its end at once.',
+    )
 
 
 def close_name(wanted: str, names: Iterable[str]) -> str:
@@ -215,7 +113,25 @@ def why_no_node(run: Run, wanted: str) -> Cause:
             f'There is a node called {near[1:]}.',
             f"Give super().__init__() the name '{wanted.rpartition('/')[2]}'.",
         )
-    return why_it_ended(run) or Cause(
+    return why_it_ended(run) or _why_unseen('\n'.join(run.files.values()))
+
+
+def _why_unseen(code: str) -> Cause:
+    """Explain a program that runs and shows no node, by what it says."""
+    destroyed, spun = code.find('.destroy_node('), code.find('spin(')
+    if 0 <= destroyed < spun:
+        return Cause(
+            'destroyed_early',
+            'Your node is gone before it is spun: destroy_node() stands before spin().',
+            'Destroy it at the very end, in finally.',
+        )
+    if 'super().__init__' in code or 'create_node' in code or 'Node(' in code:
+        return Cause(
+            'no_node',
+            'The program runs, and no node could be seen, although your code has one.',
+            'Does a loop or input() keep main() from making it? Start it, and run nodes().',
+        )
+    return Cause(
         'no_node',
         'The program runs but never creates a node.',
         'Create your node in main(): rclpy.init(), then the class, then rclpy.spin(node).',
@@ -299,8 +215,12 @@ def why_no_verdict(run: Run) -> Cause | None:
 def why_silent(run: Run) -> Cause | None:
     """Explain a node whose endpoints are right and from which nothing comes."""
     ended = why_it_ended(run)
-    if ended:
+    if ended and ended.cause_id not in LIMITS:
         return ended
+    # A program that waits for a node that nobody spins reaches a limit; the limit explains less.
+    other = _why_other_is_spun(run)
+    if ended or other:
+        return other or ended
     if run.recording.end_reason == 'unresponsive':
         return Cause(
             'blocked',
@@ -312,6 +232,98 @@ def why_silent(run: Run) -> Cause | None:
         return Cause(
             'never_spun',
             'Your node exists but nobody spins it, so no callback ever runs.',
-            'Call rclpy.spin(node) in main(), with the node that you created.',
+            'Call rclpy.spin(node) in main(), with the node that you created, and let no loop '
+            'stand before it.',
+        )
+    return why_late(run)
+
+
+def _why_other_is_spun(run: Run) -> Cause | None:
+    """Explain a node that never answers while another one of the program does."""
+    barriers = run.recording.of('barrier')
+    asked = {event['node'] for event in barriers}
+    answered = {event['node'] for event in barriers if event['answered']}
+    if not answered:
+        return None
+    silent = sorted(asked - answered, key=lambda node: (not _works(run, node), node))
+    # A helper that nobody spins explains nothing, unless the one that is spun has no work either.
+    if silent and (_works(run, silent[0]) or not any(_works(run, node) for node in answered)):
+        other, mine = (name.rpartition('/')[2][:60] for name in (min(answered), silent[0]))
+        return Cause(
+            'other_node_spun',
+            f'The node {other} is spun and {mine} is not, so the callbacks of {mine} never run.',
+            'Spin the node that has the work, or give both to one executor with add_node().',
         )
     return None
+
+
+def _works(run: Run, node: str) -> bool:
+    """Tell whether a node has a publisher or a subscription of its own."""
+    kinds = ('publisher', 'subscription')
+    return any(end['node'] == node for kind in kinds for end in run.recording.endpoints(kind))
+
+
+def why_late(run: Run) -> Cause | None:
+    """Explain a timer whose first call is far away, because its period is in other units."""
+    code = '\n'.join(run.files.values())
+    for written in _PERIOD.findall(code):
+        constant = re.search(
+            rf'^\s*{re.escape(written)}\s*=\s*([\d.]{{1,20}})', code, re.MULTILINE
+        )
+        try:
+            period_s = float(constant[1] if constant else written)
+        except ValueError:
+            continue
+        if period_s >= LONG_S:
+            return Cause(
+                'period_unit',
+                f'create_timer() gets {period_s:g}, and that is seconds: the first call comes '
+                f'after {period_s / 60:.3g} minutes.',
+                'Write the period in seconds: 0.5 for 500 ms.',
+            )
+    return None
+
+
+def why_no_message(run: Run) -> Cause:
+    """Explain a node that lives, whose publisher is right, and from which nothing comes."""
+    if found := why_silent(run):
+        return found
+    code = '\n'.join(run.files.values())
+    if code.strip() and '.publish' not in code:
+        return Cause(
+            'never_publishes',
+            'Your code never calls publish().',
+            'Call self.publisher.publish(message) in the callback.',
+        )
+    if code.strip() and 'create_timer' not in code and 'create_subscription' not in code:
+        return Cause(
+            'no_timer',
+            'Your code creates no timer, so nothing calls the method that publishes.',
+            'Create a timer in __init__(): self.create_timer(1.0, self.speak).',
+        )
+    return Cause(
+        'silent',
+        'The publisher is there, and no message comes from it: the callback that publishes is '
+        'never called, or it returns too early.',
+        'Which method does the timer or the subscription call? Put a log line first into it, '
+        'start the node, and look at logs().',
+    )
+
+
+def how_to_look(run: Run) -> str:
+    """
+    Return what to try where no cause is sure: how to see with own eyes what was seen here.
+
+    Topics go by their last part, because the namespace of a hidden exam is nobody's business.
+    """
+    topics = {end['topic'].rpartition('/')[2][:60] for end in run.recording.endpoints('publisher')}
+    if not run.recording.nodes:
+        return ''
+    if topics:
+        return (
+            f"Look yourself: start your node and run echo('{min(topics)}') in a cell, or "
+            f'ros2 topic echo in a terminal, and compare with what is expected.'
+        )
+    return (
+        'Look yourself: start your node, run logs() in a cell, and compare with what is expected.'
+    )

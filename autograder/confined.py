@@ -26,7 +26,7 @@ class Limits:
     """
 
     wall_s: float = 60.0
-    cpu_s: int = 40
+    cpu_s: int = 20
     memory: int = 1 << 30
     processes: int = 64
     folder: int = 64 << 20

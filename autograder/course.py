@@ -34,6 +34,7 @@ BUNDLED = (
     'pyproject.toml',
     'environment',
     'autograder',
+    'drawing',
     'roslab',
     'temp_monitor_pkg',
     'notebooks',

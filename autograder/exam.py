@@ -59,6 +59,7 @@ class Failed(Exception):
     :param why: the likely cause; leave it out when unsure
     :param share: part of the check's points that is earned all the same, 0 to 1
     :param at: simulated time of the first deviation [ns], if no single event shows it
+    :param every_s: what was due comes once in so many seconds; for the picture only
     """
 
     def __init__(
@@ -69,6 +70,7 @@ class Failed(Exception):
         why: Cause | None = None,
         share: float = 0.0,
         at: int | None = None,
+        every_s: float | None = None,
     ) -> None:
         """Keep the facts apart; the report lays them out."""
         super().__init__(observed)
@@ -77,6 +79,7 @@ class Failed(Exception):
         self.why = why
         self.share = share
         self.at = at
+        self.every_s = every_s
 
 
 @dataclass(frozen=True)

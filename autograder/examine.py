@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import lru_cache
 import hashlib
 import json
 from pathlib import Path
@@ -23,10 +22,15 @@ from autograder.flags import flags_of
 from autograder.isolation import not_protected
 from autograder.judge import judge, worth_running
 from autograder.observe import observe
+from autograder.picture_data import pictures
 from autograder.recording import Event, header, Recording
 from autograder.results import CheckResult, ExamResult, Verdict
-from autograder.sandbox import HERE, PROBE, Sandbox
+from autograder.sandbox import Sandbox
+from autograder.version import environment_digest
+from autograder.workers import outcome_of, Place, task_of
 
+Outcome = tuple[Recording, dict[str, float]]
+"""A recording, and times of the run [s]."""
 _running: dict[str, threading.Lock] = {}
 _running_guard = threading.Lock()
 
@@ -39,6 +43,7 @@ def examine(
     recordings: Path | None = None,
     fresh: bool = False,
     told: Callable[[Event], None] | None = None,
+    place: Place | None = None,
 ) -> ExamResult:
     """
     Judge a student's files by an exam.
@@ -47,7 +52,8 @@ def examine(
     :param sandbox: from :func:`autograder.sandbox.strongest`, or ``plain()`` for visible checks
     :param recordings: folder that keeps recordings; None keeps nothing
     :param fresh: run even if a recording is kept
-    :param told: called with each event of a run as it happens
+    :param told: called with each event of a run as it happens, if it takes place here
+    :param place: where to run, None for this thread; judged is always here
     :raises GraderError: for a fault of ours; then there is no verdict
     """
     if exam.hidden and not sandbox.keeps_secrets:
@@ -59,15 +65,19 @@ def examine(
         return _without(exam, missing)
     timing: dict[str, float] = {}
     name = ''
+
+    def run() -> Outcome:
+        return _run(exam, files, sandbox, _observer(exam, files, sandbox, told, place))
+
     if not worth_running(exam, files):
         recording = Recording(header(exam.name, sandbox.mode), ())
     elif recordings is None:
-        recording, timing = _run(exam, files, sandbox, told)
+        recording, timing = run()
     else:
         name = f'{digest(exam, files, sandbox)}.jsonl'
         path = recordings / exam.name / name
         with _one_at_a_time(str(path)):
-            recording, timing = _kept_or_run(exam, files, sandbox, path, fresh, told)
+            recording, timing = _kept_or_run(path, fresh, run)
         name = name if path.exists() else ''
     return replace(judged(exam, files, recording, timing), recording=name)
 
@@ -85,7 +95,8 @@ def judged(
     :raises GraderError: if a check itself breaks
     """
     began = time.perf_counter()
-    checks = judge(exam, Run(files, recording, exam.facts))
+    run = Run(files, recording, exam.facts)
+    checks = judge(exam, run)
     return ExamResult(
         exam.name,
         checks,
@@ -94,6 +105,7 @@ def judged(
         flags_of(recording, exam.scenario),
         {**(timing or {}), 'judge_s': time.perf_counter() - began},
         not_protected=not_protected(str(recording.header.get('mode', ''))),
+        pictures=pictures(exam, run, checks),
     )
 
 
@@ -111,21 +123,14 @@ def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamRe
     return judged(exam, files, Recording(header(exam.name, mode), ()))
 
 
-def _kept_or_run(
-    exam: Exam,
-    files: Mapping[str, str],
-    sandbox: Sandbox,
-    path: Path,
-    fresh: bool,
-    told: Callable[[Event], None] | None,
-) -> tuple[Recording, dict[str, float]]:
+def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome:
     # A file made by this process is as fresh as can be: equal files of a class run once.
     if path.exists() and (not fresh or path in _made_now):
         try:
             return Recording.load(path), {}
         except RecordingInvalid:
             pass  # damaged or of an older format: it is made again
-    recording, timing = _run(exam, files, sandbox, told)
+    recording, timing = run()
     # What a limit of time has ended is told once and tried again the next time.
     if recording.process.get('killed') != 'wall_time_limit':
         recording.save(path)
@@ -133,35 +138,37 @@ def _kept_or_run(
     return recording, timing
 
 
-AROUND = (
-    'confined.py',
-    'fastdds.xml',
-    'landlock.py',
-    'observe.py',
-    'processes.py',
-    'sandbox.py',
-)
-"""What decides how a program runs, beside what runs in the sandbox."""
 _made_now: set[Path] = set()
 
 
-def _run(
+def _observer(
     exam: Exam,
     files: Mapping[str, str],
     sandbox: Sandbox,
     told: Callable[[Event], None] | None,
-) -> tuple[Recording, dict[str, float]]:
+    place: Place | None,
+) -> Callable[[], Outcome]:
+    """Return what runs the files once, here or elsewhere."""
+    if place is None:
+        return lambda: observe(exam.name, exam.scenario, files, sandbox, told)
+    task = task_of(exam.name, exam.scenario.to_json(), files, sandbox.mode)
+    return lambda: outcome_of(place.run(task))
+
+
+def _run(
+    exam: Exam, files: Mapping[str, str], sandbox: Sandbox, once: Callable[[], Outcome]
+) -> Outcome:
     """Run once; if our own infrastructure hit its limit, once more, and say so."""
     repeated = {}
     try:
-        recording, timing = observe(exam.name, exam.scenario, files, sandbox, told)
+        recording, timing = once()
     except ProbeFailed:
-        recording, timing = observe(exam.name, exam.scenario, files, sandbox, told)
+        recording, timing = once()
         repeated = {'repeated': 1.0}
     about = {
         'scenario': exam.scenario_digest()[:32],
         'files': files_digest(files),
-        'environment': _environment(sandbox.ros.python)[:32],
+        'environment': environment_digest(sandbox.ros.python),
     }
     return Recording({**recording.header, **about}, recording.events), {**timing, **repeated}
 
@@ -179,21 +186,14 @@ def _one_at_a_time(key: str) -> threading.Lock:
 
 def digest(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> str:
     """Return the name under which a run is kept."""
-    parts = [exam.name, exam.scenario_digest(), sandbox.mode, _environment(sandbox.ros.python)]
+    parts = [
+        exam.name,
+        exam.scenario_digest(),
+        sandbox.mode,
+        environment_digest(sandbox.ros.python),
+    ]
     parts += [json.dumps(sorted(files.items()))]
     return hashlib.sha256('\0'.join(parts).encode('utf-8', 'replace')).hexdigest()[:32]
-
-
-@lru_cache(maxsize=4)
-def _environment(python: str) -> str:
-    """Return a digest of what runs beside the student's code, and of the ROS in use."""
-    state = hashlib.sha256(python.encode())
-    described = Path(python).parent.parent / 'ros_environment.json'
-    names = (*PROBE, *AROUND)
-    ours = [HERE / name for name in names]
-    for path in (*ours, *sorted((HERE / 'inside').glob('*.py')), described):
-        state.update(path.read_bytes())
-    return state.hexdigest()
 
 
 def _without(exam: Exam, missing: list[str]) -> ExamResult:

@@ -81,13 +81,19 @@ def discover(
     return tuple(found)
 
 
+def is_student_id(name: str) -> bool:
+    """Tell whether a folder's name can be an id in nbgrader's gradebook."""
+    readable = name.encode('utf-8', 'surrogateescape').decode('utf-8', 'replace')
+    return readable == name and bool(_NAME.match(name)) and name.isprintable()
+
+
 def _student(
     folder: Path, assignment: str, notebook: str, known: Collection[str]
 ) -> Submission | None:
     """Look into one student's folder; None if there is only work for other assignments."""
     name = folder.name
     readable = name.encode('utf-8', 'surrogateescape').decode('utf-8', 'replace')
-    if readable != name or not _NAME.match(name) or not name.isprintable():
+    if not is_student_id(name):
         problem = Problem(
             f'submitted/{readable[:MAX_NAME_CHARS]!r}',
             f'a student id of at most {MAX_NAME_CHARS} letters, digits and . _ - @',

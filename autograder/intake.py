@@ -75,6 +75,12 @@ def read_folder(folder: Path) -> dict[str, str]:
         if entries > MOST_ENTRIES:
             raise _too_much(str(folder), f'more than {MOST_ENTRIES} files')
         if PurePosixPath(name).suffix in KINDS and not path.is_symlink() and path.is_file():
+            if not _is_plain(name):
+                raise NotTakenInError(
+                    f'{folder}, {name[:80]!a}: expected the files of a package, got a name with '
+                    'characters that no package needs.',
+                    'Try: rename that file.',
+                )
             data = _bytes_of(path)
             size += len(data)
             _bound(str(folder), len(found) + 1, size)
@@ -151,13 +157,18 @@ def _entries(archive: zipfile.ZipFile, where: str) -> dict[str, str]:
     return found
 
 
+def _is_plain(name: str) -> bool:
+    """Tell whether a name can be printed, and means one thing everywhere."""
+    return name.isprintable() and '\\' not in name and len(name) <= LONGEST_NAME
+
+
 def _safe_name(entry: zipfile.ZipInfo, where: str) -> str:
     """Return an entry's path if it stays inside and is a regular file or a folder."""
     name = entry.orig_filename
     parts = name.rstrip('/').split('/')
     trouble = ''
     kind = stat.S_IFMT(entry.external_attr >> 16)
-    if not name.isprintable() or '\\' in name or len(name) > LONGEST_NAME:
+    if not _is_plain(name):
         trouble = 'a name with characters that no package needs'
     elif name.startswith('/') or re.match(r'^[A-Za-z]:', name):
         trouble = 'an absolute path'

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from autograder.causes import how_to_look
 from autograder.errors import GraderError
 from autograder.exam import Cause, Check, Exam, Failed, Run
 from autograder.recording import Recording
@@ -61,7 +62,7 @@ def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResul
     try:
         check.judge(run)
     except Failed as failure:
-        why = failure.why or Cause('', '', '')
+        why = failure.why or Cause('', '', how_to_look(run))
         return CheckResult(
             check=check.name,
             title=check.title,

@@ -37,6 +37,9 @@ MOST_WALL = 5  # times the limit, before a machine counts as too busy for a verd
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
 # A message package takes 9 to 10 s of processor time; three times that, for slower machines.
 BUILD_LIMITS = Limits(cpu_s=30)
+# A build and a run, one after the other.
+PACKAGE_LIMITS = Limits(wall_s=2 * Limits.wall_s, cpu_s=BUILD_LIMITS.cpu_s + Limits.cpu_s)
+COURSE_PACKAGE = 'temp_monitor_pkg'
 
 
 def program_for(scenario: Scenario, submission: Path, python: str) -> tuple[Program, Limits]:
@@ -51,6 +54,13 @@ def program_for(scenario: Scenario, submission: Path, python: str) -> tuple[Prog
         argv = [python, '/grader/inside/build_package.py', '/submission']
         argv += [scenario.build_type.partition('/')[0], scenario.build_type]
         return Program(argv, binds, course_messages=False), BUILD_LIMITS
+    if scenario.program == 'package':
+        argv = [python, '/grader/inside/run_package.py', '/submission', scenario.build_type]
+        argv += [scenario.file.removesuffix('.py'), '--ros-args', '-p', 'use_sim_time:=true']
+        # A package of the course's own name brings the messages itself.
+        own = scenario.build_type == COURSE_PACKAGE
+        argv += scenario.arguments
+        return Program(argv, binds, course_messages=not own), PACKAGE_LIMITS
     argv = [python, '/grader/inside/run_node.py', f'/submission/{scenario.file}']
     argv += ['--ros-args', '-p', 'use_sim_time:=true', *scenario.arguments]
     return Program(argv, binds), Limits()

@@ -50,7 +50,6 @@ NANOSECONDS = 1_000_000_000
 # not count, so that a busy machine changes no verdict.
 TICK, QUIET, EXITED = b't', b'q', b'e'
 TICK_S = 0.05
-CONNECT_S = 1.0
 LEAVE_S = 2.0
 RESEND_S = 0.5  # a request lost while endpoints still match; about one run in a hundred
 LONGEST_EVENT = 65536  # characters of one message's JSON; longer ones are recorded by their size
@@ -80,6 +79,8 @@ class Probe:
         self.quiet = False
         self.patience_s = 0.0
         self.clients: dict[str, Any] = {}
+        self.asked: set[str] = set()
+        self.late_s = scenario['first_answer_s']  # for all nodes together that come later
         self.unreachable: set[str] = set()
         self.context = Context()
         # Only our own command line counts, and we have none.
@@ -233,15 +234,18 @@ class Probe:
         answered; so it goes on until the program is quiet and there is nobody left to ask.
         """
         until = self.patience_s + self.scenario['first_answer_s']
-        asked: set[str] = set()
-        while new := [name for name in self.student_nodes() if name not in asked]:
+        while new := [name for name in self.student_nodes() if name not in self.asked]:
             for name in new:
-                if not self.call(name, max(until - self.patience_s, 2 * TICK_S)):
-                    self.unreachable.add(name)
-                self.emit('barrier', node=name, answered=name not in self.unreachable)
-            asked.update(new)
+                self.ask_first(name, max(until - self.patience_s, 2 * TICK_S))
             self.wait_until_quiet()
             self.drain()
+
+    def ask_first(self, name: str, patience_s: float) -> None:
+        """Ask a node for a first answer; one that gives none is not asked again."""
+        self.asked.add(name)
+        if not self.call(name, patience_s):
+            self.unreachable.add(name)
+        self.emit('barrier', node=name, answered=name not in self.unreachable)
 
     def client_of(self, name: str) -> Any:
         """
@@ -289,6 +293,11 @@ class Probe:
             self.wait_until(lambda: False, LEAVE_S)
             raise Stop('no_node_left')
         for name in names:
+            # News of a second context of the program can be seconds late.
+            if name not in self.asked:
+                before = self.patience_s
+                self.ask_first(name, max(self.late_s, 2 * TICK_S))
+                self.late_s -= self.patience_s - before
             if name in self.unreachable:
                 continue
             for _ in range(rounds):
@@ -365,21 +374,16 @@ class Probe:
 
     def graph(self, when: str) -> None:
         """Write down the graph."""
-        seen = self.see_graph()
+        seen = self.seen.facts()
         if self.seen.own_name in seen['nodes'] and not self.imitated:
             self.imitated = True
             self.emit('imitated')
         self.emit('graph', when=when, **seen)
 
-    def see_graph(self) -> dict[str, Any]:
-        """Return all nodes, and all endpoints that are not ours, with type and QoS."""
-        return self.seen.facts()
-
 
 def main() -> None:
     """Read the scenario, say that we are ready, run, and leave without a long good-bye."""
-    # Unbuffered: later words are waited for on the descriptor itself. Some may have been said
-    # already, when we were slow to start.
+    # Unbuffered: later words are waited for on the descriptor itself; some may be there already.
     heard = b''
     while b'\n' not in heard:
         heard += os.read(0, 1 << 16)

@@ -123,12 +123,15 @@ def call(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
     """
     facts = {'service': step['service'], 'type': step['type'], 'request': step['request']}
     client = probe.services[step['service']]
+    # A node that has not answered a first question in seconds is spun by nobody.
+    silent = step['service'].rpartition('/')[0] in probe.unreachable
+    patience_s = min(CONNECT_S, step['patience_s']) if silent else step['patience_s']
     try:
         if not probe.wait_until(client.service_is_ready, CONNECT_S):
             probe.emit('no_answer', **facts, reason='no_service')
             return
         future = client.call_async(fill(client.srv_type.Request(), step['request']))
-        if not probe.wait_until(future.done, step['patience_s']):
+        if not probe.wait_until(future.done, patience_s):
             client.remove_pending_request(future)
             probe.emit('no_answer', **facts, reason='too_late')
             return
@@ -201,8 +204,8 @@ def mark(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
 def look(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
     """Write down the graph, when no more news of it comes."""
     for _ in range(20):
-        before = probe.see_graph()
-        if not probe.wait_until(lambda before=before: probe.see_graph() != before, STILL_S):
+        before = probe.seen.facts()
+        if not probe.wait_until(lambda before=before: probe.seen.facts() != before, STILL_S):
             break
     probe.graph(step['when'])
 

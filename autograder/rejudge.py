@@ -314,6 +314,7 @@ def _why(before: CheckResult | None, after: CheckResult | None) -> str:
 
 def _write(layout: Layout, lesson: Lesson, account: Account) -> str:
     """Enter what was judged again, and write all reports anew."""
+    from autograder.class_report import write_class_report
     from autograder.record import enter_assignment, record
     from autograder.report import write_reports
 
@@ -323,4 +324,5 @@ def _write(layout: Layout, lesson: Lesson, account: Account) -> str:
     results = [one.after for one in account.rejudged]
     summary = f'{len(again)} of {len(results)} submissions were judged again from recordings.'
     write_reports(layout.reports, lesson.assignment, results, summary)
+    write_class_report(layout, lesson.assignment, summary)
     return f'The gradebook and the reports have the new points of {len(again)}.'

@@ -289,13 +289,15 @@ class Scenario:
     What the probe does.  It holds inputs and never an expected value.
 
     :param program: what runs in the sandbox: ``'node'`` the node file, ``'build'`` a build of the
-        student's package followed by a node that sends back what it receives, ``''`` nothing:
+        student's package followed by a node that sends back what it receives, ``'package'`` a
+        build followed by the package's executable of the file's name, ``''`` nothing:
         then every check is static
     :param file: the node file to run, for ``'node'``
     :param arguments: of the program, after ``--ros-args -p use_sim_time:=true``, such as
         ``('-r', '__ns:=/lab', '-p', 'threshold:=28.5')``
     :param build_type: for ``'build'``, the message that travels from ``/echo_in`` to
-        ``/echo_out``, such as ``temp_monitor_pkg/msg/Temperature``; the package is named in it
+        ``/echo_out``, such as ``temp_monitor_pkg/msg/Temperature``; the package is named in it;
+        for ``'package'`` the package's name
     :param watch: topics to record, full name to type such as ``'std_msgs/msg/String'``
     :param feed: topics to send on, likewise, or with a :class:`FeedTopic`
     :param appear_s: wall budget until the first node is seen [s]; discovery is usually 0.1 s and
