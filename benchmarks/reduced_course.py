@@ -52,23 +52,32 @@ class ProjectRun:
         }
 
 
-def build(root: Path, answers: Mapping[str, str], seconds: int) -> Layout:
+def build(
+    root: Path, answers: Mapping[str, str], seconds: int, more: str = '', more_points: float = 0
+) -> Layout:
     """
     Make the copy and hand in the answers.
 
     :param root: an empty folder
     :param answers: by student, the text of ``temp_publisher.py``
     :param seconds: simulated seconds of the exam
+    :param more: further checks, as text of the exam's module
+    :param more_points: what they give
     """
     course, layout = Layout.here(), Layout(root)
     shutil.copytree(course.root / 'autograder', root / 'autograder', ignore=_left_out)
     shutil.copy2(course.root / 'nbgrader_config.py', root)
-    _set_window(root / 'autograder' / 'exams' / 'hidden' / f'{EXAM}.py', seconds)
+    exam = root / 'autograder' / 'exams' / 'hidden' / f'{EXAM}.py'
+    _set_window(exam, seconds)
+    exam.write_text(exam.read_text(encoding='utf-8') + more, encoding='utf-8')
     name = course.release(ASSIGNMENT).name
     notebook = read_release(course.solutions / ASSIGNMENT / name)
     notebook['cells'] = [
         cell for cell in notebook['cells'] if marks_of(cell).get('grade_id') in KEPT_CELLS
     ]
+    for cell in notebook['cells']:
+        if marks_of(cell).get('grade_id') == f'check_{EXAM}':
+            cell['metadata']['nbgrader']['points'] += more_points
     solution = layout.solutions / ASSIGNMENT / name
     solution.parent.mkdir(parents=True)
     solution.write_text(json.dumps(notebook), encoding='utf-8')

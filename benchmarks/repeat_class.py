@@ -2,7 +2,8 @@
 The sample class graded again and again, to see whether all verdicts stay the same.
 
 Every repeat runs everything afresh.  Compared is all that a result says, texts included, except
-its timing.  Processes that only burn time (``--busy``) show whether load changes a verdict.
+its timing and pictures.  Processes that only burn time (``--busy``) show whether load changes a
+verdict.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import tempfile
 import time
 from typing import Any
 
+from autograder.grading import in_a_pool
 from autograder.inbox import discover
 from autograder.layout import Layout
 from autograder.pipeline import grade_class, load_lesson, SandboxEngine
@@ -99,23 +101,23 @@ def _grade_once(submitted: Path, recordings: Path, jobs: int) -> Outcome:
     :returns: every fact of every result by its place, as JSON
     """
     layout = Layout.here()
-    engine = SandboxEngine(strongest(), recordings, fresh=True)
     outcome: Outcome = {}
-    for assignment in layout.assignments():
-        lesson = load_lesson(layout, assignment, engine)
-        submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())
-        for one in grade_class(submissions, lesson, engine, jobs):
-            data = one.result.to_json()
-            place = f'{one.result.student}/{assignment}'
-            outcome.update(_facts(data, place))
+    with in_a_pool(SandboxEngine(strongest(), recordings, fresh=True), jobs) as engine:
+        for assignment in layout.assignments():
+            lesson = load_lesson(layout, assignment, engine)
+            submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())
+            for one in grade_class(submissions, lesson, engine, jobs):
+                data = one.result.to_json()
+                place = f'{one.result.student}/{assignment}'
+                outcome.update(_facts(data, place))
     return outcome
 
 
 def _facts(data: Any, place: str) -> Iterator[tuple[str, str]]:
-    """Yield the parts of a result by name; the timing of a run is no part of a verdict."""
+    """Yield the parts of a result by name, without what may differ by a clock step."""
     if isinstance(data, dict):
         for name, value in data.items():
-            if name != 'timing':
+            if name not in ('timing', 'pictures'):
                 yield from _facts(value, f'{place}/{name}')
     elif isinstance(data, (list, tuple)):
         yield f'{place}/number', str(len(data))

@@ -1,22 +1,24 @@
 """
 The same files judged again and again, calm and under load, to see whether a result changes.
 
-The tasks are every exam of every submission in ``tests/submissions`` (references, near misses,
-untouched stubs) and every program in ``tests/attacks``.  Each repeat runs all of them afresh, in
-another order, in one of three ways in turn: *calm* (one run a processor), *oversubscribed* (beside
-burners that want the processors many times over) and *parallel* (many runs at a time).  Compared
-is all that a result says, texts and flags included, except its ``timing``.  An attack whose
-docstring calls its points a bound, because luck has a part, is compared with the bound.
+Judged is a fixed panel of references, near misses and attacks (``panel.yaml``), 200 times; or,
+with ``--everything``, each submission and attack that there is, a few times.  Each repeat runs
+all of them afresh, in another order, in one of three ways in turn: *calm* (one run a processor),
+*oversubscribed* (runs and burners that together want the processors eight times over) and
+*parallel* (eight runs at a time).  Compared is all that a result says, texts and flags
+included, except its ``timing``; pictures, whose points may be one step of the clock apart, are
+counted by themselves.  An attack whose docstring calls its points a bound, because luck has a
+part, is compared with it.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import json
 import os
 import random
@@ -24,40 +26,16 @@ import sys
 import time
 from typing import Any
 
-from autograder import exams
 from autograder.errors import GraderError
-from autograder.exam import Exam
 from autograder.examine import examine
-from autograder.extract import extract
-from autograder.layout import Layout
-from autograder.pipeline import load_lesson, SandboxEngine
-from autograder.sample_class import compose, samples
 from autograder.sandbox import Sandbox, strongest
-from autograder.submission import open_submission
 from benchmarks import report
 from benchmarks.repeat_class import busy
-from tests.attacks.corpus import files_of, programs
+from benchmarks.soak_tasks import everything, panel, Task
 
-FULL_REPEATS = 200
+FULL_REPEATS, FEW_REPEATS = 200, 3
 CORES = os.cpu_count() or 1
-ENDED = ('limit', 'ended', 'busy')
-NOT_COMPARED = ('timing', 'recording')
-
-
-@dataclass(frozen=True)
-class Task:
-    """
-    One exam on one set of files.
-
-    :param bound: the most points it may get, if it is compared with a bound; else None
-    :param slow: whether it takes much longer than others
-    """
-
-    name: str
-    exam: Exam
-    files: tuple[tuple[str, str], ...]
-    bound: float | None = None
-    slow: bool = False
+NOT_COMPARED = ('timing', 'recording', 'pictures')
 
 
 @dataclass(frozen=True)
@@ -69,6 +47,19 @@ class Way:
     burners: int = 0
 
 
+@dataclass
+class Seen:
+    """
+    What came of the tasks until now, by name.
+
+    :param outcomes: how often each outcome was seen, as JSON
+    :param pictures: how often each set of pictures was seen
+    """
+
+    outcomes: dict[str, Counter[str]] = field(default_factory=lambda: defaultdict(Counter))
+    pictures: dict[str, Counter[str]] = field(default_factory=lambda: defaultdict(Counter))
+
+
 def main() -> int:
     """
     Measure, print and save.
@@ -78,35 +69,29 @@ def main() -> int:
     chosen = _arguments()
     os.environ.setdefault('COURSE_SECRET', 'benchmark')
     facts = report.machine()
-    sandbox = strongest()
-    tasks = [*_submissions(), *(() if chosen.no_attacks else _attacks())]
-    if chosen.only:
-        tasks = [task for task in tasks if chosen.only in task.name]
+    tasks = everything() if chosen.everything else panel()
+    tasks = [task for task in tasks if chosen.only in task.name]
     if chosen.quick:
         tasks = [task for task in tasks if not task.slow]
-    ways = (
-        Way('calm', CORES),
-        Way('oversubscribed', CORES, burners=chosen.oversubscribe * CORES),
-        Way('parallel', chosen.parallel),
-    )
-    until = time.monotonic() + 60 * chosen.minutes
-    seen: dict[str, Counter[str]] = {task.name: Counter() for task in tasks}
-    repeats: list[dict[str, Any]] = []
+    if chosen.list:
+        print('\n'.join(task.name for task in tasks))
+        return 0
+    sandbox = strongest()
+    seen, repeats = Seen(), _repeats(chosen, tasks, sandbox)
+    done: list[dict[str, Any]] = []
     try:
-        for number in range(chosen.repeats):
-            way = ways[number % len(ways)]
-            repeats.append(_repeat(tasks, way, sandbox, seen, number, until))
-            _say(repeats[-1], seen)
-            if time.monotonic() > until:
-                print('The time is over; this is what was seen until now.')
-                break
+        for repeat, found in repeats:
+            done.append(repeat)
+            for name, outcome, pictures in found:
+                seen.outcomes[name][outcome] += 1
+                seen.pictures[name][pictures] += 1
+            _say(len(done), repeat, seen)
     except KeyboardInterrupt:
         print('Stopped; this is what was seen until now.')
-    figures = _figures(tasks, repeats, seen, sandbox.mode, chosen.quick)
+    figures = _figures(tasks, done, seen, sandbox.mode, chosen)
     _print(facts, figures)
-    report.save(
-        'soak', facts, figures, full=bool(repeats) and not (chosen.only or chosen.no_attacks)
-    )
+    name = 'soak_everything' if chosen.everything else 'soak'
+    report.save(name, facts, figures, full=bool(done) and not chosen.only)
     return 1 if figures['differing'] else 0
 
 
@@ -114,90 +99,82 @@ def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.soak')
     number: dict[str, Any] = {'type': int, 'metavar': 'N'}
     said = '(default: %(default)s)'
-    help_text = f'repeats, each of all tasks in one of the three ways {said}'
-    parser.add_argument('--repeats', default=FULL_REPEATS, help=help_text, **number)
-    help_text = f'burners for each processor {said}'
+    help_text = 'each submission and attack instead of the panel'
+    parser.add_argument('--everything', action='store_true', help=help_text)
+    help_text = 'repeats, each of all tasks in one of the three ways (default: '
+    help_text += f'{FULL_REPEATS}, of everything {FEW_REPEATS})'
+    parser.add_argument('--repeats', default=0, help=help_text, **number)
+    help_text = f'programs that want each processor, runs and burners {said}'
     parser.add_argument('--oversubscribe', default=8, help=help_text, **number)
     parser.add_argument('--parallel', default=8, help=f'runs at a time {said}', **number)
     help_text = 'begin no further run after so many minutes (default: no end)'
     parser.add_argument('--minutes', type=float, default=1e6, metavar='M', help=help_text)
     help_text = 'without builds and without attacks that run into a limit of time'
     parser.add_argument('--quick', action='store_true', help=help_text)
-    parser.add_argument('--no-attacks', action='store_true', help='submissions only')
     parser.add_argument('--only', default='', metavar='TEXT', help='tasks with this in their name')
+    parser.add_argument('--list', action='store_true', help='only print the names of the tasks')
     return parser.parse_args()
 
 
-def _submissions() -> Iterator[Task]:
-    """Yield every exam on the files of every submission; equal files are one task."""
-    layout = Layout.here()
-    engine = SandboxEngine(strongest())
-    known = set()
-    for assignment in layout.assignments():
-        lesson = load_lesson(layout, assignment, engine)
-        for sample in samples(layout, assignment, everything=True):
-            opened = open_submission(compose(layout, assignment, sample), lesson.release, 'it')
-            found = extract(opened, lesson.exams, lesson.release, lesson.notebook)
-            for exam in lesson.exams:
-                files = tuple(sorted(found[exam.name].files.items()))
-                if (exam.name, files) not in known:
-                    known.add((exam.name, files))
-                    name = f'{assignment}/{sample.name}/{exam.name}'
-                    yield Task(name, exam, files, slow=exam.scenario.program == 'build')
+Found = list[tuple[str, str, str]]
+"""Of each run: the task's name, what a result says, its pictures."""
 
 
-def _attacks() -> Iterator[Task]:
-    """Yield every program of the corpus."""
-    for attack in programs():
-        files = tuple(sorted(files_of(attack).items()))
-        bound = attack.points if attack.at_most or attack.review else None
-        name, exam = f'attack/{attack.kind}/{attack.name}', exams.load(attack.kind)
-        # A flag that names a limit, or a bound, means that it goes on until somebody ends it.
-        slow = bound is not None or any(word in str(attack.flags) for word in ENDED)
-        yield Task(name, exam, files, bound, slow or exam.scenario.program == 'build')
+def _repeats(
+    chosen: argparse.Namespace, tasks: Sequence[Task], sandbox: Sandbox
+) -> Iterator[tuple[dict[str, Any], Found]]:
+    """Run all tasks again and again, in the three ways in turn; yield what came of each time."""
+    ways = (
+        Way('calm', CORES),
+        # Most of those that want the processors are runs: each has as many rivals as it would
+        # have among burners, and twice as many runs are done.
+        Way('oversubscribed', (chosen.oversubscribe - 2) * CORES, burners=2 * CORES),
+        Way('parallel', chosen.parallel),
+    )
+    until = time.monotonic() + 60 * chosen.minutes
+    count = chosen.repeats or (FEW_REPEATS if chosen.everything else FULL_REPEATS)
+    for number in range(count):
+        if time.monotonic() > until:
+            print('The time is over; this is what was seen until now.')
+            return
+        yield _repeat(tasks, ways[number % len(ways)], sandbox, number, until)
 
 
 def _repeat(
-    tasks: Sequence[Task],
-    way: Way,
-    sandbox: Sandbox,
-    seen: dict[str, Counter[str]],
-    number: int,
-    until: float,
-) -> dict[str, Any]:
-    """Run all tasks once, in an order of their own, and note what came of each."""
+    tasks: Sequence[Task], way: Way, sandbox: Sandbox, number: int, until: float
+) -> tuple[dict[str, Any], Found]:
+    """Run all tasks once, in an order of their own."""
     order = random.Random(number).sample(tasks, len(tasks))
     began = time.monotonic()
 
-    def run(task: Task) -> str | None:
-        return _outcome(task, sandbox) if time.monotonic() < until else None
+    def run(task: Task) -> tuple[str, str, str] | None:
+        return (task.name, *_outcome(task, sandbox)) if time.monotonic() < until else None
 
     with busy(way.burners) if way.burners else nullcontext(), ThreadPoolExecutor(way.jobs) as pool:
-        outcomes = list(pool.map(run, order))
-    for task, outcome in zip(order, outcomes):
-        if outcome is not None:
-            seen[task.name][outcome] += 1
-    return {
+        found = [one for one in pool.map(run, order) if one is not None]
+    facts = {
         'way': way.name,
         'jobs': way.jobs,
         'burners': way.burners,
-        'runs': sum(outcome is not None for outcome in outcomes),
+        'runs': len(found),
         'wall_s': round(time.monotonic() - began, 1),
         'load': round(os.getloadavg()[0], 1),
     }
+    return facts, found
 
 
-def _outcome(task: Task, sandbox: Sandbox) -> str:
-    """Return all that a result says, as JSON."""
+def _outcome(task: Task, sandbox: Sandbox) -> tuple[str, str]:
+    """Return all that a result says, and its pictures, as JSON."""
     try:
         result = examine(task.exam, dict(task.files), sandbox=sandbox)
     except GraderError as error:
-        return f'for review: {type(error).__name__}'
+        return f'for review: {type(error).__name__}', ''
     if task.bound is not None:
         within = result.points <= task.bound
-        return 'within its bound' if within else f'{result.points:g} points, over its bound'
-    data = {name: value for name, value in result.to_json().items() if name not in NOT_COMPARED}
-    return json.dumps(data, sort_keys=True)
+        return 'within its bound' if within else f'{result.points:g} points, over its bound', ''
+    data = result.to_json()
+    compared = {name: value for name, value in data.items() if name not in NOT_COMPARED}
+    return json.dumps(compared, sort_keys=True), json.dumps(data.get('pictures'), sort_keys=True)
 
 
 def _verdicts(outcome: str) -> str:
@@ -212,12 +189,22 @@ def _allowed(task: Task, outcome: str) -> bool:
     return task.bound is not None and not outcome.endswith('over its bound')
 
 
+def _differing(tasks: Sequence[Task], seen: Seen) -> dict[str, dict[str, int]]:
+    """Return the tasks of which more than one outcome was seen, or one over its bound."""
+    differing = {}
+    for task in tasks:
+        outcomes = [one for one in seen.outcomes[task.name] if not _allowed(task, one)]
+        if len(outcomes) > 1 or (task.bound is not None and outcomes):
+            differing[task.name] = dict(seen.outcomes[task.name])
+    return differing
+
+
 def _figures(
     tasks: Sequence[Task],
     repeats: Sequence[dict[str, Any]],
-    seen: dict[str, Counter[str]],
+    seen: Seen,
     mode: str,
-    quick: bool,
+    chosen: argparse.Namespace,
 ) -> dict[str, Any]:
     """Put the figures together, as they are saved."""
     ways: dict[str, dict[str, Any]] = {}
@@ -228,33 +215,40 @@ def _figures(
         way['runs'] += repeat['runs']
         way['wall_s'] = round(way['wall_s'] + repeat['wall_s'], 1)
         way['load'].append(repeat['load'])
-    differing = {}
-    for task in tasks:
-        outcomes = [one for one in seen[task.name] if not _allowed(task, one)]
-        if len(outcomes) > 1 or (task.bound is not None and outcomes):
-            differing[task.name] = dict(seen[task.name])
-    verdicts = [
-        name for name, found in differing.items() if len({_verdicts(one) for one in found}) > 1
-    ]
+    for way in ways.values():
+        way['load'] = {'least': min(way['load']), 'most': max(way['load'])}
+    counts = [sum(seen.outcomes[task.name].values()) for task in tasks]
+    differing = _differing(tasks, seen)
     return {
         'isolation': mode,
-        'without_slow_tasks': quick,
+        'of': 'everything' if chosen.everything else 'the panel',
+        'without_slow_tasks': bool(chosen.quick),
         'tasks': len(tasks),
         'attacks': sum(task.name.startswith('attack/') for task in tasks),
         'compared_with_a_bound': sum(task.bound is not None for task in tasks),
-        'runs': sum(repeat['runs'] for repeat in repeats),
-        'least_repeats_of_a_task': min(sum(found.values()) for found in seen.values()),
+        'repeats': len(repeats),
+        'runs': sum(counts),
+        'least_repeats_of_a_task': min(counts, default=0),
         'ways': ways,
-        'differing_verdicts': verdicts,
+        'distinct_outcomes': sum(len(found) for found in seen.outcomes.values()),
+        'differing_verdicts': [
+            name for name, found in differing.items() if len({_verdicts(one) for one in found}) > 1
+        ],
+        'for_review': {
+            name: sum(found[one] for one in found if one.startswith('for review'))
+            for name, found in seen.outcomes.items()
+            if any(one.startswith('for review') for one in found)
+        },
         'differing': differing,
+        'differing_pictures': [name for name, found in seen.pictures.items() if len(found) > 1],
     }
 
 
-def _say(repeat: dict[str, Any], seen: dict[str, Counter[str]]) -> None:
-    several = sum(len(found) > 1 for found in seen.values())
+def _say(number: int, repeat: dict[str, Any], seen: Seen) -> None:
+    several = sum(len(found) > 1 for found in seen.outcomes.values())
     print(
-        f'{repeat["way"]}: {repeat["runs"]} runs in {repeat["wall_s"]} s, load {repeat["load"]}; '
-        f'{several or "no"} tasks with more than one outcome so far',
+        f'{number}, {repeat["way"]}: {repeat["runs"]} runs in {repeat["wall_s"]} s, load '
+        f'{repeat["load"]}; {several or "no"} tasks with more than one outcome so far',
         flush=True,
     )
 
@@ -266,10 +260,13 @@ def _print(facts: dict[str, Any], figures: dict[str, Any]) -> None:
         ['tasks', figures['tasks']],
         ['... of them attacks', figures['attacks']],
         ['... compared with a bound', figures['compared_with_a_bound']],
+        ['repeats', figures['repeats']],
         ['runs', figures['runs']],
         ['least runs of one task', figures['least_repeats_of_a_task']],
+        ['distinct outcomes', figures['distinct_outcomes']],
         ['tasks with another verdict', len(figures['differing_verdicts'])],
         ['tasks with another text', len(figures['differing'])],
+        ['tasks with another picture', len(figures['differing_pictures'])],
     ]
     report.print_table(['', ''], rows)
     for name, found in figures['differing'].items():

@@ -8,7 +8,6 @@ a paragraph::
     Tries: what it is after.
     Stopped by: what keeps it from getting it
     Deserves: 15            the points of its honest part; "15 at most" where luck has a part
-    Gets: 15 at most        only where that is more than it deserves: a weakness we know of
     Flag: same name         words that the instructor must see; several lines, or none
 
 "or review" after the points: the grader may also decline to give any, and call a person.
@@ -43,7 +42,7 @@ CANARY = 'CANARY-7f3a9c'
 """Planted wherever a program should not be able to look."""
 
 NOTEBOOKS = 'notebooks'
-_FIELD = re.compile(r'^(Tries|Stopped by|Deserves|Gets|Flag): (.+(?:\n[ ]+.+)*)', re.MULTILINE)
+_FIELD = re.compile(r'^(Tries|Stopped by|Deserves|Flag): (.+(?:\n[ ]+.+)*)', re.MULTILINE)
 POINTS = re.compile(r'(\d+)( at most)?( or review)?')
 
 
@@ -53,8 +52,7 @@ class Attack:
     One file of the corpus.
 
     :param kind: name of the folder: an exam, or ``notebooks``
-    :param deserves: the points of its honest part
-    :param points: what it gets, which is the same but for a known weakness
+    :param points: what its honest part deserves, and it gets
     :param at_most: whether the points are an upper bound
     :param review: whether no score and a person is right, too
     :param flags: words that the instructor must see
@@ -64,7 +62,6 @@ class Attack:
     kind: str
     tries: str
     stopped_by: str
-    deserves: float
     points: float
     at_most: bool
     review: bool
@@ -91,16 +88,14 @@ def read(path: Path) -> Attack:
     for name, value in _FIELD.findall(about):
         fields.setdefault(name, []).append(' '.join(value.split()))
     missing = {'Tries', 'Stopped by', 'Deserves'} - set(fields)
-    deserves = POINTS.fullmatch(fields.get('Deserves', [''])[0])
-    points = POINTS.fullmatch(fields['Gets'][0]) if 'Gets' in fields else deserves
-    if missing or not deserves or not points:
+    points = POINTS.fullmatch(fields.get('Deserves', [''])[0])
+    if missing or not points:
         raise ValueError(f'{path}: expected Tries, Stopped by and Deserves, lacks {missing}')
     return Attack(
         path,
         path.parent.name,
         fields['Tries'][0],
         fields['Stopped by'][0],
-        float(deserves[1]),
         float(points[1]),
         bool(points[2]),
         bool(points[3]),
@@ -126,12 +121,14 @@ class Outcome:
 
     :param result: None if the grader declined to judge
     :param recording: None if there is none
-    :param fault: why the grader declined, in words
+    :param fault: why there is no result, in words
+    :param declined: False if it was not the attack for which there is none
     """
 
     result: ExamResult | None
     recording: Recording | None
     fault: str = ''
+    declined: bool = True
 
 
 def grade(attack: Attack, sandbox: Sandbox, kept: Path) -> Outcome:

@@ -7,12 +7,13 @@ date.  The points are those the tests assert (tests/attacks), so the table canno
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
 import sys
 
 from autograder import exams
+from tests.attacks.archives import REFUSED
 from tests.attacks.corpus import Attack, NOTEBOOKS, notebooks, programs
 
 PAGE = Path(__file__).parents[2] / 'docs' / 'attacks.md'
@@ -23,8 +24,7 @@ in `tests/attacks/`. Each is graded as any other submission is, with the real sa
 hidden exams, and `pytest tests/attacks` asserts for each that
 
 * it gets the points that its honest part deserves: exactly, or, where luck has a part, not more
-  ("at most"; "or review": the grader may also decline to judge, and call a person). {known} gets
-  more; it is flagged, and says why it is left so;
+  ("at most"; "or review": the grader may also decline to judge, and call a person);
 * a canary in the grader's environment, its memory and its open files shows up nowhere in what the
   program printed or sent, in the recording, the report and the feedback;
 * the instructor is shown the flag that is named here;
@@ -38,11 +38,20 @@ does not is in `docs/threat-model.md`.
 def page() -> str:
     """Return the whole page."""
     found = [*programs(), *notebooks()]
-    known = sum(one.points > one.deserves for one in found)
-    parts = [HEAD.format(count=len(found), known=('None', 'One')[known])]
+    parts = [HEAD.format(count=len(found) + len(REFUSED))]
     for kind, group in groupby(found, key=lambda one: one.kind):
         parts.append('\n'.join(_section(kind, list(group))))
-    return '\n'.join(parts)
+    return '\n'.join([*parts, *_archives()])
+
+
+def _archives() -> Iterator[str]:
+    yield '## Zip files\n\nRefused as a whole, and nothing is written.\n'
+    yield '| Attack | Tries to | What is said |'
+    yield '|---|---|---|'
+    for trick, said in REFUSED.items():
+        tries = (trick.__doc__ or '').strip().rstrip('.')
+        yield f'| {trick.__name__.replace("_", " ")} | {tries[0].lower()}{tries[1:]} | “{said}” |'
+    yield ''
 
 
 def _section(kind: str, group: Sequence[Attack]) -> list[str]:
@@ -59,8 +68,6 @@ def _section(kind: str, group: Sequence[Attack]) -> list[str]:
 
 def _row(attack: Attack) -> str:
     points = f'{attack.points:g}{" at most" * attack.at_most}{" or review" * attack.review}'
-    if attack.points > attack.deserves:
-        points = f'{attack.deserves:g}, **gets {points}**'
     flags = ', '.join(f'“{flag}”' for flag in attack.flags)
     name = attack.name.replace('_', ' ')
     cells = (name, attack.tries.rstrip('.'), attack.stopped_by, points, flags)

@@ -185,7 +185,8 @@ class TestCommands:
         }
 
         assert set(pages) == {'ann', 'bob', 'cut', 'fay', 'mal'}
-        assert 'likely cause: right failed' in pages['bob']
+        assert '>likely cause</dt>' in pages['bob']
+        assert '>right failed</dd>' in pages['bob']
         assert 'ends in the middle' in pages['cut']
         assert 'For review' in pages['fay']
         assert SCRIPT not in pages['mal']

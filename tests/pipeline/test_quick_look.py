@@ -52,8 +52,60 @@ def reading(count):
 """
 
 
+MANIFEST = """<package format="3">
+  <name>thermo</name>
+  <version>0.1.0</version>
+  <description>A thermometer.</description>
+  <maintainer email="a@example.com">A</maintainer>
+  <license>MIT</license>
+  <exec_depend>rclpy</exec_depend>
+  <export><build_type>ament_{kind}</build_type></export>
+</package>
+"""
+SETUP = """
+from setuptools import setup
+
+setup(
+    name='thermo',
+    version='0.1.0',
+    packages=['thermo'],
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/thermo']),
+        ('share/thermo', ['package.xml']),
+    ],
+    entry_points={{'console_scripts': [{entries}]}},
+)
+"""
+IN_LIB = """
+[develop]
+script_dir=$base/lib/thermo
+[install]
+install_scripts=$base/lib/thermo
+"""
+ENTRY = "'temp_publisher = thermo.temp_publisher:main'"
+CMAKE = """
+cmake_minimum_required(VERSION 3.16)
+project(thermo)
+find_package(ament_cmake REQUIRED)
+find_package(ament_cmake_python REQUIRED)
+ament_python_install_package(thermo)
+ament_package()
+"""
+
+
+def python_package(folder: Path, entries: str = ENTRY, **changed: str) -> Path:
+    """Write a package as ``ros2 pkg create --build-type ament_python`` makes it."""
+    files = {
+        'package.xml': MANIFEST.format(kind='python'),
+        'setup.py': SETUP.format(entries=entries),
+        'setup.cfg': IN_LIB,
+        'resource/thermo': '',
+    }
+    return package(folder, **{**files, **changed})
+
+
 def package(folder: Path, **changed: str) -> Path:
-    """Write a small package that has helper modules of its own."""
+    """Write a small package without build files that has helper modules of its own."""
     files = {
         'package.xml': '<package format="3"><name>thermo</name></package>',
         'thermo/__init__.py': '',
@@ -123,13 +175,60 @@ class TestRuns:
             for _, result in done
         }
 
-    def test_the_finished_package_has_full_marks(self):
-        """Its nodes import modules of their own package, which also has the messages."""
-        assert self.points(ROOT / 'temp_monitor_pkg', 'temperature_monitor') == {
+    @pytest.mark.parametrize('form', ['folder', 'zip'])
+    def test_the_finished_package_has_full_marks(self, tmp_path, form):
+        """It is built with its own messages, and its own executables run."""
+        path = ROOT / 'temp_monitor_pkg'
+        if form == 'zip':
+            path = Path(shutil.make_archive(str(tmp_path / 'mine'), 'zip', ROOT, path.name))
+
+        assert self.points(path, 'temperature_monitor') == {
             'temperature_message': (10, []),
             'temperature_publisher': (15, []),
             'temperature_subscriber': (15, []),
         }
+
+    def test_a_python_package_is_built_and_its_entry_point_runs(self, tmp_path):
+        """Whatever module and function it names, with imports of its own package."""
+        node = NODE.format(package='.').replace('def main()', 'def start()')
+        folder = python_package(
+            tmp_path / 'a',
+            entries="'temp_publisher = thermo.sensor:start'",
+            **{'thermo/sensor.py': node},
+        )
+        (folder / 'thermo' / 'temp_publisher.py').unlink()
+
+        assert self.points(folder) == {'temperature_publisher': (15, [])}
+
+    @pytest.mark.parametrize(
+        ('cause_id', 'changed'),
+        [
+            ('entry_point_missing', {'entries': "'thermometer = thermo.temp_publisher:main'"}),
+            ('script_folder', {'setup.cfg': ''}),
+            ('import', {'entries': "'temp_publisher = thermo.sensor:main'"}),
+            ('build', {'setup.py': 'from setuptools import setup\n\nsetup(name=thermo)\n'}),
+            (
+                'executable_not_installed',
+                {
+                    'package.xml': MANIFEST.format(kind='cmake'),
+                    'CMakeLists.txt': CMAKE,
+                },
+            ),
+        ],
+    )
+    def test_a_package_that_does_not_start_says_why(self, tmp_path, cause_id, changed):
+        """The first check fails, with the file to mend."""
+        folder = python_package(tmp_path / 'a', **changed)
+        if 'CMakeLists.txt' in changed:
+            (folder / 'setup.py').unlink()
+
+        (look,) = quick_look.looks(
+            folder, quick_look.exams_named('temperature_publisher', LAYOUT, hidden=False), LAYOUT
+        )
+        ((_, result),) = quick_look.quick_look([look], strongest(), None)
+
+        assert result.failed[0].cause_id == cause_id
+        assert result.points == 0
 
     @pytest.mark.parametrize('where', ['thermo', 'temp_monitor_pkg'])
     def test_modules_are_those_that_were_handed_in(self, tmp_path, where):
@@ -144,14 +243,6 @@ class TestRuns:
         )
         if where != 'thermo':
             shutil.rmtree(folder / 'thermo')
-
-        assert self.points(folder) == {'temperature_publisher': (15, [])}
-
-    def test_imports_of_ones_own_package_may_be_relative(self, tmp_path):
-        """As where an entry point imports the module; in another file, and at its own name."""
-        node = NODE.format(package='.')
-        setup = "entry_points={'console_scripts': ['temp_publisher = thermo.sensor:main']}"
-        folder = package(tmp_path / 'a', **{'thermo/sensor.py': node, 'setup.py': setup})
 
         assert self.points(folder) == {'temperature_publisher': (15, [])}
 

@@ -13,6 +13,8 @@ from autograder.inbox import Submission
 from autograder.layout import Layout
 from autograder.pipeline import grade_class, grading_engine, load_lesson
 from autograder.results import SubmissionResult, Verdict
+from tests.judgement.references import exercises
+from tests.judgement.samples import counted, expected_verdicts, samples, verdicts_of
 
 LAYOUT = Layout.here()
 EXAMINED = [name for name in LAYOUT.assignments() if exams.for_assignment(name)]
@@ -58,23 +60,31 @@ def test_the_class_has_every_kind_of_outcome():
     assert outcomes == {'pass', 'fail', 'error', 'zero'}
 
 
+@pytest.mark.parametrize('exercise', exercises(), ids=lambda one: one.name)
+def test_each_exercise_has_many_right_and_many_wrong_answers(exercise):
+    """Honest styles and beginners' mistakes; stubs and copies of the reference do not count."""
+    assert len(counted(samples(), exercise, right=True)) >= 12
+    assert len(counted(samples(), exercise, right=False)) >= 12
+
+
 @pytest.mark.parametrize(('assignment', 'name'), SAMPLES)
-def test_points_and_causes_are_those_expected(assignment, name):
+def test_verdicts_and_causes_and_points_are_those_expected(assignment, name):
     """The folder's name says what happens."""
     result = graded(assignment)[name]
     expected = sample_class.expected_of(LAYOUT.sample_class / assignment / name)
-    failed = {
-        exam.exam: {check.check: check.cause_id for check in exam.failed}
-        for exam in result.exams
-        if exam.failed
+    verdicts = {exam.exam: verdicts_of(exam) for exam in result.exams}
+    wanted = {
+        exam.name: expected_verdicts(exam, expected['failed'].get(exam.name, {}))
+        for exam in exams.for_assignment(assignment)
     }
 
     assert result.fault == ''
-    assert failed == expected['failed']
+    assert verdicts == wanted
     assert {exam.exam: round(exam.points, 3) for exam in result.exams} == expected['points']
     if name.startswith('pass__'):
         assert result.points == result.max_points
     else:
         assert result.points < result.max_points
-        verdicts = [check.verdict for exam in result.exams for check in exam.checks]
-        assert Verdict.FAILED in verdicts
+        assert any(
+            Verdict.FAILED.value in one for exam in wanted.values() for one in exam.values()
+        )

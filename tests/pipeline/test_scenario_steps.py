@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from autograder.observe import observe
@@ -223,6 +225,22 @@ class TestCall:
         (asked,) = seen.answers('/map/get_state')
         assert (asked['event'], asked['reason']) == ('no_answer', 'no_service')
         assert seen.phase('after').of('mark')
+
+    def test_node_that_nobody_spins_is_not_waited_for_long(self, run):
+        """It answered no first question, so even a patience beyond all limits ends no run."""
+        body = """
+def make():
+    global silent
+    silent = Node('silent')
+    return Node('spun')
+"""
+        asked = replace(set_parameter('/silent', 'a', 1), patience_s=1000.0)
+
+        seen = run(body, asked, set_parameter('/spun', 'use_sim_time', True))
+
+        assert [event['reason'] for event in seen.of('no_answer')] == ['too_late']
+        assert len(seen.of('answer')) == 1
+        assert seen.end_reason == 'complete'
 
     def test_program_that_ends_in_a_call_is_no_answer(self, run):
         """The reason is told, and the run ends."""

@@ -39,8 +39,8 @@ def test_check_judges_what_the_saved_node_does(kernel):
     kernel.run(TWICE_A_SECOND)
     outputs = kernel.run(CHECK)
 
-    assert '✓' in outputs.text
-    assert '✗' in outputs.text
+    assert '[pass]' in outputs.text
+    assert '[FAIL]' in outputs.text
     assert 'observed:' in outputs.text
     assert outputs.streams['stderr'] == ''
     assert kernel.run('0 < report.points < report.max_points, bool(report)').value == (
@@ -94,7 +94,7 @@ def test_interrupted_check_leaves_no_process(kernel):
 
     assert outputs.error['ename'] == 'KeyboardInterrupt'
     assert kernel.run('psutil.Process().children(recursive=True)').value == '[]'
-    assert '✓' in kernel.run(CHECK).text
+    assert '[pass]' in kernel.run(CHECK).text
 
 
 def test_validate_button_fails_on_a_failed_check(monkeypatch, tmp_path):
@@ -108,4 +108,4 @@ def test_validate_button_fails_on_a_failed_check(monkeypatch, tmp_path):
 
     assert outputs.error['ename'] == 'AssertionError'
     assert 'temperature_publisher' in outputs.error['evalue']
-    assert '✗' in outputs.text
+    assert '[FAIL]' in outputs.text

@@ -77,8 +77,10 @@ def test_missing_publisher_is_explained_from_the_graph(seen, cause_id, words):
     [
         ('NotImplementedError: write the callback', 'not_started'),
         ("ModuleNotFoundError: No module named 'rclpi'", 'import'),
-        ("AttributeError: 'T' object has no attribute 'x'", 'exception'),
-        ('IndentationError: unexpected indent', 'syntax'),
+        ("AttributeError: 'T' object has no attribute 'x'", 'no_attribute'),
+        ('ZeroDivisionError: float division by zero', 'exception'),
+        ('IndentationError: unexpected indent', 'indentation'),
+        ('SyntaxError: invalid syntax', 'syntax'),
     ],
 )
 def test_exception_is_named_with_the_line_of_the_cell(error, cause_id):
@@ -135,3 +137,125 @@ def test_parameter_of_another_type_is_told_without_its_value():
 
     assert found.cause_id == 'parameter_type'
     assert '1.87' not in found.text
+
+
+@pytest.mark.parametrize(
+    ('code', 'cause_id'),
+    [
+        (
+            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == '__main__':\n    pass\n",
+            'main_not_called',
+        ),
+        ('def main():\n    node = Talker()\n\n\nmain()\n', 'no_spin'),
+        ('def main():\n    rclpy.spin_once(node)\n\n\nmain()\n', 'spins_once'),
+        ('def main():\n    rclpy.spin(node)\n\n\nmain()\n', 'exited_early'),
+        ('async def main():\n    rclpy.spin(node)\n\n\nasyncio.run(main())\n', 'exited_early'),
+    ],
+)
+def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_id):
+    """The text names the cause; that it ended is what was seen."""
+    seen = run(nodes=(), exit=0)
+
+    assert causes.why_it_ended(Run({'talker.py': code}, seen.recording)).cause_id == cause_id
+
+
+def test_node_that_is_destroyed_before_it_is_spun_was_never_missing():
+    """It is not said that nobody made a node."""
+    code = 'node = Talker()\nnode.destroy_node()\nrclpy.spin(node)\n'
+    seen = run(nodes=())
+
+    found = causes.why_no_node(Run({'talker.py': code}, seen.recording), '/talker')
+
+    assert found.cause_id == 'destroyed_early'
+
+
+def test_node_that_could_not_be_seen_is_not_called_missing():
+    """When unsure, it is said what was seen, and how to look."""
+    code = "class Talker(Node):\n    def __init__(self):\n        super().__init__('talker')\n"
+    seen = run(nodes=())
+
+    found = causes.why_no_node(Run({'talker.py': code}, seen.recording), '/talker')
+
+    assert 'although your code has one' in found.text
+    assert 'nodes()' in found.try_this
+
+
+@pytest.mark.parametrize('period', ['500', '1000.0', 'PERIOD_MS'])
+def test_period_in_milliseconds_is_told(period):
+    """The first call is minutes away, so nothing comes, whatever else is right."""
+    code = f'PERIOD_MS = 500\nself.create_timer({period}, self.speak)\n'
+    seen = run({'event': 'barrier', 'node': '/n', 'answered': True}, endpoints=[end()])
+
+    found = causes.why_silent(Run({'talker.py': code}, seen.recording))
+
+    assert found.cause_id == 'period_unit'
+    assert 'seconds' in found.text
+
+
+def test_node_that_is_not_spun_beside_one_that_is_explains_the_limit():
+    """A program that waits for it reaches a limit, which explains less."""
+    barriers = [
+        {'event': 'barrier', 'node': '/n', 'answered': False},
+        {'event': 'barrier', 'node': '/helper', 'answered': True},
+    ]
+    seen = run(*barriers, nodes=('/helper', '/n'), endpoints=[end()], killed='wall_time_limit')
+
+    found = causes.why_silent(seen)
+
+    assert found.cause_id == 'other_node_spun'
+    assert 'helper is spun and n is not' in found.text
+
+
+def test_helper_that_nobody_spins_explains_nothing():
+    """The node with the work is served."""
+    barriers = [
+        {'event': 'barrier', 'node': '/n', 'answered': True},
+        {'event': 'barrier', 'node': '/helper', 'answered': False},
+    ]
+
+    assert causes.why_silent(run(*barriers, nodes=('/helper', '/n'), endpoints=[end()])) is None
+
+
+@pytest.mark.parametrize(
+    ('code', 'cause_id'),
+    [
+        ('self.create_timer(1.0, self.speak)', 'never_publishes'),
+        ('def speak(self):\n    self.publisher.publish(String())', 'no_timer'),
+        ('self.create_timer(1.0, self.speak)\nself.publisher.publish(String())', 'silent'),
+        ('', 'silent'),
+    ],
+)
+def test_silence_is_explained_by_what_the_code_lacks(code, cause_id):
+    """What the text has not, it cannot do; else it is said how to look."""
+    seen = run({'event': 'barrier', 'node': '/n', 'answered': True}, endpoints=[end()])
+
+    assert causes.why_no_message(Run({'talker.py': code}, seen.recording)).cause_id == cause_id
+
+
+def test_without_a_cause_it_is_said_how_to_look():
+    """A topic by its last part: the namespace of a hidden exam is nobody's business."""
+    assert "echo('chatter')" in causes.how_to_look(run(endpoints=[end('/xkcdq/chatter')]))
+    assert 'xkcdq' not in causes.how_to_look(run(endpoints=[end('/xkcdq/chatter')]))
+    assert 'logs()' in causes.how_to_look(run())
+    assert causes.how_to_look(run(nodes=())) == ''
+
+
+@pytest.mark.parametrize(
+    'limit',
+    [
+        'wall_time_limit',
+        'cpu_limit',
+        'memory_limit',
+        'output_limit',
+        'inode_limit',
+        'too_much_recorded',
+        'too_many_events',
+    ],
+)
+def test_each_limit_says_what_was_too_much_and_where_to_look(limit):
+    """A program that was ended is told its own limit."""
+    found = causes.why_it_ended(run(killed=limit))
+
+    assert found.cause_id == limit
+    assert found.text.startswith('The program was ended: ')
+    assert found.try_this.startswith('Look for ')

@@ -11,6 +11,7 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.errors import SandboxUnavailable
+from autograder.grading import submitted_folder
 from autograder.layout import Layout
 
 
@@ -239,10 +240,10 @@ def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_pa
 
     console = Console()
     elsewhere = Elsewhere(layout.root)
-    command._submitted_folder(elsewhere, None, console)
+    submitted_folder(elsewhere, None, console)
     assert 'example submissions' in capsys.readouterr().out
 
-    command._submitted_folder(elsewhere, None, console)
+    submitted_folder(elsewhere, None, console)
     assert capsys.readouterr().out == ''
 
 

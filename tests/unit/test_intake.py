@@ -25,6 +25,7 @@ PACKAGE = [
     ('my_pkg/my_pkg/talker.py', 'x = 1'),
     ('my_pkg/my_pkg/helper.py', 'y = 2'),
     ('my_pkg/setup.cfg', '[develop]'),
+    ('my_pkg/resource/my_pkg', ''),
 ]
 
 
@@ -46,6 +47,7 @@ class TestWhatIsTakenIn:
             'my_pkg/helper.py',
             'my_pkg/talker.py',
             'package.xml',
+            'resource/my_pkg',
             'setup.cfg',
         ]
 

@@ -10,10 +10,10 @@ import pytest
 from rich.console import Console
 
 from autograder import isolation, landlock, sandbox
-from autograder.__main__ import _warn_if_weak
 from autograder.confined import Confined
 from autograder.errors import SandboxUnavailable
 from autograder.feedback import exam_text
+from autograder.grading import warn_if_weak
 from autograder.isolation import fix_for, System
 from autograder.report import print_table, write_reports
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
@@ -139,9 +139,9 @@ def test_a_weak_mode_runs_one_submission_at_a_time():
     def engine(mode):
         return SimpleNamespace(sandbox=SimpleNamespace(mode=mode))
 
-    assert _warn_if_weak(engine('bwrap-root'), 4, told) == 4
+    assert warn_if_weak(engine('bwrap-root'), 4, told) == 4
     assert told.file.getvalue() == ''
-    assert _warn_if_weak(engine('landlock'), 4, told) == 1
+    assert warn_if_weak(engine('landlock'), 4, told) == 1
     assert 'WEAK ISOLATION' in told.file.getvalue()
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from autograder.package import read_package
+from autograder import exams
+from autograder.package import own_files, read_package
 
 
 def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):
@@ -36,3 +37,13 @@ def test_odd_bytes_are_replaced(tmp_path):
     (tmp_path / 'a.py').write_bytes(b'x = "\xff"')
 
     assert read_package(tmp_path) == {'a.py': 'x = "\ufffd"'}
+
+
+def test_a_message_is_built_without_the_nodes_of_other_exercises():
+    """As in grading; and an edit of a node builds nothing again."""
+    files = {'package.xml': '', 'msg/Temperature.msg': '', 'temp_publisher.py': 'a node'}
+    message = exams.load('temperature_message', hidden=False)
+    publisher = exams.load('temperature_publisher', hidden=False)
+
+    assert sorted(own_files(message, files)) == ['msg/Temperature.msg', 'package.xml']
+    assert own_files(publisher, files) == files

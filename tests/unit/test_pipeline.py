@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from autograder.errors import ProbeFailed
+from autograder.errors import GraderError, ProbeFailed
 from autograder.feedback import headline
 from autograder.inbox import Submission
 from autograder.pipeline import grade_class, grade_notebook, Lesson
@@ -104,14 +104,17 @@ def test_a_broken_file_is_zero_with_the_reason():
     assert 'not JSON' in headline(graded[0].result)
 
 
-def test_progress_is_told_once_a_run():
-    """Two exams, three students."""
+def test_progress_is_told_for_each_exam_of_each_student():
+    """Two exams, three students, of whom two have the same answer."""
     told = []
-    class_ = [handed_in(name, 'right') for name in 'abc']
+    class_ = [handed_in('ann', 'right'), handed_in('bob', 'right'), handed_in('cho', 'bug')]
 
-    grade_class(class_, LESSON, FakeEngine(), jobs=2, on_done=lambda: told.append(1))
+    grade_class(class_, LESSON, FakeEngine(), jobs=2, on_done=told.append)
 
-    assert len(told) == 6
+    assert sorted((done.student, done.exam) for done in told) == [
+        (student, exam) for student in ('ann', 'bob', 'cho') for exam in ('first', 'second')
+    ]
+    assert {done.student for done in told if isinstance(done.outcome, GraderError)} == {'cho'}
 
 
 def test_something_can_be_done_meanwhile_in_the_calling_thread():

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+
+from hypothesis import given
+from hypothesis import strategies as st
 import pytest
 
 from autograder.errors import RecordingInvalid
@@ -121,3 +125,28 @@ class TestFile:
 
         with pytest.raises(RecordingInvalid, match='no event'):
             Recording.load(path)
+
+    @given(cut=st.integers(min_value=0, max_value=len(SAMPLE.to_bytes()) - 1))
+    def test_file_that_was_cut_off_anywhere_is_refused(self, cut):
+        """At a line's end, too, where all that is left is sound JSON."""
+        with pytest.raises(RecordingInvalid):
+            Recording.from_bytes(SAMPLE.to_bytes()[:cut])
+
+    def test_file_whose_numbers_were_changed_is_refused(self):
+        """One letter of an event is enough."""
+        changed = SAMPLE.to_bytes().replace(b'"hot"', b'"hat"')
+
+        with pytest.raises(RecordingInvalid, match='seal'):
+            Recording.from_bytes(changed, 'r.jsonl')
+
+    def test_file_of_a_full_disk_leaves_nothing(self, tmp_path, monkeypatch):
+        """Neither under its name nor under another."""
+
+        def refuse(_):
+            raise OSError(28, 'No space left on device')
+
+        monkeypatch.setattr(os, 'fsync', refuse)
+
+        with pytest.raises(OSError, match='No space'):
+            SAMPLE.save(tmp_path / 'r.jsonl')
+        assert list(tmp_path.iterdir()) == []

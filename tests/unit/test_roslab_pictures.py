@@ -13,7 +13,8 @@ from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import ByteMultiArray, Empty, Float64, Header, Int32MultiArray, String
 
-from roslab import svg
+from drawing import svg
+from drawing.graph_layout import arrange
 from roslab.cli_text import (
     echo_text,
     hz_text,
@@ -25,7 +26,6 @@ from roslab.cli_text import (
 from roslab.errors import RoslabError
 from roslab.fields import number_getter, numeric_fields
 from roslab.graph_facts import Endpoint, Facts, mismatch, Topic
-from roslab.graph_layout import arrange
 from roslab.graph_picture import Graph
 from roslab.plot_picture import Curve, curve_html, curve_text
 from roslab.timeline_picture import make_timeline

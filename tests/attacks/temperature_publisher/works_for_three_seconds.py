@@ -2,10 +2,9 @@
 Tries: answer nothing it is asked, so that it is watched in real time, and work only as long as
     that lasts.
 
-Stopped by: nothing: code with a loop of its own is watched for three seconds, so that an
-    honest one has its points; the instructor is told
+Stopped by: how long it is watched is drawn from the course secret, from 6.5 to 9.5 s, and its
+    rhythm has to go on until the end; the instructor is told
 Deserves: 5
-Gets: 15 at most
 Flag: watched for a few seconds
 """
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from roslab.build_advice import diagnose, MISTAKES
+from autograder.build_advice import diagnose, MISTAKES, texts_of
 
 ADAPTER = """
 CMake Error at /opt/ros/share/rosidl_adapter/cmake/rosidl_adapt_interfaces.cmake:57 (message):
@@ -43,6 +43,8 @@ PRINTED = {
     'file_not_listed': GENERATE
     + "  rosidl_generate_interfaces() the passed file 'msg/temperature.msg' doesn't\n"
     + '  exist relative to the CMAKE_CURRENT_SOURCE_DIR\n',
+    'no_file_listed': GENERATE
+    + '  rosidl_generate_interfaces() called without any interface files\n',
     'ament_package_first': GENERATE
     + '  rosidl_generate_interfaces() must be called before ament_package()\n',
     'cmake_syntax': 'CMake Error at CMakeLists.txt:6:\n'
@@ -70,6 +72,7 @@ PRINTED = {
     'incomplete_field': ADAPTER
     + '  Error with: temp_monitor_pkg Temperature unit\n\n  Traceback (most recent call last):\n'
     + '  rosidl_adapter.parser.InvalidFieldDefinition: unit\n',
+    'indented_line': ADAPTER + "  TypeError: the constant type '' must be a primitive type\n",
     'duplicate_field': ADAPTER
     + '  ValueError: the fields iterable contains duplicate names: temperature_value\n',
     'missing_dependencies': "KeyError: 'builtin_interfaces'\ngmake[2]: *** [CMakeFiles/"
@@ -83,9 +86,9 @@ PRINTED = {
 
 
 @pytest.mark.parametrize('mistake', MISTAKES, ids=lambda mistake: mistake.cause)
-def test_every_mistake_of_the_table_is_recognised(mistake, tmp_path):
+def test_every_mistake_of_the_table_is_recognised(mistake):
     """Each entry is found by its own output, with nothing left to fill in."""
-    diagnosis = diagnose(PRINTED[mistake.cause], tmp_path)
+    diagnosis = diagnose(PRINTED[mistake.cause], {})
 
     assert diagnosis.cause == mistake.cause
     for text in (diagnosis.error, diagnosis.advice):
@@ -100,27 +103,34 @@ def test_the_line_of_the_mistake_is_named(tmp_path):
     message.parent.mkdir()
     message.write_text('# one reading\nstring unit\nfloat   temperature_value  # wrong\n')
 
-    diagnosis = diagnose(PRINTED['unknown_type'], tmp_path)
+    diagnosis = diagnose(PRINTED['unknown_type'], texts_of(tmp_path))
 
     assert diagnosis.where == 'msg/Temperature.msg, line 3'
     assert "'float'" in diagnosis.error
     assert 'float64' in diagnosis.advice
 
 
-def test_line_numbers_of_cmake_are_kept(tmp_path):
+def test_line_numbers_of_cmake_are_kept():
     """CMake's own line number is the file's."""
-    assert diagnose(PRINTED['cmake_syntax'], tmp_path).where == 'CMakeLists.txt, line 6'
+    assert diagnose(PRINTED['cmake_syntax'], {}).where == 'CMakeLists.txt, line 6'
 
 
-def test_unknown_failure_shows_its_first_error(tmp_path):
+def test_unknown_failure_shows_its_first_error():
     """What is not in the table is not explained away: the first error line is shown."""
     output = 'all is well\nfoo.c:1:2: error: no such thing\nbar.c:3:4: error: another\n'
-    diagnosis = diagnose(output, tmp_path)
+    diagnosis = diagnose(output, {})
 
     assert diagnosis.cause == ''
     assert diagnosis.error == 'foo.c:1:2: error: no such thing'
 
 
-def test_output_without_any_line_is_said_to_be_empty(tmp_path):
+def test_unknown_failure_of_a_generator_shows_the_exception():
+    """The command line of a generator says nothing, its exception does."""
+    output = ADAPTER + '  File "parser.py", line 5, in parse\n\n  LookupError: no such thing\n'
+
+    assert diagnose(output, {}).error == 'LookupError: no such thing'
+
+
+def test_output_without_any_line_is_said_to_be_empty():
     """An empty log gets a sentence, not an exception."""
-    assert 'nothing' in diagnose('', tmp_path).error
+    assert 'nothing' in diagnose('', {}).error

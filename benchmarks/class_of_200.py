@@ -1,0 +1,262 @@
+"""
+A class of two hundred, each with ten checks: processor time, memory, and what two workers give.
+
+No two submissions have the same files, so nothing is shared between them.  Half are right and half
+are wrong in different ways.  Processor time is that of a control group, in which the kernel counts
+everything that the command starts, sandboxes included.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+import json
+import os
+from pathlib import Path
+import re
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from typing import Any
+
+import psutil
+
+from autograder.layout import Layout
+from autograder.recording import Recording
+from benchmarks import reduced_course, report
+from benchmarks.submissions import publishers, REFERENCE
+
+FULL_SIZE = 200
+SECONDS = 60
+CONTROLLED = ('/sys/fs/cgroup', '/sys/fs/cgroup/unified', '/sys/fs/cgroup/cpuacct')
+SAMPLES = (
+    REFERENCE,
+    'fail__two_hertz',
+    'pass__lambda_and_subclass',
+    'fail__topic_typo',
+    'pass__functions_style',
+    'fail__best_effort',
+    'pass__whole_degrees',
+    'error__exception_in_callback',
+)
+MORE_CHECKS = '''
+
+from autograder.exam import Failed, Run
+
+
+@exam.check(points=1, needs=['starts_its_node'])
+def sends_at_least_ten(run: Run) -> None:
+    """Your node sends at least ten messages."""
+    if len(run.recording.messages('/temperature_topic')) < 10:
+        raise Failed(expected='ten messages', observed='fewer')
+
+
+@exam.check(points=1, needs=['starts_its_node'])
+def runs_to_the_end(run: Run) -> None:
+    """Your node runs as long as the exam."""
+    if run.recording.end_reason != 'complete':
+        raise Failed(expected='a whole run', observed=run.recording.end_reason)
+'''
+
+
+def main() -> None:
+    """Measure, print and save."""
+    parser = argparse.ArgumentParser(prog='python -m benchmarks.class_of_200')
+    parser.add_argument('--size', type=int, default=FULL_SIZE, metavar='N', help='submissions')
+    size = parser.parse_args().size
+    facts = report.machine()
+    with tempfile.TemporaryDirectory(prefix='benchmark_') as folder:
+        answers = class_of(size)
+        layout = reduced_course.build(Path(folder), answers, SECONDS, MORE_CHECKS, 2)
+        # Two, one, two: a change of load in between would show.
+        graded = [_grade(layout, jobs, anew=True) for jobs in (2, 1, 2)]
+        again = _grade(layout, 2, anew=False)
+        rejudged = _rejudge(layout)
+    figures = _figures(size, graded, again, rejudged)
+    report.print_machine(facts)
+    print(json.dumps(figures, indent=2))
+    report.save('class_of_200', facts, figures, full=size >= FULL_SIZE)
+
+
+def class_of(size: int) -> dict[str, str]:
+    """Return so many publishers, by student; each differs in a comment at least."""
+    texts = list(publishers(SAMPLES).values())
+    return {
+        f'student{number:03}': f'{texts[number % len(texts)]}\n# student {number}\n'
+        for number in range(size)
+    }
+
+
+def _grade(layout: Layout, jobs: int, anew: bool) -> dict[str, Any]:
+    """
+    Grade the class with the whole command.
+
+    :raises RuntimeError: with the command's own words, if it gives no verdicts
+    """
+    if anew:
+        subprocess.run(['rm', '-rf', str(layout.work)], check=True)
+    command = [sys.executable, '-m', 'autograder', 'grade', '--json', '--jobs', str(jobs)]
+    command += ['--submitted', str(reduced_course.submitted(layout))]
+    with _counted() as (begin, used_s):
+        began = time.monotonic()
+        process = subprocess.Popen(
+            ['sh', '-c', f'{begin}exec "$@"', 'sh', *command],
+            cwd=layout.root,  # where Python looks for modules first: the copy is what runs
+            env={**os.environ, 'COURSE_SECRET': 'benchmark'},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        watch = _Watch(process.pid)
+        said, errors = process.communicate()
+        wall_s = time.monotonic() - began
+        watch.join()
+        cpu_s = used_s()
+    if process.returncode != 0:
+        raise RuntimeError(f'autograder grade ended with {process.returncode}:\n{errors}')
+    results = json.loads(said)
+    running = re.search(r'\(([\d.]+) s of it running\)', errors)
+    return {
+        'jobs': jobs,
+        'wall_s': round(wall_s, 2),
+        'running_s': float(running[1]) if running else None,
+        'cpu_s': cpu_s,
+        'coordinator_cpu_s': round(watch.cpu_s, 2),
+        'coordinator_peak_mib': watch.peak >> 20,
+        'programs_cpu_s': round(_programs_s(layout, results), 2),
+        'judging_s': round(_sum(results, 'judge_s'), 3),
+        'until_ready_s': round(_sum(results, 'ready_s'), 2),
+        'runs_s': round(_sum(results, 'run_s'), 2),
+        'points': sum(check['points'] for check in _checks(results)),
+    }
+
+
+@contextmanager
+def _counted() -> Iterator[tuple[str, Any]]:
+    """Yield a shell line that enters a new control group, and what tells its processor time."""
+    name = f'benchmark_{os.getpid()}_{time.monotonic_ns()}'
+    for above in CONTROLLED:
+        group = Path(above, name)
+        try:
+            group.mkdir()
+        except OSError:
+            continue
+        try:
+            files = (group / 'cpuacct.usage', group / 'cpu.stat')
+            if any(file.is_file() for file in files):
+                yield f'echo $$ > {group}/cgroup.procs && ', partial(_used_s, group)
+                return
+        finally:
+            _remove(group)
+    yield '', lambda: None
+
+
+def _used_s(group: Path) -> float:
+    """Return the processor time of everything that ever was in a group [s]."""
+    old = group / 'cpuacct.usage'
+    if old.is_file():
+        return round(int(old.read_text('ascii')) / 1e9, 2)
+    for line in (group / 'cpu.stat').read_text('ascii').splitlines():
+        if line.startswith('usage_usec'):
+            return round(int(line.split()[1]) / 1e6, 2)
+    raise RuntimeError(f'{group}: no usage_usec in cpu.stat')
+
+
+def _remove(group: Path) -> None:
+    try:
+        group.rmdir()
+    except OSError:
+        pass  # a last process is on its way out; an empty group costs nothing
+
+
+class _Watch(threading.Thread):
+    """Asks the kernel for what the command itself has used, until it ends."""
+
+    def __init__(self, pid: int) -> None:
+        super().__init__(daemon=True)
+        self.process = psutil.Process(pid)
+        self.cpu_s, self.peak = 0.0, 0
+        self._ended = threading.Event()
+        self.start()
+
+    def run(self) -> None:
+        """Look ten times a second: both figures only grow."""
+        status = Path('/proc', str(self.process.pid), 'status')
+        try:
+            while not self._ended.wait(0.1):
+                times = self.process.cpu_times()
+                self.cpu_s = times.user + times.system
+                peak = re.search(r'VmHWM:\s+(\d+) kB', status.read_text('ascii', 'replace'))
+                self.peak = max(self.peak, int(peak[1]) << 10 if peak else 0)
+        except (psutil.Error, OSError):
+            pass  # it has ended
+
+
+def _checks(results: list[Any]) -> Iterator[Mapping[str, Any]]:
+    for result in results:
+        for exam in result['exams']:
+            yield from exam['checks']
+
+
+def _sum(results: list[Any], name: str) -> float:
+    return sum(exam['timing'].get(name, 0.0) for one in results for exam in one['exams'])
+
+
+def _programs_s(layout: Layout, results: list[Any]) -> float:
+    """Return the processor time of the students' programs alone [s]."""
+    seconds = 0.0
+    for result in results:
+        for exam in result['exams']:
+            if exam['recording']:
+                path = layout.recordings / exam['exam'] / exam['recording']
+                seconds += float(Recording.load(path).process['cpu_s'])
+    return seconds
+
+
+def _rejudge(layout: Layout) -> dict[str, Any]:
+    """Judge everybody again from the recordings, as after an edit of a check."""
+    command = [sys.executable, '-m', 'autograder', 'rejudge', '--json']
+    command += ['--submitted', str(reduced_course.submitted(layout))]
+    done = subprocess.run(
+        command,
+        cwd=layout.root,
+        env={**os.environ, 'COURSE_SECRET': 'benchmark'},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    (account,) = json.loads(done.stdout)
+    return {
+        'seconds': account['seconds'],
+        'kept': sum(bool(s['kept']) for s in account['submissions']),
+    }
+
+
+def _figures(
+    size: int, graded: list[dict[str, Any]], again: dict[str, Any], rejudged: dict[str, Any]
+) -> dict[str, Any]:
+    """Put the figures together, as they are saved."""
+    two, one, two_again = graded
+    best = min(two['running_s'], two_again['running_s'])
+    cpu = [run['cpu_s'] for run in graded if run['cpu_s'] is not None]
+    return {
+        'submissions': size,
+        'exam': f'{SECONDS} s at 1 Hz, 10 checks',
+        'cpu_s_a_submission': round(sum(cpu) / len(cpu) / size, 3) if cpu else None,
+        'peak_memory_of_coordinator_mib': max(run['coordinator_peak_mib'] for run in graded),
+        'two_workers_against_one': round(one['running_s'] / best, 2) if best else None,
+        'same_points': len({run['points'] for run in (*graded, again)}) == 1,
+        'unchanged_ms_a_submission': round(1000 * again['running_s'] / size, 2),
+        'unchanged_wall_s': again['wall_s'],
+        'judged_again_ms_a_submission': round(1000 * rejudged['seconds'] / size, 2),
+        'not_judged_again': rejudged['kept'],
+        'runs': [*graded, again],
+    }
+
+
+if __name__ == '__main__':
+    main()

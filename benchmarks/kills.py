@@ -1,0 +1,235 @@
+"""
+A grading is killed again and again, and continued: nothing may be lost, doubled or left over.
+
+A class is graded once in peace.  Then it is graded anew while, at random instants, the command
+itself or one of its worker processes is killed without warning; the same command is started again
+until it comes to its end.  Its results, and what is in the gradebook, have to be the same as in
+peace; no sandbox may outlive its grader, and no temporary file the whole.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+import json
+import os
+from pathlib import Path
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from typing import Any
+
+import psutil
+
+from autograder.layout import Layout
+from benchmarks import reduced_course, report, stock_course
+from benchmarks.submissions import ASSIGNMENT, publishers, SIX
+
+FULL_KILLS = 50
+SECONDS = 10
+ORPHANS_S = 60.0
+"""How long the processes of a killed grader may take to end on a busy machine."""
+NOT_COMPARED = ('timing', 'recording', 'pictures')
+Facts = Mapping[str, Any]
+
+
+@dataclass
+class Account:
+    """
+    What was seen.
+
+    :param kills: by what was killed
+    :param wrong: what should not have been, one line each
+    :param gradings: how many came to their end
+    """
+
+    kills: Counter[str] = field(default_factory=Counter)
+    wrong: list[str] = field(default_factory=list)
+    gradings: int = 0
+    starts: int = 0
+
+
+def main() -> int:
+    """
+    Measure, print and save.
+
+    :returns: exit code, 1 if something was lost, doubled or left
+    """
+    parser = argparse.ArgumentParser(prog='python -m benchmarks.kills')
+    parser.add_argument('--kills', type=int, default=FULL_KILLS, metavar='N', help='how many')
+    parser.add_argument('--seed', type=int, default=1, metavar='N', help='of the instants')
+    parser.add_argument('--jobs', type=int, default=2, metavar='N', help='worker processes')
+    chosen = parser.parse_args()
+    facts = report.machine()
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix='benchmark_') as folder:
+        account = soak(Path(folder), SIX, chosen.kills, chosen.seed, chosen.jobs, SECONDS)
+    figures = {
+        'kills': dict(account.kills),
+        'starts': account.starts,
+        'gradings_to_the_end': account.gradings,
+        'wrong': account.wrong,
+        'seconds': round(time.monotonic() - began),
+        'seed': chosen.seed,
+    }
+    report.print_machine(facts)
+    print(json.dumps(figures, indent=2))
+    report.save('kills', facts, figures, full=sum(account.kills.values()) >= FULL_KILLS)
+    return 1 if account.wrong else 0
+
+
+def soak(
+    root: Path, names: Sequence[str], kills: int, seed: int, jobs: int, seconds: int
+) -> Account:
+    """
+    Kill a grading so many times, and continue it each time.
+
+    :param root: an empty folder
+    :param names: of sample submissions
+    :param seconds: simulated seconds of the exam
+    """
+    (root / 'tmp').mkdir()
+    layout = reduced_course.build(root / 'course', publishers(names), seconds)
+    chance, account = random.Random(seed), Account()
+    began = time.monotonic()
+    peace = _grade_in_peace(layout, jobs)
+    length_s = time.monotonic() - began
+    while sum(account.kills.values()) < kills:
+        shutil.rmtree(layout.work, ignore_errors=True)
+        after = None
+        while after is None:
+            # Short enough to hit, and after enough kills left alone, so that it comes to its end.
+            ended = sum(account.kills.values()) >= kills
+            within_s = None if ended else length_s * chance.uniform(0, 0.8)
+            after = _killed_or_done(layout, jobs, within_s, chance, account)
+        _compare(peace, after, account)
+        account.gradings += 1
+        print(f'{sum(account.kills.values())} kills, {len(account.wrong)} wrong', flush=True)
+    account.wrong += [f'left: {path.name}' for path in (root / 'tmp').iterdir()]
+    return account
+
+
+def _command(layout: Layout, jobs: int) -> subprocess.Popen[str]:
+    command = [sys.executable, '-m', 'autograder', 'grade', '--json', '--jobs', str(jobs)]
+    command += ['--submitted', str(reduced_course.submitted(layout))]
+    temporary = str(layout.root.parent / 'tmp')
+    return subprocess.Popen(
+        command,
+        cwd=layout.root,  # where Python looks for modules first: the copy is what runs
+        env={**os.environ, 'COURSE_SECRET': 'benchmark', 'TMPDIR': temporary},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def _grade_in_peace(layout: Layout, jobs: int) -> Facts:
+    grading = _command(layout, jobs)
+    return _facts(layout, grading, *grading.communicate())
+
+
+def _facts(layout: Layout, grading: subprocess.Popen[str], said: str, errors: str) -> Facts:
+    """
+    Return all that a grading said and entered.
+
+    :raises RuntimeError: with the command's own words, if it did not come to its end
+    """
+    if grading.returncode not in (0, 1) or not said:
+        raise RuntimeError(f'autograder grade ended with {grading.returncode}:\n{errors}')
+    results = {one['student']: _without(one) for one in json.loads(said)}
+    return {'results': results, 'entered': stock_course.points(_gradebook(layout), ASSIGNMENT)}
+
+
+def _gradebook(layout: Layout) -> Path:
+    return layout.work / 'gradebook.db'
+
+
+def _without(data: Any) -> Any:
+    """Return a result without what differs from run to run."""
+    if isinstance(data, dict):
+        return {name: _without(one) for name, one in data.items() if name not in NOT_COMPARED}
+    return [_without(one) for one in data] if isinstance(data, list) else data
+
+
+def _killed_or_done(
+    layout: Layout,
+    jobs: int,
+    within_s: float | None,
+    chance: random.Random,
+    account: Account,
+) -> Facts | None:
+    """
+    Begin to grade and kill something of it, unless it is done before.
+
+    :param within_s: when to kill, None for never
+    :returns: what it said and entered, None if it was killed
+    """
+    grading = _command(layout, jobs)
+    account.starts += 1
+    try:
+        return _facts(layout, grading, *grading.communicate(timeout=within_s))
+    except subprocess.TimeoutExpired:
+        pass
+    workers = _workers(grading.pid)
+    if workers and chance.random() < 0.5:
+        _kill(chance.choice(workers))
+        account.kills['worker'] += 1
+        # Whoever had a run on it is done again, or for review: then the next start does it.
+        said, errors = grading.communicate()
+        found = _facts(layout, grading, said, errors)
+        return found if grading.returncode == 0 else None
+    everybody = _family(grading.pid)
+    grading.kill()
+    account.kills['grader'] += 1
+    grading.communicate()
+    _, alive = psutil.wait_procs(everybody, timeout=ORPHANS_S)
+    # A zombie has ended; that nobody asks for its exit code is the system's affair.
+    account.wrong += [
+        f'orphan: {" ".join(words)[:120]}' for one in alive if (words := _words(one))
+    ]
+    return None
+
+
+def _family(pid: int) -> list[psutil.Process]:
+    try:
+        return psutil.Process(pid).children(recursive=True)
+    except psutil.Error:
+        return []
+
+
+def _workers(pid: int) -> list[psutil.Process]:
+    """Return the grader's worker processes."""
+    return [one for one in _family(pid) if any('spawn_main' in word for word in _words(one))]
+
+
+def _words(process: psutil.Process) -> list[str]:
+    try:
+        return list(process.cmdline())
+    except psutil.Error:
+        return []
+
+
+def _kill(process: psutil.Process) -> None:
+    try:
+        process.send_signal(signal.SIGKILL)
+    except psutil.Error:
+        pass  # it has just ended
+
+
+def _compare(peace: Facts, after: Facts, account: Account) -> None:
+    """Note what is different after the kills."""
+    for part in ('results', 'entered'):
+        for student in peace[part].keys() | after[part].keys():
+            one, two = peace[part].get(student), after[part].get(student)
+            if one != two:
+                account.wrong.append(f'{part} of {student}: {one} became {two}'[:400])
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,158 @@
+"""
+How long a learner waits for ``check(...)``: every visible check, with the solution and the stub.
+
+Each is a child process, as in a notebook, on a folder laid out like that of a learner; the median
+of three counts.  A check that builds messages is measured three ways: the solution's files as they
+were built before (what a learner meets who runs the check again), files that nobody has built yet,
+and the stub.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+import os
+from pathlib import Path
+import subprocess
+import sys
+import tempfile
+import time
+from typing import Any
+
+from autograder import exams
+from autograder.exam import Exam
+from autograder.extract import extract
+from autograder.layout import Layout
+from autograder.submission import open_submission, read_release
+from benchmarks import report
+
+RUNS = 3
+LIMIT_S = 5.0
+Files = Mapping[str, str]
+
+
+def visible_exams(layout: Layout) -> list[Exam]:
+    """Return the visible exams of the course in its order."""
+    return [
+        exam
+        for assignment in layout.assignments()
+        for exam in exams.for_assignment(assignment, hidden=False)
+    ]
+
+
+def files_of(layout: Layout, exam: Exam, solved: bool) -> Files:
+    """
+    Return the files that the cells of a lesson make.
+
+    :param solved: of the solution, or of the release as students get it
+    """
+    release = read_release(layout.release(exam.assignment))
+    name = layout.release(exam.assignment).name
+    folder = layout.solutions if solved else layout.notebooks
+    data = (folder / exam.assignment / name).read_bytes()
+    opened = open_submission(data, release, name, ())
+    return extract(opened, [exam], release, name)[exam.name].files
+
+
+def lay_out(files: Files, folder: Path, comment: str = '') -> None:
+    """
+    Write files as a notebook's cells do.
+
+    :param comment: put below message files, so that they are new to whoever has built them before
+    """
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        more = f'# {comment}\n' if comment and name.endswith('.msg') else ''
+        path.write_text(f'{text}\n{more}', encoding='utf-8')
+
+
+def waited_s(exam: Exam, folder: Path) -> float:
+    """
+    Return how long one check takes as a learner starts it [s].
+
+    :raises RuntimeError: if there is no verdict: then the time means nothing
+    """
+    command = [sys.executable, '-m', 'autograder', 'check', exam.name]
+    command += ['--files', str(folder), '--visible', '--json']
+    began = time.monotonic()
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    seconds = time.monotonic() - began
+    if done.returncode != 0:
+        raise RuntimeError(f'{exam.name}: {done.stderr.strip()[-300:]}')
+    return seconds
+
+
+def measured(exam: Exam, files: Files, runs: int, *, new: bool = False) -> dict[str, float] | None:
+    """
+    Return the times of a check on some files, None if there are no files to check.
+
+    :param new: whether the files are such as were never built before
+    """
+    if not files:
+        return None
+    times = []
+    for number in range(runs):
+        with tempfile.TemporaryDirectory(prefix='visible-') as folder:
+            lay_out(files, Path(folder), f'{os.getpid()} {number}' if new else '')
+            times.append(waited_s(exam, Path(folder)))
+    return report.spread(times)
+
+
+def main() -> None:
+    """Measure, print and save."""
+    parser = argparse.ArgumentParser(prog='python -m benchmarks.visible_checks')
+    help_text = 'runs of each check (default: %(default)s)'
+    parser.add_argument('--runs', type=int, default=RUNS, metavar='N', help=help_text)
+    parser.add_argument('--exam', metavar='NAME', help='only this one; nothing is saved')
+    chosen = parser.parse_args()
+    facts = report.machine()
+    layout = Layout.here()
+    every = [exam for exam in visible_exams(layout) if chosen.exam in (None, exam.name)]
+    checks: dict[str, dict[str, Any]] = {}
+    for exam in every:
+        checks[exam.name] = _of_one(layout, exam, chosen.runs)
+        print(f'{exam.name} ...', file=sys.stderr, flush=True)
+    report.print_machine(facts)
+    _print(checks)
+    slowest = max(_slowest(checks[name]) for name in checks)
+    figures = {'limit_s': LIMIT_S, 'slowest_of_a_prepared_one_s': slowest, 'checks': checks}
+    full = chosen.runs >= RUNS and chosen.exam is None
+    report.save('visible_checks', facts, figures, full=full)
+
+
+def _of_one(layout: Layout, exam: Exam, runs: int) -> dict[str, Any]:
+    solution = files_of(layout, exam, solved=True)
+    if exam.scenario.program == 'build':
+        first = measured(exam, solution, runs, new=True)
+        with tempfile.TemporaryDirectory(prefix='visible-') as folder:
+            lay_out(solution, Path(folder))
+            waited_s(exam, Path(folder))  # builds, if it was never built
+    else:
+        first = None
+    return {
+        'solution': measured(exam, solution, runs),
+        'stub': measured(exam, files_of(layout, exam, solved=False), runs),
+        'first_build': first,
+    }
+
+
+def _slowest(found: Mapping[str, Any]) -> float:
+    """Return the longest median of what a prepared machine answers."""
+    return max((found[one]['median'] for one in ('solution', 'stub') if found[one]), default=0.0)
+
+
+def _print(checks: Mapping[str, Mapping[str, Any]]) -> None:
+    rows = []
+    for name, found in checks.items():
+        medians = [
+            found[one]['median'] if found[one] else None
+            for one in ('solution', 'stub', 'first_build')
+        ]
+        rows.append([name, *medians, _slowest(found) <= LIMIT_S])
+    headings = ['check', 'solution [s]', 'stub [s]', 'never built [s]', f'below {LIMIT_S:g} s']
+    report.print_table(headings, rows)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,167 @@
+"""
+Zip files that were packed to do harm, each a function that packs one.
+
+What it tries is in its docstring, and what is said about it in :data:`REFUSED`.  What a zip may
+hold is in :mod:`autograder.intake`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+import stat
+import struct
+import warnings
+import zipfile
+
+TALKER = ('my_pkg/my_pkg/talker.py', 'print(1)')
+PACKAGE = (('my_pkg/package.xml', '<package/>'), TALKER)
+KEPT = {'package.xml': '<package/>', 'my_pkg/talker.py': 'print(1)'}
+
+
+def pack(folder: Path, *more: tuple[str | zipfile.ZipInfo, str | bytes]) -> Path:
+    """Write a zip with a right package and more: pairs of a name or ZipInfo, and the content."""
+    path = folder / 'handed_in.zip'
+    with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
+        for name, content in (*PACKAGE, *more):
+            archive.writestr(name, content)
+    return path
+
+
+def entry(name: str, kind: int = stat.S_IFREG) -> zipfile.ZipInfo:
+    """Return an entry of a kind of file."""
+    info = zipfile.ZipInfo(name)
+    info.external_attr = (kind | 0o666) << 16
+    return info
+
+
+def set_bytes(path: Path, mark: bytes, offset: int, value: bytes) -> Path:
+    """Overwrite bytes behind the last of such marks, as no program that packs would."""
+    data = bytearray(path.read_bytes())
+    at = data.rindex(mark) + offset
+    data[at : at + len(value)] = value
+    path.write_bytes(data)
+    return path
+
+
+def climbs_out(folder: Path) -> Path:
+    """Name a file above its own folder."""
+    return pack(folder, ('../outside/gradebook.txt', 'mine'))
+
+
+def climbs_out_later(folder: Path) -> Path:
+    """Go down before it climbs out."""
+    return pack(folder, ('my_pkg/a/../../../outside/gradebook.txt', 'mine'))
+
+
+def is_absolute(folder: Path) -> Path:
+    """Name a file by its whole path."""
+    return pack(folder, (f'{folder}/outside/gradebook.txt', 'mine'))
+
+
+def links_out(folder: Path) -> Path:
+    """Hold a link to a file outside, under the name of a module."""
+    link = entry('my_pkg/my_pkg/secret.py', stat.S_IFLNK)
+    return pack(folder, (link, str(folder / 'outside' / 'gradebook.txt')))
+
+
+def writes_through_a_link(folder: Path) -> Path:
+    """Hold a link to a folder, and then a file below it."""
+    link = entry('my_pkg/door', stat.S_IFLNK)
+    return pack(folder, (link, str(folder / 'outside')), ('my_pkg/door/gradebook.txt', 'mine'))
+
+
+def holds_a_pipe(folder: Path) -> Path:
+    """Hold something that would never end when it is read."""
+    return pack(folder, (entry('my_pkg/my_pkg/pipe.py', stat.S_IFIFO), ''))
+
+
+def holds_a_device(folder: Path) -> Path:
+    """Hold a device under the name of a module."""
+    return pack(folder, (entry('my_pkg/my_pkg/zero.py', stat.S_IFCHR), ''))
+
+
+def is_encrypted(folder: Path) -> Path:
+    """Say of a file that it is encrypted."""
+    path = pack(folder, ('my_pkg/my_pkg/locked.py', 'x = 1'))
+    return set_bytes(path, b'PK\x01\x02', 8, struct.pack('<H', 1))
+
+
+def is_a_bomb(folder: Path) -> Path:
+    """Hold a thousand times its own size."""
+    return pack(folder, ('my_pkg/my_pkg/bomb.py', b'#' * (16 << 20)))
+
+
+def lies_about_its_size(folder: Path) -> Path:
+    """Hold a megabyte that its table of contents calls one byte."""
+    path = pack(folder, ('my_pkg/my_pkg/liar.py', b'#' * (1 << 20)))
+    return set_bytes(path, b'PK\x01\x02', 24, struct.pack('<I', 1))
+
+
+def has_two_of_a_name(folder: Path) -> Path:
+    """Hold a harmless module and a second one under its name."""
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore')
+        return pack(folder, (TALKER[0], 'print(2)'))
+
+
+def has_a_file_that_is_a_folder(folder: Path) -> Path:
+    """Hold a module, and a file below it."""
+    return pack(folder, (f'{TALKER[0]}/inner.py', 'print(2)'))
+
+
+def has_thousands_of_files(folder: Path) -> Path:
+    """Hold more names than anybody can look at."""
+    return pack(folder, *((f'my_pkg/{number}.png', '') for number in range(3000)))
+
+
+def is_a_maze(folder: Path) -> Path:
+    """Hold folders in folders in folders."""
+    return pack(folder, (f'my_pkg/{"deeper/" * 60}end.py', ''))
+
+
+def has_terminal_codes_in_a_name(folder: Path) -> Path:
+    """Hold a file whose name clears the screen of whoever lists it."""
+    return pack(folder, ('my_pkg/\x1b[2Jclean.py', ''))
+
+
+def turns_its_name_round(folder: Path) -> Path:
+    """Hold a file whose name reads backwards, so that it seems to be another one."""
+    return pack(folder, ('my_pkg/\u202eyp.txt', ''))
+
+
+def is_cut_off(folder: Path) -> Path:
+    """End before its table of contents."""
+    path = pack(folder)
+    path.write_bytes(path.read_bytes()[:-30])
+    return path
+
+
+def is_packed_strangely(folder: Path) -> Path:
+    """Use a compression that takes much memory to undo."""
+    info = entry('my_pkg/my_pkg/odd.py')
+    info.compress_type = zipfile.ZIP_BZIP2
+    return pack(folder, (info, 'x = 1'))
+
+
+REFUSED: dict[Callable[[Path], Path], str] = {
+    climbs_out: 'a path that leads elsewhere',
+    climbs_out_later: 'a path that leads elsewhere',
+    is_absolute: 'an absolute path',
+    links_out: 'a link or a special file',
+    writes_through_a_link: 'a link or a special file',
+    holds_a_pipe: 'a link or a special file',
+    holds_a_device: 'a link or a special file',
+    is_encrypted: 'an encrypted file',
+    is_a_bomb: 'more than 1 MiB',
+    lies_about_its_size: 'that can be read',
+    has_two_of_a_name: 'twice',
+    has_a_file_that_is_a_folder: 'both a file and a folder',
+    has_thousands_of_files: 'entries',
+    is_a_maze: 'deep',
+    has_terminal_codes_in_a_name: 'characters that no package needs',
+    turns_its_name_round: 'characters that no package needs',
+    is_cut_off: 'expected a zip file that can be read',
+    is_packed_strangely: 'an unusual compression',
+}
+"""What is said about each."""

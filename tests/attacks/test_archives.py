@@ -1,0 +1,113 @@
+"""
+Archives and folders that were packed to do harm: each is refused in words, or its trick is void.
+
+Each trick of :mod:`tests.attacks.archives` is packed beside a file that it would overwrite or
+read, and an honest archive is taken in after it.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+import socket
+import stat
+import zipfile
+
+import pytest
+
+from autograder import intake
+from autograder.intake import NotTakenInError, read_handed_in
+from tests.attacks.archives import KEPT, pack, PACKAGE, REFUSED
+from tests.attacks.corpus import CANARY
+
+pytestmark = pytest.mark.attacks
+
+
+@pytest.fixture
+def outside(tmp_path) -> Path:
+    """Return a folder beside the archive, with a file that nobody may read or change."""
+    folder = tmp_path / 'outside'
+    folder.mkdir()
+    (folder / 'gradebook.txt').write_text(CANARY, encoding='utf-8')
+    return folder
+
+
+def everything(folder: Path) -> list[tuple[str, int]]:
+    """Return all files below a folder with their sizes, without the archive."""
+    found = [(str(path), path.lstat().st_size) for path in folder.rglob('*')]
+    return sorted(one for one in found if not one[0].endswith('.zip'))
+
+
+@pytest.mark.parametrize('trick', REFUSED, ids=lambda trick: trick.__name__)
+def test_a_hostile_archive_is_refused_in_words_and_writes_nothing(trick, tmp_path, outside):
+    """The reason is one printable line; an honest archive after it is taken in."""
+    before = everything(tmp_path)
+
+    with pytest.raises(NotTakenInError, match=REFUSED[trick]) as refusal:
+        read_handed_in(trick(tmp_path))
+
+    said = str(refusal.value)
+    assert said.isprintable()
+    assert CANARY not in said
+    assert len(said) < 600
+    assert everything(tmp_path) == before
+    assert read_handed_in(pack(tmp_path)) == KEPT
+
+
+def test_an_archive_in_an_archive_is_not_opened(tmp_path, outside):
+    """Neither as a whole nor as the nested bomb that it may be."""
+    inner = io.BytesIO()
+    with zipfile.ZipFile(inner, 'w') as archive:
+        archive.writestr('../outside/gradebook.txt', 'mine')
+
+    assert read_handed_in(pack(tmp_path, ('my_pkg/more.zip', inner.getvalue()))) == KEPT
+
+
+def test_a_name_that_is_not_utf_8_is_read_as_some_letters(tmp_path):
+    """Old programs pack so; it names a file inside all the same."""
+    path = pack(tmp_path, ('my_pkg/my_pkg/gru_.py', 'x = 1'))
+    path.write_bytes(path.read_bytes().replace(b'gru_', b'gr\xfc_'))
+
+    found = read_handed_in(path)
+
+    assert sorted(found.values()) == ['<package/>', 'print(1)', 'x = 1']
+    assert all(name.isprintable() for name in found)
+
+
+def test_a_folder_of_special_files_is_read_without_them(tmp_path, outside):
+    """No link is followed, no pipe is waited for, no device and no socket is opened."""
+    folder = tmp_path / 'my_pkg'
+    (folder / 'my_pkg').mkdir(parents=True)
+    for name, text in PACKAGE:
+        (tmp_path / name).write_text(text, encoding='utf-8')
+    (folder / 'secret.py').symlink_to(outside / 'gradebook.txt')
+    (folder / 'door').symlink_to(outside)
+    (folder / 'round').symlink_to(folder)
+    os.mkfifo(folder / 'pipe.py')
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind(str(folder / 'socket.py'))
+    if os.geteuid() == 0:
+        os.mknod(folder / 'zero.py', stat.S_IFCHR | 0o666, os.makedev(1, 5))
+
+    assert read_handed_in(folder) == KEPT
+
+
+def test_a_folder_with_a_name_that_is_no_text_is_refused(tmp_path):
+    """It could not be printed, and would break who prints it."""
+    for name, text in PACKAGE:
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding='utf-8')
+    Path(os.fsdecode(os.fsencode(tmp_path / 'my_pkg') + b'/\xff\xfe.py')).write_text('x = 1')
+
+    with pytest.raises(NotTakenInError, match='characters that no package needs') as refusal:
+        read_handed_in(tmp_path / 'my_pkg')
+
+    assert str(refusal.value).isprintable()
+
+
+def test_the_limits_are_far_above_an_honest_package():
+    """Two hundred files and a megabyte each: a package of the course has eight small ones."""
+    assert intake.MOST_FILES >= 100
+    assert intake.LARGEST_FILE >= 1 << 20

@@ -1,0 +1,163 @@
+"""The page that students get back, in a browser: readable, complete for everybody, and quiet."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import nbformat
+from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
+import pytest
+
+from autograder.results import CheckResult, ExamResult, Verdict
+
+pytestmark = [pytest.mark.browser, pytest.mark.nbgrader]
+
+ROOT = Path(__file__).resolve().parents[2]
+EVIL = '<img src="https://example.com/x.png" onerror="alert(1)"><script>alert(2)</script>'
+LONG = '/a_topic_with_a_name_that_is_longer_than_anybody_would_ever_write_by_hand' * 3
+GRAPH = {
+    'kind': 'graph',
+    'arrows': [
+        {
+            'node': '/talker',
+            'topic': topic,
+            'type': 'std_msgs/msg/String',
+            'outward': True,
+            'matched': matched,
+            'remark': remark,
+        }
+        for topic, matched, remark in (
+            ('/chatter', False, 'expected here, and nothing is there'),
+            (LONG, True, EVIL),
+        )
+    ],
+}
+TIMELINE = {
+    'kind': 'timeline',
+    'unit': 'seconds',
+    'begin': 0.0,
+    'end': 10.0,
+    'rows': [
+        {
+            'label': 'expected',
+            'what': 'expected',
+            'count': 10,
+            'times': [float(one) for one in range(1, 11)],
+            'every_s': 1.0,
+        },
+        {'label': LONG, 'what': 'observed', 'count': 5, 'times': [2.0, 4.0, 6.0, 8.0, 10.0]},
+    ],
+    'deviation': 2.0,
+}
+OUTSIDE = """() => [...document.querySelectorAll('main *')]
+    .filter(one => !one.closest('svg') && !one.closest('pre'))
+    .filter(one => one.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
+    .map(one => one.outerHTML.slice(0, 200))"""
+WITHOUT_WORDS = """() => [...document.querySelectorAll('svg')]
+    .filter(one => one.getAttribute('role') !== 'img'
+        || !one.querySelector('title').textContent.trim()
+        || !one.querySelector('desc').textContent.trim())
+    .map(one => one.outerHTML.slice(0, 200))"""
+
+
+def failing(name: str) -> CheckResult:
+    """Return a check that failed, with words of a student in it."""
+    return CheckResult(
+        name,
+        f'It does {name}.',
+        Verdict.FAILED,
+        0,
+        2,
+        expected='10 messages in 10 s',
+        observed=EVIL + LONG,
+        cause='Your node publishes about 0.5 times a second.',
+        try_this='create_timer(1.0, self.tick)',
+        read='Part 2: Names',
+    )
+
+
+@pytest.fixture(scope='module')
+def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a page of feedback as nbgrader writes it for this course."""
+    from nbconvert.exporters import HTMLExporter
+
+    from autograder.converters import load_config
+    from autograder.layout import Layout
+    from autograder.nbgrader_plugin import _score, _told
+
+    result = ExamResult(
+        'talker',
+        (
+            CheckResult('runs', 'It runs.', Verdict.PASSED, 1, 1),
+            failing('rate'),
+            failing('topic'),
+            CheckResult('stamp', 'It stamps.', Verdict.NOT_RUN, 0, 1, waits_for='topic'),
+        ),
+        pictures={'rate': TIMELINE, 'topic': GRAPH},
+    )
+    marks = {'grade': True, 'solution': False, 'points': 6.0, 'score': 1.0, 'task': False}
+    answer = {**marks, 'grade': False, 'solution': True, 'grade_id': 'talker', 'comment': ''}
+    node = new_code_cell(f'%%node talker\nx = "{LONG * 3}"', metadata={'nbgrader': answer})
+    check = new_code_cell(
+        "check('talker')",
+        metadata={'nbgrader': {**marks, 'grade_id': 'check_talker', 'comment': EVIL}},
+        outputs=[_told(result, ()), _score(1.0)],
+        execution_count=1,
+    )
+    heading = new_markdown_cell(f'## Part 2: Names\n\n{"Some words. " * 400}')
+    notebook = new_notebook(cells=[heading, node, check])
+    nbformat.validate(notebook)
+    told = {'notebook': 'topics', 'score': 1.0, 'max_score': 6.0, 'late_penalty': 0.5}
+    exporter = HTMLExporter(config=load_config(Layout(ROOT)))
+    page, _ = exporter.from_notebook_node(notebook, resources={'nbgrader': told})
+    path = tmp_path_factory.mktemp('feedback') / 'topics.html'
+    path.write_text(page, encoding='utf-8')
+    return path
+
+
+@pytest.mark.parametrize('scheme', ['light', 'dark'])
+@pytest.mark.parametrize('width', [1280, 720, 360])
+def test_a_feedback_page_fits_and_asks_for_nothing(
+    feedback: Path, browser: Any, shots: Path, width: int, scheme: str
+) -> None:
+    """No part sticks out, nothing is loaded, no script of anybody runs."""
+    context = browser.new_context(viewport={'width': width, 'height': 900}, color_scheme=scheme)
+    page = context.new_page()
+    asked: list[str] = []
+    alerts: list[str] = []
+    page.on('request', lambda request: asked.append(request.url))
+    page.on('dialog', lambda dialog: (alerts.append(dialog.message), dialog.dismiss()))
+    page.goto(feedback.as_uri())
+    page.screenshot(path=shots / 'feedback.png', full_page=True)
+
+    assert asked == [feedback.as_uri()]
+    assert alerts == []
+    assert page.evaluate(OUTSIDE) == []
+    assert page.evaluate(
+        'document.documentElement.scrollWidth <= document.documentElement.clientWidth'
+    )
+    background = page.evaluate('getComputedStyle(document.body).backgroundColor')
+    assert (background == 'rgb(255, 255, 255)') == (scheme == 'light')
+    context.close()
+
+
+def test_everything_has_a_name(feedback: Path, page: Any) -> None:
+    """Pictures say in words what they show; a reader can jump to checks and lesson."""
+    from playwright.sync_api import expect
+
+    page.goto(feedback.as_uri())
+
+    assert page.evaluate(WITHOUT_WORDS) == []
+    expect(page.get_by_role('img', name='What was seen, against time')).to_have_count(1)
+    expect(page.get_by_role('img', name='first difference at 2 s')).to_have_count(1)
+    expect(page.get_by_role('img', name='expected here, and nothing is there')).to_have_count(1)
+    expect(page.get_by_role('region', name='Checks: talker')).to_have_count(1)
+    expect(page.get_by_role('heading', level=1)).to_have_text('topics: 1 of 6 points')
+    expect(page.get_by_role('navigation', name='What was graded')).to_contain_text(
+        'Checks: talker, 1 of 6 points, with a comment'
+    )
+    page.get_by_role('link', name='Part 2: Names').first.click()
+    heading = page.get_by_role('heading', name='Part 2: Names')
+    expect(heading).to_be_in_viewport()
+    assert page.errors == []

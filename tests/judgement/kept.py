@@ -1,0 +1,112 @@
+"""
+What the tables are made from: results of runs, kept beside the code as JSON.
+
+A table is only compared in ``make check``, without a run.  So each result carries the digest of
+what it was made from; if that has changed, the table is out of date.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+import json
+from pathlib import Path
+from typing import Any
+
+from autograder.errors import RecordingInvalid
+from autograder.exam import Exam
+from autograder.examine import examine, files_digest, judged
+from autograder.recording import Recording
+from autograder.results import ExamResult
+from autograder.sandbox import strongest
+from tests.judgement.references import LAYOUT
+
+FOLDER = Path(__file__).parent
+DOCS = LAYOUT.root / 'docs'
+JOBS = 2
+
+
+def run_all(
+    work: Sequence[tuple[Exam, Mapping[str, str]]], fresh: bool = False
+) -> list[ExamResult]:
+    """
+    Judge files by exams in the real sandbox, two at a time.
+
+    A recording of the same files and the same scenario is read, also if something around the
+    program has changed since; tests and ``--fresh`` take only those of today.
+
+    :param work: exams with the files that they judge
+    :returns: in the order of ``work``
+    :raises GraderError: for a fault of ours
+    """
+    box = strongest()
+    before = {} if fresh else _recorded({exam.name for exam, _ in work})
+
+    def one(exam: Exam, files: Mapping[str, str]) -> ExamResult:
+        path = before.get((exam.name, exam.scenario_digest()[:32], files_digest(files)))
+        if path is not None:
+            with suppress(RecordingInvalid):  # an older format, or damaged: it is made again
+                return judged(exam, files, Recording.load(path))
+        return examine(exam, files, sandbox=box, recordings=LAYOUT.recordings)
+
+    # What fails on our side is told in the end, so that what was run until then is kept.
+    with ThreadPoolExecutor(max_workers=JOBS) as pool:
+        tasks = [pool.submit(one, *given) for given in work]
+    return [task.result() for task in tasks]
+
+
+def _recorded(names: Iterable[str]) -> dict[tuple[str, str, str], Path]:
+    """Return the newest recording of each exam, scenario and files."""
+    found = {}
+    for name in names:
+        paths = sorted(
+            (LAYOUT.recordings / name).glob('*.jsonl'), key=lambda one: one.stat().st_mtime
+        )
+        for path in paths:
+            with path.open(encoding='utf-8') as lines:
+                about = json.loads(lines.readline())
+            found[name, about.get('scenario', ''), about.get('files', '')] = path
+    return found
+
+
+def load(name: str) -> dict[str, Any]:
+    """Return a kept result, empty if there is none."""
+    path = FOLDER / f'{name}.json'
+    return dict(json.loads(path.read_text(encoding='utf-8'))) if path.is_file() else {}
+
+
+def save(name: str, data: Mapping[str, Any]) -> None:
+    """Keep a result."""
+    text = json.dumps(data, indent=1, ensure_ascii=False)
+    (FOLDER / f'{name}.json').write_text(f'{text}\n', encoding='utf-8')
+
+
+def write_or_compare(name: str, page: str, late: Sequence[str], arguments: Sequence[str]) -> int:
+    """
+    Write a page, or with ``--check`` tell whether it is up to date.
+
+    :param name: of the page in ``docs/`` and of the module that makes it
+    :param late: what was made from other files than those of today, in words
+    :returns: exit code
+    """
+    path = DOCS / f'{name}.md'
+    if '--check' not in arguments:
+        path.write_text(page, encoding='utf-8')
+        return 0
+    if not late and path.is_file() and path.read_text(encoding='utf-8') == page:
+        return 0
+    about = f' ({", ".join(late)})' if late else ''
+    print(f'docs/{name}.md is out of date{about}. Try: python -m tests.judgement.{name}')
+    return 1
+
+
+def cell(text: str) -> str:
+    """Return a text as it can stand in a cell of a Markdown table."""
+    return ' '.join(text.split()).replace('|', '&#124;')
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return the lines of a Markdown table."""
+    lines = [f'| {" | ".join(head)} |', f'|{"---|" * len(head)}']
+    return [*lines, *(f'| {" | ".join(map(cell, row))} |' for row in rows)]

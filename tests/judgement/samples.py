@@ -1,0 +1,129 @@
+"""
+The sample submissions exercise by exercise: what each tries, and what every check must say to it.
+
+``expected.json`` of a submission lists the checks that fail, with their causes.  All others pass,
+but for those that wait for one that does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from autograder import sample_class
+from autograder.exam import Exam
+from autograder.extract import answer_files, extract
+from autograder.results import ExamResult, Verdict
+from autograder.sample_class import compose, expected_of
+from autograder.submission import Notebook, open_submission, read_release
+from tests.judgement.references import Exercise, exercises, LAYOUT
+
+UNTOUCHED = 'zero__untouched_stub'
+REFERENCE = 'pass__reference'
+
+
+@dataclass(frozen=True)
+class Sample:
+    """
+    One submission, as one exercise sees it.
+
+    :param own: whether it differs from the reference in this exercise
+    :param files: what the exam judges, relative path to text
+    :param failed: the checks that must fail, with the ids of their causes
+    """
+
+    exercise: Exercise
+    name: str
+    about: str
+    own: bool
+    files: Mapping[str, str]
+    failed: Mapping[str, str]
+
+    @property
+    def counts(self) -> bool:
+        """Tell whether it is an answer to this exercise, and neither a stub nor a copy."""
+        return self.name != UNTOUCHED and (self.own or self.name == REFERENCE)
+
+
+@cache
+def samples() -> tuple[Sample, ...]:
+    """Return every submission of every exercise, in the order of the course and by name."""
+    assignments = dict.fromkeys(one.exam.assignment for one in exercises())
+    return tuple(sample for assignment in assignments for sample in _of_lesson(assignment))
+
+
+def _of_lesson(assignment: str) -> list[Sample]:
+    release = read_release(LAYOUT.release(assignment))
+    found = []
+    for path in sample_class.samples(LAYOUT, assignment, everything=True):
+        found += list(_of_submission(path, assignment, release))
+    names = [one.name for one in exercises()]
+    return sorted(found, key=lambda one: (names.index(one.exercise.name), one.name))
+
+
+def _of_submission(path: Path, assignment: str, release: Notebook) -> Iterator[Sample]:
+    """Yield what each exercise of a lesson sees of a submission."""
+    expected = expected_of(path)
+    opened = open_submission(compose(LAYOUT, assignment, path), release, path.name)
+    theirs = [one for one in exercises() if one.exam.assignment == assignment]
+    files = extract(opened, [one.exam for one in theirs], release, path.name)
+    cells = answer_files(release)
+    for exercise in theirs:
+        paths = {cells[grade_id].path for grade_id in exercise.exam.cells}
+        own = any((path / name).is_file() for name in paths)
+        failed = expected['failed'].get(exercise.name, {})
+        about = str(expected.get('about', ''))
+        yield Sample(
+            exercise,
+            path.name,
+            about,
+            own or bool(failed and expected.get('notebook')),
+            files[exercise.name].files,
+            failed,
+        )
+
+
+def expected_verdicts(exam: Exam, failed: Mapping[str, str]) -> dict[str, tuple[str, str]]:
+    """
+    Return what every check must say: its verdict, and the id of its cause if it fails.
+
+    :param failed: the checks that must fail, with the ids of their causes
+    """
+    found: dict[str, tuple[str, str]] = {}
+    missing = 'missing_file' in failed.values()  # nothing was run, so nothing else was looked at
+    for check in exam.checks:
+        if check.name in failed:
+            found[check.name] = Verdict.FAILED.value, failed[check.name]
+        elif missing or any(found[need][0] != Verdict.PASSED.value for need in check.needs):
+            found[check.name] = Verdict.NOT_RUN.value, ''
+        else:
+            found[check.name] = Verdict.PASSED.value, ''
+    return found
+
+
+def verdicts_of(result: ExamResult) -> dict[str, tuple[str, str]]:
+    """Return what every check said: its verdict, and the id of its cause."""
+    return {one.check: (one.verdict.value, one.cause_id) for one in result.checks}
+
+
+def differences(sample: Sample, result: ExamResult) -> list[str]:
+    """Return where a result is another one than expected, in words."""
+    wanted: Mapping[str, Any] = expected_verdicts(sample.exercise.exam, sample.failed)
+    got = verdicts_of(result)
+    return [
+        f'{name}: expected {" ".join(wanted[name]).strip()}, got {" ".join(got[name]).strip()}'
+        for name in wanted
+        if got[name] != wanted[name]
+    ]
+
+
+def counted(found: Sequence[Sample], exercise: Exercise, right: bool) -> list[Sample]:
+    """Return the submissions of an exercise that are right, or those that are wrong."""
+    return [
+        one
+        for one in found
+        if one.exercise is exercise and one.counts and bool(one.failed) != right
+    ]

@@ -1,0 +1,88 @@
+"""Mutants of the references are found, and the tables say what really happens."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from autograder.examine import worth_running
+from tests.judgement import agreement, causes, kept, mutants
+from tests.judgement.derive import all_mutants, mutants_of, written
+from tests.judgement.references import exercises
+
+EVERY = 9
+"""One mutant in so many is run here; all are run by ``python -m tests.judgement.mutants``."""
+
+
+def chosen():
+    """Return a spread of mutants that need no build: each exam, many kinds, a minute or so."""
+    found = []
+    for exercise in exercises():
+        cheap = [
+            one
+            for one in mutants_of(exercise)
+            if exercise.exam.scenario.program != 'build'
+            or not worth_running(exercise.exam, one.files)
+        ]
+        found += [(exercise.exam, one) for one in cheap[::EVERY]]
+    return found
+
+
+def test_mutants_are_many_and_differ():
+    """At least a hundred programs, in every exam; each name and each content once."""
+    found = all_mutants()
+    programs = [one for one in found if not any(path.startswith('answers/') for path in one.files)]
+    contents = Counter(tuple(sorted(one.files.items())) for one in found)
+
+    assert len(programs) >= 100
+    assert {one.exam for one in found} == {one.name for one in exercises()}
+    assert len({(one.exam, one.name) for one in found}) == len(found)
+    assert set(contents.values()) == {1}
+
+
+def test_every_exam_finds_nearly_all_and_survivors_are_explained():
+    """The kept results say so, for each exam that there is."""
+    results = kept.load(mutants.NAME)
+
+    assert set(results) == {one.name for one in exercises()}
+    assert mutants.mistakes(results) == []
+    assert all(one['because'] for one in (*written()['survivors'], *written()['leave']))
+
+
+def test_every_cause_is_proven():
+    """What the code can say is shown by a submission, a mutant or a unit test."""
+    assert causes.unproven() == []
+
+
+def test_mistakes_of_beginners_are_recognised():
+    """At least forty, the explanations of wrong letters apart."""
+    named = {name for one in causes.in_the_code() for name in causes.proven(one.cause_id)}
+
+    assert len([name for name in named if not causes.QUESTION.match(name)]) >= causes.LEAST
+
+
+def test_the_tables_claim_no_disagreement():
+    """Our own corpus is judged as it should be, verdicts and causes."""
+    results = kept.load(agreement.NAME)
+
+    assert set(results) == {one.name for one in exercises()}
+    assert [line for one in results.values() for line in one['differences']] == []
+
+
+@pytest.mark.pipeline
+@pytest.mark.slow
+@pytest.mark.ros
+@pytest.mark.timeout(1200)
+def test_a_spread_of_mutants_meets_the_verdicts_of_the_table():
+    """Run for real: the same check and the same cause as docs/mutants.md tells."""
+    results = kept.load(mutants.NAME)
+    work = chosen()
+    wanted = {(exam.name, one.name): results[exam.name]['found'][one.name] for exam, one in work}
+
+    done = kept.run_all([(exam, one.files) for exam, one in work], fresh=True)
+    got = {
+        (exam.name, one.name): mutants.verdict(result) for (exam, one), result in zip(work, done)
+    }
+
+    assert got == wanted

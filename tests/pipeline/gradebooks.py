@@ -1,0 +1,141 @@
+"""What every gradebook has to keep, whatever database it is in; run on SQLite and PostgreSQL."""
+
+from __future__ import annotations
+
+from conftest import ASSIGNMENT
+from fake_engine import FakeEngine
+from nbgrader.api import Gradebook
+
+from autograder import entered
+from autograder.converters import load_config
+from autograder.grading import begin_to_enter, enter
+from autograder.inbox import discover
+from autograder.layout import Layout
+from autograder.pipeline import grade_class, load_lesson
+
+NOTEBOOK = 'temperature_monitor.ipynb'
+WRITTEN = 'explain_threshold'
+CHECK = 'check_temperature_publisher'
+
+
+def begin(course: Layout) -> None:
+    """Enter the assignment, as each grading does first."""
+    begin_to_enter(course, ASSIGNMENT)
+
+
+def hand_in(course: Layout, student: str, stamp: str = '', **changes: str) -> None:
+    """Lay the solution where nbgrader's collect would, with some words replaced."""
+    text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    folder = course.submitted / student / ASSIGNMENT
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / NOTEBOOK).write_text(text, encoding='utf-8')
+    if stamp:
+        (folder / 'timestamp.txt').write_text(stamp, encoding='utf-8')
+
+
+def grade(course: Layout) -> int:
+    """Grade the class and enter it; return how many submissions were entered."""
+    engine = FakeEngine()
+    lesson = load_lesson(course, ASSIGNMENT, engine)
+    class_ = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
+    count, refused = enter(course, lesson, grade_class(class_, lesson, engine, jobs=1))
+    assert refused == ''
+    return count
+
+
+def book(course: Layout) -> Gradebook:
+    """Open the gradebook."""
+    return Gradebook(str(load_config(course).CourseDirectory.db_url))
+
+
+def by_hand(course: Layout, student: str, points: float) -> None:
+    """Grade the written answer as formgrader does."""
+    with book(course) as gradebook:
+        grade = gradebook.find_grade(WRITTEN, 'temperature_monitor', ASSIGNMENT, student)
+        grade.manual_score = points
+        grade.needs_manual_grade = False
+        gradebook.db.commit()
+
+
+def scores(course: Layout, student: str) -> dict[str, float | None]:
+    """Return what counts, by cell, and the late penalty."""
+    with book(course) as gradebook:
+        submission = gradebook.find_submission(ASSIGNMENT, student)
+        found = {
+            grade.name: grade.manual_score if grade.auto_score is None else grade.auto_score
+            for notebook in submission.notebooks
+            for grade in notebook.grades
+        }
+        return {**found, 'late': submission.late_submission_penalty}
+
+
+def writes_reruns_and_keeps_grades_given_by_hand(course: Layout) -> None:
+    """Enter, enter nothing, grade by hand, change one, enter one."""
+    hand_in(course, 'ann')
+    hand_in(course, 'bob', temperature_topic='temprature_topic')
+    assert grade(course) == 2
+    assert scores(course, 'ann')[CHECK] == 15
+    assert scores(course, 'bob')[CHECK] == 5
+    assert grade(course) == 0
+
+    by_hand(course, 'ann', 4)
+    by_hand(course, 'bob', 3)
+    assert grade(course) == 0
+    hand_in(course, 'bob')
+    assert grade(course) == 1
+
+    assert scores(course, 'bob')[CHECK] == 15
+    assert scores(course, 'ann')[WRITTEN] == 4
+    assert scores(course, 'bob')[WRITTEN] == 3
+
+
+def fills_what_was_changed_or_lost(course: Layout) -> None:
+    """A journal is believed only as far as the gradebook shows the same."""
+    hand_in(course, 'ann')
+    hand_in(course, 'bob')
+    grade(course)
+
+    with book(course) as gradebook:
+        gradebook.find_grade(CHECK, 'temperature_monitor', ASSIGNMENT, 'ann').auto_score = 0
+        gradebook.remove_submission(ASSIGNMENT, 'bob')
+        gradebook.db.commit()
+
+    assert grade(course) == 2
+    assert scores(course, 'ann')[CHECK] == scores(course, 'bob')[CHECK] == 15
+
+    lines = entered.journal(course, ASSIGNMENT)
+    lines.write_bytes(lines.read_bytes()[:-20].splitlines(keepends=True)[-1])
+    assert grade(course) == 2
+
+
+def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
+    """The plugin is nbgrader's; a new date of delivery is noticed."""
+    config = course.root / 'nbgrader_config.py'
+    config.write_text(
+        config.read_text(encoding='utf-8') + "\nc.LateSubmissionPlugin.penalty_method = 'zero'\n",
+        encoding='utf-8',
+    )
+    hand_in(course, 'ann', '2026-03-01 12:00:00 UTC')
+    hand_in(course, 'bob', '2026-03-03 12:00:00 UTC')
+    grade(course)
+    with book(course) as gradebook:
+        gradebook.update_or_create_assignment(ASSIGNMENT, duedate='2026-03-02 00:00:00 UTC')
+
+    assert grade(course) == 2
+    assert scores(course, 'ann')['late'] == 0
+    late = scores(course, 'bob')['late']
+    assert late == 40
+
+    hand_in(course, 'bob', '2026-03-01 12:00:00 UTC')
+    assert grade(course) == 1
+    assert scores(course, 'bob')['late'] == 0
+
+
+ALL = (
+    writes_reruns_and_keeps_grades_given_by_hand,
+    fills_what_was_changed_or_lost,
+    takes_off_for_lateness_as_nbgrader_is_told,
+)

@@ -1,0 +1,277 @@
+"""After the grading: marks with manual grades, the commands of a class, Gradescope's container."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from pathlib import Path
+import subprocess
+import sys
+import zipfile
+
+from conftest import ASSIGNMENT
+from fake_engine import CANARY, FakeEngine
+import pytest
+
+from autograder import __main__ as command
+from autograder.class_results import one_graded
+from autograder.exports.gradescope_zip import autograder_zip
+from autograder.exports.marks import AUTOMATIC, BY_HAND, GRADED, marks, NOT_ENTERED, REVIEW
+from autograder.inbox import discover
+from autograder.layout import Layout
+from autograder.pipeline import grade_class, load_lesson
+from autograder.record import record
+from autograder.report import write_reports
+from autograder.sample_class import compose
+
+NOTEBOOK = 'temperature_monitor.ipynb'
+TEXT_ONLY = '09_check_your_understanding'
+WITH_RUNS = '01_node_life'
+
+
+def solved(course: Layout, **changes: str) -> bytes:
+    """Return the solution as a student's file, with some words replaced."""
+    text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    return text.encode()
+
+
+@pytest.fixture
+def graded(course, monkeypatch):
+    """Return a course in which four students were graded, one of them for review."""
+    for student, data in {
+        'ann': solved(course),
+        'bob': solved(course, temperature_topic='temprature_topic'),
+        'eve': solved(course, sensor_id='GRADER_FAULT'),
+        'bad name ': solved(course),
+    }.items():
+        folder = course.submitted / student / ASSIGNMENT
+        folder.mkdir(parents=True)
+        (folder / NOTEBOOK).write_bytes(data)
+    lesson = load_lesson(course, ASSIGNMENT, FakeEngine())
+    there = discover(course.submitted, ASSIGNMENT, NOTEBOOK)
+    done = grade_class(there, lesson, FakeEngine(), 2)
+    record(course, lesson, done)
+    write_reports(course.reports, ASSIGNMENT, [one.result for one in done])
+    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: course))
+    return course
+
+
+def grade_by_hand(course: Layout, student: str, points: float, late: float = 0.0) -> None:
+    """Do what formgrader does, and what a late policy does."""
+    from nbgrader.api import Gradebook
+
+    with Gradebook(f'sqlite:///{course.work}/gradebook.db') as gradebook:
+        notebook = gradebook.find_submission_notebook('temperature_monitor', ASSIGNMENT, student)
+        for grade in notebook.grades:
+            if grade.needs_manual_grade:
+                grade.manual_score = points
+                grade.needs_manual_grade = False
+        notebook.late_submission_penalty = late
+        gradebook.db.commit()
+
+
+@pytest.mark.nbgrader
+class TestMarks:
+    """What a student gets."""
+
+    def test_nobody_has_a_mark_before_everything_is_graded(self, graded):
+        """The written question waits; for review stays for review; who is not there is told."""
+        found = {
+            one.student: one for one in marks(graded, one_graded(graded, ASSIGNMENT), 'gradebook')
+        }
+
+        assert {name: one.points for name, one in found.items()} == dict.fromkeys(found)
+        assert (found['ann'].status, found['eve'].status) == (BY_HAND, REVIEW)
+        assert [one.status for one in found.values()].count(NOT_ENTERED) == 1
+
+    def test_a_mark_has_the_manual_points_and_the_penalty(self, graded):
+        """40 of the checks and 4 by hand, 2 for being late."""
+        grade_by_hand(graded, 'ann', 4.0, late=2.0)
+        grade_by_hand(graded, 'eve', 4.0)
+        found = {
+            one.student: one for one in marks(graded, one_graded(graded, ASSIGNMENT), 'gradebook')
+        }
+
+        assert (found['ann'].points, found['ann'].max_points) == (42.0, 45.0)
+        assert found['ann'].status == GRADED
+        assert found['eve'].points is None
+
+    def test_automatic_marks_are_those_of_the_checks(self, graded):
+        """Whatever the gradebook has."""
+        found = {
+            one.student: one for one in marks(graded, one_graded(graded, ASSIGNMENT), AUTOMATIC)
+        }
+
+        assert (found['ann'].points, found['ann'].max_points) == (40.0, 40.0)
+        assert found['eve'].points is None
+
+
+@pytest.mark.nbgrader
+class TestCommands:
+    """``python -m autograder export | stats | report | similar``."""
+
+    def test_every_format_is_written_and_nothing_replaced(self, graded, capsys):
+        """Exit code 1 names who has no score; a second run refuses without --force."""
+        for name in ('csv', 'checks-csv', 'json', 'junit'):
+            assert command.main(['export', name]) == command.FOR_REVIEW
+            said = capsys.readouterr()
+            data = Path(said.out.strip()).read_bytes()
+            assert b'ann' in data
+            assert CANARY.encode() not in data
+            assert f'no mark: {ASSIGNMENT}: eve: for review' in said.err
+            assert command.main(['export', name]) == command.USAGE
+            assert '--force' in capsys.readouterr().err
+            assert command.main(['export', name, '--force']) == command.FOR_REVIEW
+            capsys.readouterr()
+
+    def test_canvas_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
+        """Those without a mark keep their cells."""
+        grade_by_hand(graded, 'ann', 5.0)
+        mine = tmp_path / 'canvas.csv'
+        mine.write_text(
+            'Student,ID,SIS Login ID,Section,Monitor (7),Final Score\n'
+            '    Points Possible,,,,45,(read only)\n'
+            '"A, Ann",1,ann,One,,\n"E, Eve",2,eve,One,,\n',
+            encoding='utf-8',
+        )
+        before = mine.read_bytes()
+        to = tmp_path / 'filled.csv'
+        arguments = ['export', 'canvas', ASSIGNMENT, '--gradebook', str(mine), '--column', '7']
+
+        assert command.main([*arguments, '--to', str(to)]) == command.FOR_REVIEW
+        rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
+        assert [row[4] for row in rows] == ['Monitor (7)', '45', '45', '']
+        assert mine.read_bytes() == before
+        assert 'not entered: eve: for review' in capsys.readouterr().out
+        assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
+
+    def test_gradescope_has_a_file_for_each_but_the_review(self, graded, tmp_path, capsys):
+        """A file of an earlier grading is taken away."""
+        stale = tmp_path / 'eve' / 'results.json'
+        stale.parent.mkdir()
+        stale.write_text('{}', encoding='utf-8')
+        arguments = ['export', 'gradescope', ASSIGNMENT, '--to', str(tmp_path), '--force']
+
+        assert command.main(arguments) == command.FOR_REVIEW
+        there = sorted(path.parent.name for path in tmp_path.glob('*/results.json'))
+        assert there == ['ann', 'bad~20name~20', 'bob']
+        assert json.loads((tmp_path / 'ann' / 'results.json').read_text('utf-8'))['score'] == 40
+
+    def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):
+        """Review is an exit code for stats; similar shows the copy."""
+        assert command.main(['stats', 'temperature_monitor', '--json']) == command.FOR_REVIEW
+        (numbers,) = json.loads(capsys.readouterr().out)
+        assert (numbers['submissions'], numbers['marks']['count']) == (4, 3)
+
+        assert command.main(['report']) == command.OK
+        assert Path(capsys.readouterr().out.strip()).name == 'class.html'
+
+        assert command.main(['similar', 'temperature_monitor', '--json']) == command.OK
+        (first, *_) = json.loads(capsys.readouterr().out)['pairs']
+        assert first['first'] == ['ann', 'bob', 'eve'][: len(first['first'])]
+
+    def test_similarity_is_in_nothing_that_is_shown(self, graded):
+        """Reports, gradebook and exports do not speak of it."""
+        command.main(['similar', ASSIGNMENT])
+        command.main(['report'])
+        command.main(['export', 'json'])
+
+        for path in graded.work.rglob('*'):
+            if path.suffix in ('.html', '.json', '.csv', '.ipynb'):
+                assert 'imilar' not in path.read_text('utf-8').replace('similar_', ''), path
+
+    @pytest.mark.parametrize(
+        ('arguments', 'said'),
+        [
+            (['export', 'csv', 'temprature'], 'Did you mean'),
+            (['stats', 'nonsense_xyz'], 'no such assignment'),
+            (['similar', ASSIGNMENT, '--submitted', '/nowhere'], 'expected a folder'),
+            (
+                ['export', 'canvas', ASSIGNMENT, '--gradebook', '/nowhere', '--column', 'x'],
+                'expected the file that Canvas exports',
+            ),
+        ],
+    )
+    def test_mistakes_are_told_in_a_line(self, graded, capsys, arguments, said):
+        """Exit code 2."""
+        assert command.main(arguments) == command.USAGE
+        (line,) = capsys.readouterr().err.splitlines()
+        assert said in line
+
+
+@pytest.fixture
+def container(tmp_path):
+    """Return a folder like /autograder, with the zip of a lesson unpacked in it."""
+
+    def unpack(assignment):
+        source = tmp_path / 'source'
+        source.mkdir()
+        with zipfile.ZipFile(io.BytesIO(autograder_zip(Layout.here(), assignment))) as archive:
+            archive.extractall(source)
+        (source / '.venv').symlink_to(sys.prefix)
+        for name in ('submission', 'results'):
+            (tmp_path / name).mkdir()
+        return tmp_path
+
+    return unpack
+
+
+def run_autograder(root: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Do what Gradescope does."""
+    return subprocess.run(
+        ['/bin/bash', root / 'source' / 'run_autograder'],
+        env={**os.environ, 'GRADESCOPE_ROOT': str(root), **environment},
+        cwd=root,
+        capture_output=True,
+        text=True,
+        timeout=240,
+    )
+
+
+def submit(root: Path, assignment: str, sample: str) -> None:
+    """Lay a sample submission where Gradescope lays an upload."""
+    layout = Layout.here()
+    data = compose(layout, assignment, layout.sample_class / assignment / sample)
+    (root / 'submission' / layout.release(assignment).name).write_bytes(data)
+
+
+@pytest.mark.pipeline
+class TestGradescope:
+    """The zip, unpacked and run."""
+
+    @pytest.mark.slow
+    def test_the_reference_gets_full_marks(self, container):
+        """Hidden exams, in the sandbox, from the unpacked course."""
+        root = container(WITH_RUNS)
+        submit(root, WITH_RUNS, 'pass__functions_style')
+        done = run_autograder(root)
+
+        assert done.returncode == 0, done.stdout + done.stderr
+        results = json.loads((root / 'results' / 'results.json').read_text('utf-8'))
+        assert results['score'] == sum(test['max_score'] for test in results['tests']) > 0
+        assert results['extra_data']['isolation']
+
+    def test_no_upload_gets_a_reason_and_no_points(self, container):
+        """That is the student's matter, so there is a file."""
+        root = container(TEXT_ONLY)
+        done = run_autograder(root)
+
+        assert done.returncode == 0, done.stdout + done.stderr
+        results = json.loads((root / 'results' / 'results.json').read_text('utf-8'))
+        assert results['score'] == 0
+        assert 'got no notebook' in results['output']
+
+    def test_without_isolation_there_is_no_verdict_and_no_file(self, container):
+        """Not even that of an earlier run; the reason is for the staff."""
+        root = container(TEXT_ONLY)
+        submit(root, TEXT_ONLY, 'pass__double_quotes_and_comments')
+        (root / 'results' / 'results.json').write_text('{"score": 24}', encoding='utf-8')
+        done = run_autograder(root, PATH='/nonexistent')
+
+        assert done.returncode == 1
+        assert done.stdout.startswith('No verdict, so no score: ')
+        assert list((root / 'results').iterdir()) == []

@@ -1,0 +1,227 @@
+"""One submission, four ways to hear about it, and the same words in each of them."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+import json
+from pathlib import Path
+import shutil
+
+from conftest import ASSIGNMENT
+import nbformat
+import pytest
+from test_nbgrader_round_trip import nbgrader
+from test_sample_class import EXAMINED, graded
+
+from autograder import __main__ as command
+from autograder import exams, sample_class
+from autograder.feedback import check_lines, MOST_LINES, titles_of, told, WIDTH
+from autograder.inbox import Submission
+from autograder.layout import Layout
+from autograder.pipeline import grade_class, load_lesson, SandboxEngine
+from autograder.record import record
+from autograder.report import page_name, write_reports
+from autograder.results import Verdict
+from autograder.sandbox import strongest
+from autograder.submission import read_release
+from roslab import checking
+from roslab.package_files import LearnerPackage
+
+pytestmark = [pytest.mark.pipeline, pytest.mark.slow, pytest.mark.ros, pytest.mark.nbgrader]
+
+HERE = Layout.here()
+SAMPLE = 'fail__topic_typo'
+EXAM = 'temperature_publisher'
+NOTEBOOK = 'temperature_monitor.ipynb'
+
+
+class Facts(HTMLParser):
+    """Collects (name, text) of the definition lists of a page, and its links."""
+
+    def __init__(self):
+        super().__init__()
+        self.words, self.links, self.pictures, self._open = [], [], 0, ''
+
+    def handle_starttag(self, tag, attrs):
+        """Note where words belong."""
+        self.links += [value for name, value in attrs if name == 'href']
+        self.pictures += tag == 'svg'
+        if tag in ('dt', 'dd'):
+            self._open = tag
+            self.words.append('')
+
+    def handle_endtag(self, tag):
+        """Note where they end."""
+        if tag == self._open:
+            self._open = ''
+
+    def handle_data(self, data):
+        """Note words."""
+        if self._open:
+            self.words[-1] += data
+
+
+def read(page):
+    """Return what a page says."""
+    reader = Facts()
+    reader.feed(page)
+    return reader
+
+
+def facts_of(page):
+    """Return (name, text) of all that a page says about its checks."""
+    words = read(page).words
+    return list(zip(words[::2], words[1::2]))
+
+
+@pytest.fixture(scope='module')
+def course(released, tmp_path_factory):
+    """Return a course of its own for the one submission."""
+    root = tmp_path_factory.mktemp('words') / 'course'
+    shutil.copytree(released, root)
+    return Layout(root)
+
+
+@pytest.fixture(scope='module')
+def result(course):
+    """Return the sample's results, graded with the visible exams, after all was written."""
+    folder = HERE.sample_class / ASSIGNMENT / SAMPLE
+    data = sample_class.compose(HERE, ASSIGNMENT, folder)
+    engine = SandboxEngine(strongest(), HERE.recordings, hidden=False)
+    lesson = load_lesson(course, ASSIGNMENT, engine)
+    done = grade_class([Submission(SAMPLE, folder, data)], lesson, engine, jobs=2)
+    record(course, lesson, done)
+    nbgrader(course, 'generate_feedback', ASSIGNMENT)
+    write_reports(course.reports, ASSIGNMENT, [done[0].result])
+    return done[0].result
+
+
+@pytest.fixture(scope='module')
+def said(result):
+    """Return all that is to be said about the exam, in order."""
+    (exam,) = [one for one in result.exams if one.exam == EXAM]
+    titles = titles_of(exam)
+    words = [fact for check in exam.checks for fact in told(check, titles)]
+    assert {name for name, _ in words} == {
+        *('expected', 'observed', 'likely cause', 'try', 'read'),
+        'waits for',
+    }
+    return words
+
+
+def lines_of(result):
+    """Return the lines of the exam's checks, as every plain text has them."""
+    (exam,) = [one for one in result.exams if one.exam == EXAM]
+    return [line for check in exam.checks for line in check_lines(check, titles_of(exam))]
+
+
+def test_nbgraders_feedback_says_them(result, said, course):
+    """Our own page, with a picture and links that lead to the lesson in the page."""
+    (path,) = (course.work / 'feedback' / SAMPLE).rglob('*.html')
+    page = path.read_text(encoding='utf-8')
+    reader = read(page)
+
+    assert [fact for fact in facts_of(page) if fact in said] == said
+    assert reader.pictures == 1
+    assert '#Part-2:-The-publisher' in reader.links
+    assert 'id="Part-2:-The-publisher"' in page
+    assert not [one for one in reader.links if not one.startswith('#') and 'http' not in one]
+    assert '<script' not in page
+
+
+def test_formgrader_says_them(result, said, course):
+    """It shows the outputs of the check cells: HTML, and text where there is no browser."""
+    path = course.work / 'autograded' / SAMPLE / ASSIGNMENT / NOTEBOOK
+    notebook = nbformat.read(path, as_version=4)
+    (cell,) = [
+        cell
+        for cell in notebook.cells
+        if cell.metadata.get('nbgrader', {}).get('grade_id') == f'check_{EXAM}'
+    ]
+    data = cell.outputs[0].data
+
+    assert facts_of(data['text/html']) == said
+    assert [line for line in data['text/plain'].splitlines() if line][1:] == lines_of(result)
+
+
+def test_the_report_of_the_class_says_them(result, said, course):
+    """The page of the student."""
+    path = course.reports / ASSIGNMENT / page_name(SAMPLE)
+    page = path.read_text(encoding='utf-8')
+
+    assert [fact for fact in facts_of(page) if fact in said] == said
+    assert '<svg' in page
+
+
+def test_the_terminal_says_them(result, said, tmp_path, capsys):
+    """As ``python -m autograder run`` prints it."""
+    notebook = tmp_path / NOTEBOOK
+    folder = HERE.sample_class / ASSIGNMENT / SAMPLE
+    notebook.write_bytes(sample_class.compose(HERE, ASSIGNMENT, folder))
+
+    assert command.main(['run', '--exam', EXAM, '--visible', str(notebook)]) == command.OK
+
+    printed = [line for line in capsys.readouterr().out.splitlines() if line]
+    assert printed[1:-1] == lines_of(result)
+
+
+def test_the_visible_checks_of_a_notebook_say_them(result, said, tmp_path):
+    """The text and the HTML that ``check(...)`` shows, from its own child process."""
+    package = LearnerPackage('temp_monitor_pkg', tmp_path)
+    nodes = package.folder / 'temp_monitor_pkg'
+    nodes.mkdir(parents=True)
+    source = HERE.sample_class / ASSIGNMENT / SAMPLE / 'temp_publisher.py'
+    (nodes / 'temp_publisher.py').write_bytes(source.read_bytes())
+
+    report = checking._run(EXAM, package)
+
+    assert str(report).splitlines()[1:] == lines_of(result)
+    assert facts_of(report._repr_html_()) == said
+    assert f'{NOTEBOOK}#Part-2:-The-publisher' in read(report._repr_html_()).links
+    assert read(report._repr_html_()).pictures == 1
+
+
+@pytest.mark.parametrize('assignment', EXAMINED)
+def test_every_failing_text_of_the_sample_class_is_short(assignment):
+    """Twelve lines of a readable width, whatever was handed in."""
+    for name, submission in graded(assignment).items():
+        for exam in submission.exams:
+            for check in exam.checks:
+                lines = check_lines(check, titles_of(exam))
+                assert len(lines) <= MOST_LINES, (name, lines)
+                assert max(map(len, lines)) <= WIDTH, (name, lines)
+                if check.verdict is not Verdict.PASSED:
+                    assert len(lines) > 1, (name, lines)
+
+
+@pytest.mark.parametrize('assignment', EXAMINED)
+def test_every_section_to_read_is_a_heading_of_the_lesson(assignment):
+    """Else the link leads nowhere; another lesson is named by its number, without a link."""
+    cells = read_release(HERE.release(assignment))['cells']
+    headings = {
+        line.lstrip('#').strip()
+        for cell in cells
+        if cell['cell_type'] == 'markdown'
+        for line in ''.join(cell['source']).splitlines()
+        if line.startswith('#')
+    }
+    for exam in exams.for_assignment(assignment):
+        for section in {check.read or exam.read for check in exam.checks}:
+            if section.startswith('lesson '):
+                number = section.removeprefix('lesson ')[:2]
+                assert any(one.startswith(number) for one in HERE.assignments()), section
+            else:
+                assert section in headings, (exam.name, section)
+
+
+def test_results_with_pictures_survive_json(result):
+    """They come out of the child process of a visible check, and of a report's data."""
+    again = type(result).from_json(json.loads(json.dumps(result.to_json())))
+
+    assert again == result
+    assert any(exam.pictures for exam in again.exams)
+
+
+def test_the_sample_is_there():
+    """A folder that is renamed must be renamed here too."""
+    assert (Path(HERE.sample_class) / ASSIGNMENT / SAMPLE).is_dir()

@@ -1,0 +1,13 @@
+"""One gradebook, one writer: reruns, grades given by hand, lateness."""
+
+from __future__ import annotations
+
+import gradebooks
+import pytest
+
+
+@pytest.mark.nbgrader
+@pytest.mark.parametrize('scene', gradebooks.ALL, ids=lambda scene: scene.__name__)
+def test_sqlite(scene, course):
+    """The database of a course that says nothing else."""
+    scene(course)

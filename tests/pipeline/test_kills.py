@@ -1,0 +1,20 @@
+"""A grading that is killed is continued as if nothing had been."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.kills import soak
+
+pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow, pytest.mark.nbgrader]
+
+
+@pytest.mark.timeout(1800)
+def test_five_kills_lose_nothing_double_nothing_and_leave_nothing(tmp_path):
+    """At instants drawn anew each time; ``python -m benchmarks.kills`` does fifty."""
+    names = ('pass__reference', 'fail__two_hertz', 'error__exception_in_callback')
+
+    account = soak(tmp_path, names, kills=5, seed=5, jobs=2, seconds=5)
+
+    assert account.wrong == []
+    assert sum(account.kills.values()) >= 5

@@ -1,0 +1,53 @@
+"""A small class for tests of exports: passed, failed, not run, for review, and hostile words."""
+
+from __future__ import annotations
+
+from autograder.class_results import ClassResults
+from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
+
+ASSIGNMENT = '01_talker'
+FORMULA = '=HYPERLINK("http://127.0.0.1/?"&A1,"x")'
+EVIL = '</failure>]]><script>&"\'\x00\x1b[31m\ufffe\ud800,\r\n;' + FORMULA
+"""What no format may act on: markup, control characters, half a character, a formula."""
+
+
+def check(name, verdict=Verdict.PASSED, points=2.0, most=2.0, **more):
+    """Return one check's result."""
+    return CheckResult(name, f'It {name}.', verdict, points, most, **more)
+
+
+def failed(name='warns', words='a typo', **more):
+    """Return a check that failed."""
+    return check(
+        name,
+        Verdict.FAILED,
+        0.0,
+        3.0,
+        **{'cause': words, 'cause_id': 'typo', 'expected': 'one', 'observed': 'none', **more},
+    )
+
+
+def submission(student='ann', checks=(), exam='talker', **more):
+    """Return a submission with one exam."""
+    waits = check('stops', Verdict.NOT_RUN, 0.0, 1.5, waits_for='warns')
+    done = ExamResult(
+        exam,
+        tuple(checks) or (check('runs'), failed(), waits),
+        'watched',
+        'bwrap-user',
+        ('odd',),
+        {'run_s': 1.25, 'ready_s': 0.5, 'judge_s': 0.001},
+        'abc.jsonl',
+    )
+    return SubmissionResult(student, ASSIGNMENT, (done,), **more)
+
+
+FULL = submission('bob', (check('runs'), check('warns', points=3.0, most=3.0)))
+REVIEW = submission('eve', fault='The probe broke off. Grade it again.')
+HOSTILE = submission(
+    f'x{EVIL}'.replace('\ud800', ''),  # an id is always text that can be written
+    (check('runs'), failed(words=EVIL, observed=EVIL, expected=EVIL)),
+    problems=(Problem(EVIL, EVIL, EVIL, EVIL, ('cell',)),),
+    noticed=(EVIL,),
+)
+CLASS = ClassResults(ASSIGNMENT, (submission(), FULL, REVIEW, HOSTILE))

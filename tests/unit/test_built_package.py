@@ -1,0 +1,124 @@
+"""Packages that are built: which can be, what runs instead, and how a failure is told."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from pathlib import Path
+
+import pytest
+
+from autograder import built_package, exams
+from autograder.built_package import as_package, explained, MARK, package_name
+from autograder.recording import Recording
+from autograder.results import CheckResult, ExamResult, Verdict
+
+XML = '<package format="3">\n  <name> thermo </name>\n</package>'
+EXAM = as_package(exams.load('temperature_publisher', hidden=False), 'thermo')
+
+
+def test_a_package_has_a_manifest_with_a_name_and_says_how_it_is_built():
+    """A folder with modules alone, or with a manifest alone, is laid out as it is."""
+    assert package_name({'package.xml': XML, 'setup.py': ''}) == 'thermo'
+    assert package_name({'package.xml': XML, 'CMakeLists.txt': ''}) == 'thermo'
+    assert package_name({'package.xml': XML}) == ''
+    assert package_name({'setup.py': ''}) == ''
+    assert package_name({'package.xml': '<name>../evil</name>', 'setup.py': ''}) == ''
+
+
+def test_the_exam_stays_the_same_but_for_what_runs():
+    """Same checks and inputs; the course's own exam is not changed."""
+    exam = exams.load('temperature_publisher', hidden=False)
+
+    assert EXAM.checks == exam.checks
+    assert EXAM.scenario.steps == exam.scenario.steps
+    assert (EXAM.scenario.program, EXAM.scenario.build_type) == ('package', 'thermo')
+    assert EXAM.requires == ()
+    assert exam.scenario.program == 'node'
+
+
+def test_an_exam_that_builds_anyway_stays_as_it_is():
+    """The message exam builds whatever was handed in."""
+    exam = exams.load('temperature_message', hidden=False)
+
+    assert as_package(exam, 'thermo') is exam
+
+
+def told(code, stderr, files):
+    """Return the first check as it is told after a run that ended with a code."""
+    checks = (
+        CheckResult(
+            'starts_its_node', 'It starts.', Verdict.FAILED, 0, 2, 'a node', 'none', 'It died.'
+        ),
+    )
+    process = {'event': 'process', 'exit': code, 'killed': '', 'stderr': stderr, 'stdout': ''}
+    recording = Recording({}, [process])
+    result = explained(EXAM, ExamResult(EXAM.name, checks), recording, files)
+    return result.checks[0]
+
+
+def there(**places):
+    """Return the line that says which executables were installed."""
+    return MARK + json.dumps({'lib': [], 'bin': [], **places})
+
+
+@pytest.mark.parametrize(
+    ('files', 'installed', 'cause_id', 'words'),
+    [
+        (['setup.py'], {}, 'entry_point_missing', 'console_scripts'),
+        (['setup.py'], {'bin': ['temp_publisher']}, 'script_folder', 'install_scripts'),
+        (['CMakeLists.txt'], {'lib': ['other']}, 'executable_not_installed', 'install(PROGRAMS'),
+    ],
+)
+def test_an_executable_that_is_not_there_is_named_with_the_file_to_mend(
+    files, installed, cause_id, words
+):
+    """Also what is there instead."""
+    check = told(97, there(**installed), dict.fromkeys(files, ''))
+
+    assert check.cause_id == cause_id
+    assert words in check.try_this
+    assert 'ros2 run thermo temp_publisher' in check.expected
+    assert ', '.join(installed.get('lib', [])) in check.observed
+
+
+@pytest.mark.parametrize(
+    'line', ['', 'run_package: {', 'run_package: [1]', 'run_package: {"lib": 3}']
+)
+def test_what_a_build_prints_is_not_believed(line):
+    """It may look like the line that says what was installed."""
+    assert told(97, line, {'setup.py': ''}).cause_id == 'entry_point_missing'
+
+
+def test_a_failed_build_says_what_is_wrong():
+    """Not that a node is missing."""
+    check = told(98, 'CMake Error: something odd', {'CMakeLists.txt': ''})
+
+    assert check.expected == 'a package that colcon builds'
+    assert check.cause
+
+
+def test_any_other_end_keeps_the_words_of_the_exam():
+    """A program that dies is explained as everywhere."""
+    assert told(1, '', {}).cause == 'It died.'
+
+
+def test_lines_are_those_of_the_file():
+    """A file has no magic line above it."""
+    check = CheckResult('a', 'A.', Verdict.FAILED, 0, 1, cause='It fails in line 8 of the cell.')
+    result = explained(EXAM, ExamResult('x', (check,)), None, {})
+
+    assert result.checks[0].cause == 'It fails in line 7 of the file.'
+
+
+def test_both_sides_mean_the_same_codes(monkeypatch):
+    """The script in the sandbox imports nothing of the project."""
+    inside = Path(built_package.__file__).parent / 'inside'
+    monkeypatch.syspath_prepend(str(inside))
+    run_package = importlib.import_module('run_package')
+
+    assert (run_package.NO_EXECUTABLE, run_package.NOT_BUILT, run_package.MARK) == (
+        built_package.NO_EXECUTABLE,
+        built_package.NOT_BUILT,
+        built_package.MARK,
+    )

@@ -1,0 +1,271 @@
+"""A class in numbers: statistics, the page that opens from the disk, the text on the terminal."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+from itertools import pairwise
+import json
+from pathlib import Path
+
+from export_world import check, CLASS, EVIL, failed, FULL, REVIEW, submission
+from hypothesis import given, settings, strategies
+import pytest
+
+from autograder.class_report import class_page, write_class_report
+from autograder.class_results import ClassResults, full_name, graded
+from autograder.class_statistics import class_numbers, ClassNumbers
+from autograder.commands_class import stats_text
+from autograder.errors import GraderError
+from autograder.layout import Layout
+from autograder.report import write_reports
+
+LOADS = ('src', 'srcset', 'data', 'poster', 'action', 'xlink:href')
+ASSIGNMENT = '01_talker'
+
+
+def numbers_of(*results, root='/nowhere'):
+    """Return the numbers of a class."""
+    return class_numbers(Layout(Path(root)), ClassResults(ASSIGNMENT, results))
+
+
+def with_points(*points):
+    """Return submissions that got these points of ten."""
+    return [
+        submission(f's{number}', (check('runs', points=one, most=10.0),))
+        for number, one in enumerate(points)
+    ]
+
+
+@pytest.fixture
+def layout(tmp_path):
+    """Return a course with one released assignment that was graded."""
+    (tmp_path / 'notebooks' / ASSIGNMENT).mkdir(parents=True)
+    (tmp_path / 'notebooks' / ASSIGNMENT / 'talker.ipynb').write_text('{}', encoding='utf-8')
+    made = Layout(tmp_path)
+    write_reports(made.reports, ASSIGNMENT, CLASS.results[:3])
+    return made
+
+
+class Reader(HTMLParser):
+    """Collects tags with their attributes, and the visible text."""
+
+    def __init__(self):
+        super().__init__()
+        self.tags, self.text, self.open = [], '', []
+
+    def handle_starttag(self, tag, attrs):
+        """Note a tag."""
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        """Note text."""
+        self.text += data
+
+
+def read(page):
+    """Return what a browser makes of a page."""
+    reader = Reader()
+    reader.feed(page)
+    return reader
+
+
+class TestNumbers:
+    """Statistics."""
+
+    def test_marks_are_summed_up(self):
+        """Mean, quarters, bins of a tenth each; the last one has full marks."""
+        marks = numbers_of(*with_points(0, 1, 4.99, 5, 9, 10)).marks
+
+        assert (marks.count, marks.lowest, marks.highest, marks.full) == (6, 0, 10, 1)
+        assert marks.mean == pytest.approx(4.998, abs=0.001)
+        assert marks.median == pytest.approx(4.995)
+        assert marks.bins == (1, 1, 0, 0, 1, 1, 0, 0, 0, 2)
+
+    def test_one_submission_has_numbers_too(self):
+        """Its own."""
+        marks = numbers_of(*with_points(7)).marks
+
+        assert (marks.lower_quartile, marks.median, marks.upper_quartile) == (7, 7, 7)
+
+    def test_for_review_counts_nowhere_but_in_its_list(self):
+        """No zero among the marks, no failure among the checks."""
+        numbers = numbers_of(FULL, REVIEW)
+
+        assert numbers.marks.count == 1
+        assert numbers.marks.lowest == 5.0
+        assert {one.failed for one in numbers.checks} == {0}
+        assert numbers.review == (('eve', 'The probe broke off. Grade it again.'),)
+
+    def test_a_class_for_review_has_no_marks(self):
+        """And still has numbers."""
+        numbers = numbers_of(REVIEW)
+
+        assert numbers.marks is None
+        assert 'nobody has a mark' in stats_text(numbers)
+
+    def test_causes_are_counted_by_their_name(self):
+        """Their words name lines and values of one student; the commonest words stand for all."""
+        others = [submission(f's{n}', (failed(words=f'a typo in line {n}'),)) for n in range(2)]
+        same = [submission(f't{n}', (failed(words='a typo in line 1'),)) for n in range(2)]
+        odd = submission('u', (failed(words='late', cause_id='late'),))
+        (numbers,) = numbers_of(*others, *same, odd).checks
+
+        assert numbers.causes == (('a typo in line 1', 4), ('late', 1))
+        assert (numbers.passed, numbers.failed, numbers.not_run) == (0, 5, 0)
+
+    def test_digests_come_from_the_recordings_that_are_there(self, tmp_path):
+        """One that is gone, or damaged, is no error."""
+        place = tmp_path / 'autograder' / '_work' / 'recordings' / 'talker'
+        place.mkdir(parents=True)
+        header = {'scenario': 'a' * 32, 'environment': 'b' * 32}
+        (place / 'abc.jsonl').write_text(json.dumps(header) + '\nnonsense', encoding='utf-8')
+
+        assert numbers_of(FULL, root=tmp_path).exams == {
+            'talker': {'scenario': ('a' * 12,), 'environment': ('b' * 12,)}
+        }
+        (place / 'abc.jsonl').write_text('{', encoding='utf-8')
+        assert numbers_of(FULL, root=tmp_path).exams['talker'] == {
+            'scenario': (),
+            'environment': (),
+        }
+
+    def test_the_slowest_come_first_and_the_recorded_are_counted(self):
+        """What was not run has no time."""
+        numbers = numbers_of(submission('a'), submission('b'))
+
+        assert numbers.slowest == (('a', 1.251), ('b', 1.251))
+        assert numbers.recorded == 0
+
+    @settings(deadline=None, max_examples=40)
+    @given(strategies.lists(strategies.floats(0, 10), min_size=1, max_size=30))
+    def test_everyone_is_in_one_bin(self, points):
+        """Whatever the points are."""
+        marks = numbers_of(*with_points(*points)).marks
+
+        assert sum(marks.bins) == len(points)
+        assert marks.lowest <= marks.lower_quartile <= marks.median <= marks.highest
+
+    def test_numbers_are_json(self):
+        """For ``stats --json``."""
+        data = json.loads(json.dumps(numbers_of(*CLASS.results[:3]).to_json()))
+
+        assert set(data) == set(ClassNumbers.__dataclass_fields__)
+
+
+class TestPage:
+    """HTML."""
+
+    def test_it_loads_nothing_and_runs_nothing(self):
+        """Whatever students wrote."""
+        page = class_page(CLASS, numbers_of(*CLASS.results), EVIL)
+        reader = read(page)
+
+        names = {tag for tag, _ in reader.tags}
+        assert not names & {'script', 'link', 'img', 'iframe', 'object', 'embed', 'form'}
+        for _, attributes in reader.tags:
+            assert not set(attributes) & set(LOADS)
+            assert not [name for name in attributes if name.startswith('on')]
+            link = attributes.get('href') or ''
+            assert not link or link.startswith(('#', 'students/', 'index.html'))
+        assert 'url(' not in page
+        assert '@import' not in page
+        assert '\x1b' not in page
+
+    def test_for_review_comes_first_with_the_reason(self):
+        """Before the marks, and first among everybody."""
+        text = read(class_page(CLASS, numbers_of(*CLASS.results))).text
+
+        assert text.index('The probe broke off') < text.index('Marks')
+        assert text.rindex('eve') < text.rindex('ann')
+
+    def test_every_student_is_linked_to_a_page_that_is_there(self, layout):
+        """The pages of feedback beside it."""
+        path = write_class_report(layout, ASSIGNMENT)
+
+        links = {
+            attributes['href']
+            for tag, attributes in read(path.read_text('utf-8')).tags
+            if tag == 'a'
+        }
+        assert len(links) == 4
+        for link in links:
+            assert (path.parent / link).is_file(), link
+
+    def test_the_picture_is_also_a_table(self):
+        """With the same numbers, and a name and words for readers that do not see it."""
+        page = class_page(CLASS, numbers_of(*with_points(0, 5, 10, 10)))
+        reader = read(page)
+
+        (svg,) = [attributes for tag, attributes in reader.tags if tag == 'svg']
+        identifiers = {attributes.get('id') for _, attributes in reader.tags}
+        assert svg['role'] == 'img'
+        assert set(svg['aria-labelledby'].split()) <= identifiers
+        assert '0 to below 1: 1, 5 to below 6: 1, 9 to 10: 2.' in reader.text
+
+    def test_checks_stand_in_the_order_of_the_exams(self):
+        """As students see them, with the commonest cause."""
+        first, second = submission(exam='z'), submission(exam='a')
+        both = type(first)('ann', ASSIGNMENT, (*first.exams, *second.exams))
+        text = read(class_page(CLASS, numbers_of(both))).text
+
+        assert text.index('Z') < text.index('It runs.') < text.rindex('It runs.')
+        assert '1 of 1: a typo' in text
+
+    def test_headings_do_not_skip_a_level(self):
+        """For those who go from heading to heading."""
+        page = class_page(CLASS, numbers_of(*CLASS.results))
+        levels = [int(tag[1]) for tag, _ in read(page).tags if tag in ('h1', 'h2', 'h3')]
+
+        assert levels[0] == 1
+        assert levels.count(1) == 1
+        assert all(two <= one + 1 for one, two in pairwise(levels))
+
+    def test_it_is_written_again_in_place(self, layout):
+        """A newer grading replaces it."""
+        path = write_class_report(layout, ASSIGNMENT, 'first')
+        write_class_report(layout, ASSIGNMENT, 'second')
+
+        assert 'second' in path.read_text('utf-8')
+        assert [one.name for one in path.parent.glob('.class*')] == []
+
+
+class TestTerminal:
+    """``stats``."""
+
+    def test_it_says_the_same_in_words(self):
+        """Marks, checks with causes, reviews, flags, isolation."""
+        text = stats_text(numbers_of(submission(), FULL, REVIEW))
+
+        for part in (
+            '01_talker: 3 submissions',
+            'for review: eve: The probe broke off.',
+            'mean 3.5, median 3.5',
+            'talker/warns',
+            '1 of 1: a typo',
+            'flag: ann: odd',
+            'isolation bwrap-user; python ',
+        ):
+            assert part in text
+
+    def test_hostile_words_have_no_effect_on_a_terminal(self):
+        """No control characters."""
+        assert '\x1b' not in stats_text(numbers_of(*CLASS.results))
+
+
+class TestWhatWasGraded:
+    """Finding the last results."""
+
+    def test_an_assignment_may_be_named_without_its_number(self, layout):
+        """As in the other commands."""
+        assert full_name(layout, 'talker') == ASSIGNMENT
+        assert graded(layout, 'talker')[0].results == CLASS.results[:3]
+
+    def test_a_typo_is_answered_with_a_near_one(self, layout):
+        """Not with a traceback."""
+        with pytest.raises(GraderError, match='Did you mean 01_talker'):
+            full_name(layout, '01_taker')
+
+    def test_nothing_graded_says_what_to_do(self, tmp_path):
+        """Grade first."""
+        with pytest.raises(GraderError, match='grade the class first'):
+            graded(Layout(tmp_path))

@@ -1,0 +1,206 @@
+"""
+The gradebook of Canvas: one column is filled, everything else stays.
+
+The rules are those of Canvas's own ``gradebook_exporter.rb`` and ``gradebook_importer.rb``: which
+columns there are, the line ``Points Possible`` with ``(read only)``, the line of posting policies,
+``EX`` and ``N/A``, commas or semicolons.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import pytest
+
+from autograder.errors import GraderError
+from autograder.exports import canvas
+from autograder.exports.marks import BY_HAND, Mark, REVIEW
+
+HEADER = 'Student,ID,SIS User ID,SIS Login ID,Section,Notes,Quiz 1 (101),Talker (102),Final Score'
+POLICY = ',,,,,,,Manual Posting,'
+POSSIBLE = '    Points Possible,,,,,,10.00,6.50,(read only)'
+ADA = '"Lovelace, Ada",11,s11,ada,"Sec 1, A","said ""hi""",5,,71.4'
+BOB = '"Roberts, Bob",12,s12,bob@uni.example,Sec 2,,N/A,3.00,'
+EVE = '"Adams, Eve",13,eve,e13,Sec 2,,,EX,'
+TEST = '"Student, Test",14,,f00d,Sec 2,,,,'
+
+
+def book(*lines, end='\n'):
+    """Return a file of Canvas."""
+    return end.join([HEADER, POLICY, POSSIBLE, *(lines or (ADA, BOB, EVE, TEST))] + ['']).encode()
+
+
+def marks(**points):
+    """Return marks by student, of 6.5 points."""
+    return [Mark(student, value, 6.5) for student, value in points.items()]
+
+
+def fill(given, data=None, column='Talker (102)', scale=False):
+    """Fill the column."""
+    return canvas.fill(data or book(), 'grades.csv', column, given, scale)
+
+
+def cells(data, delimiter=','):
+    """Return the cells of a file."""
+    return list(csv.reader(io.StringIO(data.decode('utf-8-sig'), newline=''), delimiter=delimiter))
+
+
+def test_one_column_is_filled_and_every_other_cell_stays():
+    """In their order, with what Canvas wrote above them."""
+    done = fill(marks(ada=6.25))
+    before, after = cells(book()), cells(done.data)
+
+    changed = [
+        (row, column)
+        for row, (one, two) in enumerate(zip(before, after))
+        for column, (old, new) in enumerate(zip(one, two))
+        if old != new
+    ]
+    assert len(before) == len(after)
+    assert changed == [(3, 7)]
+    assert after[3][7] == '6.25'
+    assert (done.filled, done.left_out, done.untouched) == (1, [], 3)
+
+
+@pytest.mark.parametrize('student', ['ada', 's11', '11'])
+def test_a_student_is_found_by_any_id(student):
+    """SIS Login ID, SIS User ID, ID."""
+    done = fill([Mark(student, 1.0, 6.5)])
+
+    assert cells(done.data)[3][7] == '1'
+
+
+@pytest.mark.parametrize('student', ['Lovelace, Ada', 'ADA', 'ad', 'adaa', ''])
+def test_nobody_is_guessed(student):
+    """Not by a name, not by a near id."""
+    done = fill([Mark(student, 1.0, 6.5)])
+
+    assert cells(done.data) == cells(book())
+    assert done.left_out == [(student, 'no such SIS Login ID, SIS User ID, ID in the file')]
+
+
+def test_an_id_of_two_lines_is_nobodys():
+    """The ids of one column may be those of another."""
+    other = '"Else, Some",99,,s11,Sec 2,,,,'
+    done = fill([Mark('s11', 1.0, 6.5)], book(ADA, other))
+
+    assert cells(done.data) == cells(book(ADA, other))
+    assert done.left_out == [('s11', 'the lines 4 and 5 both have this id')]
+
+
+def test_two_students_of_one_line_get_nothing():
+    """A person has to say who it is."""
+    done = fill(marks(ada=1.0, s11=2.0))
+
+    assert cells(done.data) == cells(book())
+    assert [student for student, _ in done.left_out] == ['ada', 's11']
+
+
+def test_no_mark_leaves_the_cell_as_it_is():
+    """For review and what is to be graded by hand: never a zero."""
+    given = [Mark('ada', None, 6.5, REVIEW), Mark('bob@uni.example', None, 6.5, BY_HAND)]
+    done = fill(given)
+
+    assert cells(done.data) == cells(book())
+    assert done.left_out == [
+        ('ada', 'for review'),
+        ('bob@uni.example', 'to be graded by hand; Canvas keeps 3.00'),
+    ]
+
+
+def test_excused_stays_excused():
+    """And is told."""
+    done = fill(marks(eve=6.5))
+
+    assert cells(done.data)[5][7] == 'EX'
+    assert done.left_out == [('eve', 'is excused in Canvas')]
+
+
+def test_what_is_replaced_is_told():
+    """Somebody may have entered it by hand."""
+    done = fill([Mark('bob@uni.example', 4.0, 6.5)])
+
+    assert done.replaced == [('bob@uni.example', '3.00', '4')]
+    assert 'replaced: bob@uni.example: 3.00 -> 4' in done.text()
+
+
+def test_the_same_points_are_no_change():
+    """Whatever digits Canvas writes."""
+    assert fill([Mark('bob@uni.example', 3.0, 6.5)]).replaced == []
+
+
+@pytest.mark.parametrize('column', ['Talker (102)', 'Talker', '102'])
+def test_the_column_is_named_by_header_title_or_id(column):
+    """Whatever is at hand."""
+    assert fill(marks(ada=1.0), column=column).column == 'Talker (102)'
+
+
+@pytest.mark.parametrize('column', ['Final Score', 'Notes', 'ID', 'Talkers', ''])
+def test_only_an_assignment_can_be_filled(column):
+    """Totals are read only; the error lists what there is."""
+    with pytest.raises(GraderError, match=r'There are: Quiz 1 \(101\); Talker \(102\)'):
+        fill(marks(ada=1.0), column=column)
+
+
+def test_two_columns_of_one_title_need_the_id():
+    """Canvas allows it."""
+    twice = book().replace(b'Quiz 1 (101)', b'Talker (101)')
+
+    with pytest.raises(GraderError, match=r'several: Talker \(101\), Talker \(102\)'):
+        fill(marks(ada=1.0), twice, column='Talker')
+
+
+def test_other_points_possible_are_refused_or_scaled():
+    """A mark of 3 of 6.5 is no 3 of 10."""
+    with pytest.raises(GraderError, match=r'expected 6\.5 points possible .* got 10'):
+        fill(marks(ada=3.25), column='101')
+
+    done = fill(marks(ada=3.25), column='101', scale=True)
+    assert cells(done.data)[3][6] == '5'
+
+
+def test_semicolons_commas_a_mark_and_line_ends_stay():
+    """Canvas writes them where the user's language has decimal commas."""
+    text = book(ADA, end='\r\n').decode().replace(',', ';').replace('"Lovelace; Ada"', 'Ada')
+    data = ('\ufeff' + text.replace('6.50', '6,50')).encode()
+    done = fill(marks(ada=1.5), data)
+
+    assert done.data.startswith(b'\xef\xbb\xbfStudent;ID')
+    assert done.data.count(b'\r\n') == done.data.count(b'\n') == 4
+    assert cells(done.data, ';')[3][7] == '1.5'
+
+
+def test_first_and_last_name_may_have_columns_of_their_own():
+    """A setting of Canvas."""
+    data = book().decode().replace('Student,', 'LastName,FirstName,', 1)
+    data = data.replace('\n,', '\n,,').replace('Possible,', 'Possible,,').replace('"L', 'A,"L')
+    lines = [line for line in data.splitlines() if not line.startswith(('"', '\n'))]
+    done = fill(marks(ada=1.0), '\n'.join([*lines, '']).encode())
+
+    assert cells(done.data)[3][8] == '1'
+
+
+@pytest.mark.parametrize(
+    ('data', 'got'),
+    [
+        (b'', 'a first line'),
+        (b'Name,Mark\nada,1\n', "a first line 'Name,Mark'"),
+        (HEADER.encode() + b'\n' + ADA.encode() + b'\n', 'no line "Points Possible"'),
+        (book() + b'short,1\n', '2 fields in line 8, 9 in the first'),
+        ('Schüler'.encode('utf-16'), 'another encoding'),
+        (book() + b'"open,', 'no CSV'),
+    ],
+)
+def test_another_file_is_refused(data, got):
+    """With what was found, and where to get the right one."""
+    with pytest.raises(GraderError, match=got) as refused:
+        fill(marks(ada=1.0), data or b'\n')
+
+    assert 'Export Entire Gradebook' in str(refused.value)
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path):
+    """With the way to it."""
+    with pytest.raises(GraderError, match=r'none\.csv: expected the file that Canvas exports'):
+        canvas.read_file(tmp_path / 'none.csv')

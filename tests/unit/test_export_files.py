@@ -1,0 +1,79 @@
+"""Exported files: whole or not at all, and never over something that is there."""
+
+from __future__ import annotations
+
+import os
+
+from hypothesis import given, settings, strategies
+import pytest
+
+from autograder.errors import GraderError
+from autograder.exports.files import refuse_existing, safe_name, write_file
+
+
+def test_a_file_is_written_with_its_folder_and_nothing_else(tmp_path):
+    """No temporary file stays."""
+    write_file(tmp_path / 'new' / 'marks.csv', b'data', mode=0o600)
+
+    assert (tmp_path / 'new' / 'marks.csv').read_bytes() == b'data'
+    assert os.listdir(tmp_path / 'new') == ['marks.csv']
+    assert (tmp_path / 'new' / 'marks.csv').stat().st_mode & 0o777 == 0o600
+
+
+def test_a_file_that_is_there_stays_unless_forced(tmp_path):
+    """The error says how."""
+    path = tmp_path / 'marks.csv'
+    path.write_bytes(b'old')
+
+    with pytest.raises(GraderError, match=r'already there\. Try: --force'):
+        write_file(path, b'new')
+    assert path.read_bytes() == b'old'
+    write_file(path, b'new', force=True)
+    assert path.read_bytes() == b'new'
+
+
+def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
+    """As when the disk is full."""
+    path = tmp_path / 'marks.csv'
+    path.write_bytes(b'old')
+
+    def full(descriptor):
+        raise OSError(28, 'No space left on device')
+
+    monkeypatch.setattr(os, 'fsync', full)
+
+    with pytest.raises(OSError, match='No space'):
+        write_file(path, b'new', force=True)
+    assert path.read_bytes() == b'old'
+    assert os.listdir(tmp_path) == ['marks.csv']
+
+
+def test_a_link_is_something_that_is_there(tmp_path):
+    """Wherever it leads."""
+    (tmp_path / 'marks.csv').symlink_to('nowhere')
+
+    with pytest.raises(GraderError, match='already there'):
+        refuse_existing([tmp_path / 'marks.csv'], force=False)
+
+
+def test_a_folder_is_not_replaced(tmp_path):
+    """Not even if forced."""
+    with pytest.raises(GraderError, match='got a folder'):
+        refuse_existing([tmp_path], force=True)
+
+
+@settings(deadline=None, max_examples=40)
+@given(strategies.text(max_size=20), strategies.text(max_size=20))
+def test_names_of_files_are_safe_and_as_different_as_the_ids(one, two):
+    """Whatever a student's id is."""
+    try:
+        names = safe_name(one), safe_name(two)
+    except UnicodeEncodeError:
+        return  # half a character is no file name; such ids are never graded
+
+    for name in names:
+        assert name
+        assert name not in ('.', '..')
+        assert '/' not in name
+        assert not name.startswith('.')
+    assert (names[0] == names[1]) == (one == two)

@@ -1,0 +1,220 @@
+"""
+``results.json`` and the zip by the rules of Gradescope's autograder specification.
+
+The rules (gradescope-autograders.readthedocs.io, "Autograder Specifications") are data here: which
+fields there are, of which types, which words they may have; a score at the top or at each test.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import stat
+import subprocess
+import zipfile
+
+from export_world import check, CLASS, FULL, REVIEW, submission
+from jsonschema import Draft202012Validator
+import pytest
+
+from autograder.errors import GraderError
+from autograder.exports.gradescope import results_bytes, results_of, VISIBILITIES
+from autograder.exports.gradescope_zip import autograder_zip, SECRET, SETTINGS
+from autograder.inputs import course_secret
+from autograder.layout import Layout
+from autograder.results import ExamResult, SubmissionResult
+
+FORMATS = {'enum': ['text', 'html', 'simple_format', 'md', 'ansi']}
+VISIBILITY = {'enum': ['hidden', 'after_due_date', 'after_published', 'visible']}
+TEST = {
+    'type': 'object',
+    'properties': {
+        'score': {'type': 'number'},
+        'max_score': {'type': 'number'},
+        'status': {'enum': ['passed', 'failed']},
+        'name': {'type': 'string'},
+        'name_format': FORMATS,
+        'number': {'type': 'string'},
+        'output': {'type': 'string'},
+        'output_format': FORMATS,
+        'tags': {'type': 'array', 'items': {'type': 'string'}},
+        'visibility': VISIBILITY,
+        'extra_data': {'type': 'object'},
+    },
+    'additionalProperties': False,
+}
+RULES = Draft202012Validator(
+    {
+        'type': 'object',
+        'properties': {
+            'score': {'type': 'number'},
+            'execution_time': {'type': 'number', 'minimum': 0},
+            'output': {'type': 'string'},
+            'output_format': FORMATS,
+            'test_output_format': FORMATS,
+            'test_name_format': FORMATS,
+            'visibility': VISIBILITY,
+            'stdout_visibility': VISIBILITY,
+            'extra_data': {'type': 'object'},
+            'tests': {'type': 'array', 'items': TEST},
+            'leaderboard': {'type': 'array'},
+        },
+        'additionalProperties': False,
+        'anyOf': [
+            {'required': ['score']},
+            {'properties': {'tests': {'items': {'required': ['score']}}}, 'required': ['tests']},
+        ],
+    }
+)
+LAYOUT = Layout.here()
+ASSIGNMENT = LAYOUT.assignments()[0]
+
+
+@pytest.fixture(scope='module')
+def archive():
+    """Return the autograder of this course."""
+    with zipfile.ZipFile(io.BytesIO(autograder_zip(LAYOUT, ASSIGNMENT))) as opened:
+        yield opened
+
+
+class TestResults:
+    """The file of one submission."""
+
+    def test_every_graded_submission_keeps_the_rules(self):
+        """Hostile words included, which are shown as text."""
+        for result in CLASS.results:
+            if not result.fault:
+                data = json.loads(results_bytes(result))
+                RULES.validate(data)
+                assert {test['output_format'] for test in data['tests']} == {'text'}
+                assert '\x1b' not in data['output']
+
+    def test_the_score_is_the_sum_of_the_tests(self):
+        """Students see both."""
+        data = results_of(submission())
+
+        assert data['score'] == sum(test['score'] for test in data['tests']) == 2.0
+        assert sum(test['max_score'] for test in data['tests']) == 6.5
+        assert [test['status'] for test in data['tests']] == ['passed', 'failed', 'failed']
+        assert data['execution_time'] == 1.25
+
+    def test_a_failed_check_says_why_and_a_waiting_one_for_what(self):
+        """The five things of a verdict."""
+        _, warns, stops = results_of(submission())['tests']
+
+        assert warns['output'].splitlines() == [
+            'Expected: one',
+            'Observed: none',
+            'Likely cause: a typo',
+        ]
+        assert stops['output'] == 'Not looked at, it waits for: It warns.'
+
+    def test_for_review_has_no_file(self):
+        """A file without a score is refused there, and a zero would be wrong."""
+        with pytest.raises(GraderError, match='eve: for review'):
+            results_bytes(REVIEW)
+
+    def test_visible_checks_alone_are_no_result(self):
+        """Without isolation nothing else is run, and it makes no grade."""
+        visible = ExamResult('talker', (check('runs'),), mode='none')
+
+        with pytest.raises(GraderError, match='only visible checks were run'):
+            results_of(SubmissionResult('ann', '01_talker', (visible,)))
+
+    @pytest.mark.parametrize('visibility', VISIBILITIES)
+    def test_students_see_tests_when_it_was_chosen(self, visibility):
+        """What the grader prints is for instructors at any time."""
+        data = results_of(FULL, visibility)
+
+        assert {data['visibility'], *(test['visibility'] for test in data['tests'])} == {
+            visibility
+        }
+        assert data['stdout_visibility'] == 'hidden'
+
+    def test_weak_isolation_is_said(self):
+        """In every result."""
+        weak = ExamResult(
+            'talker', (), mode='landlock-uid', not_protected=('the network is shared',)
+        )
+        data = results_of(SubmissionResult('ann', '01_talker', (weak,)))
+
+        assert 'weak isolation: the network is shared.' in data['output']
+        assert data['extra_data']['isolation'] == ['landlock-uid']
+
+
+class TestZip:
+    """The autograder for the container."""
+
+    def test_the_two_files_of_the_specification_are_executable_at_the_root(self, archive):
+        """Not in a folder, as Gradescope's documentation warns."""
+        for name in ('setup.sh', 'run_autograder'):
+            entry = archive.getinfo(name)
+            assert stat.S_IMODE(entry.external_attr >> 16) == 0o755
+            assert archive.read(name).startswith(b'#!/usr/bin/env bash\n')
+
+    def test_the_scripts_are_scripts(self, archive, tmp_path):
+        """Bash reads them."""
+        for name in ('setup.sh', 'run_autograder'):
+            (tmp_path / name).write_bytes(archive.read(name))
+            subprocess.run(['bash', '-n', tmp_path / name], check=True)
+
+    def test_it_holds_what_grading_needs(self, archive):
+        """Hidden exams, the release, the reference for the set-up's own proof, the set-up."""
+        names = archive.namelist()
+
+        for name in (
+            'autograder/__main__.py',
+            'autograder/exports/gradescope_run.py',
+            'autograder/seccomp/x86_64.bpf',
+            'environment/prepare.sh',
+            'environment/requirements.lock',
+            'nbgrader_config.py',
+            f'notebooks/{ASSIGNMENT}/{LAYOUT.release(ASSIGNMENT).name}',
+            f'solutions/{ASSIGNMENT}/{LAYOUT.release(ASSIGNMENT).name}',
+            'temp_monitor_pkg/package.xml',
+        ):
+            assert name in names, name
+        assert any(name.startswith('autograder/exams/hidden/') for name in names)
+        imported = {'autograder', 'drawing', 'environment', 'roslab'}
+        assert imported <= {name.partition('/')[0] for name in names}
+
+    def test_it_has_the_same_hidden_inputs(self, archive):
+        """The secret goes along, and nothing else of the work folder."""
+        work = [name for name in archive.namelist() if name.startswith('autograder/_work')]
+
+        assert work == [SECRET]
+        assert archive.read(SECRET) == course_secret()
+        assert stat.S_IMODE(archive.getinfo(SECRET).external_attr >> 16) == 0o600
+
+    def test_it_is_small_enough_and_of_plain_names(self, archive):
+        """Nothing that was built, no link, no way out of the folder."""
+        for entry in archive.infolist():
+            assert not os.path.isabs(entry.filename)
+            assert not {'..', '__pycache__', 'ros_ws', '.git'} & set(entry.filename.split('/'))
+            assert stat.S_ISREG(entry.external_attr >> 16)
+        assert sum(entry.file_size for entry in archive.infolist()) < 100 * 1024 * 1024
+
+    def test_the_same_course_gives_the_same_bytes(self):
+        """Whenever it is made."""
+        assert autograder_zip(LAYOUT, ASSIGNMENT) == autograder_zip(LAYOUT, ASSIGNMENT)
+
+    def test_the_choices_go_along(self):
+        """As data, no script is put together from them."""
+        made = autograder_zip(LAYOUT, ASSIGNMENT, 'visible', 'landlock-uid')
+        with zipfile.ZipFile(io.BytesIO(made)) as opened:
+            assert json.loads(opened.read(SETTINGS)) == {
+                'assignment': ASSIGNMENT,
+                'visibility': 'visible',
+                'allow_weak': 'landlock-uid',
+            }
+
+    def test_no_isolation_at_all_is_refused(self):
+        """Visible checks make no grade."""
+        with pytest.raises(GraderError, match='runs no hidden exam'):
+            autograder_zip(LAYOUT, ASSIGNMENT, allow_weak='none')
+
+    def test_the_students_copy_cannot_make_one(self, tmp_path):
+        """It has no hidden exams."""
+        with pytest.raises(GraderError, match='copy of the course that students have'):
+            autograder_zip(Layout(tmp_path), ASSIGNMENT)

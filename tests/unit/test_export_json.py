@@ -1,0 +1,94 @@
+"""JSON as docs/results.schema.json describes it."""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+
+from export_world import CLASS, REVIEW
+from jsonschema import Draft202012Validator
+import pytest
+
+from autograder.class_results import ClassResults
+from autograder.exports.as_json import FORMAT, results_json, VERSION
+
+SCHEMA = json.loads(
+    (Path(__file__).resolve().parents[2] / 'docs' / 'results.schema.json').read_text('utf-8')
+)
+VALID = Draft202012Validator(SCHEMA)
+
+
+@pytest.fixture
+def document():
+    """Return the class as it is exported."""
+    return json.loads(results_json([CLASS]))
+
+
+def test_the_schema_is_one_of_the_draft_that_it_names():
+    """And of the format and version that are written."""
+    Draft202012Validator.check_schema(SCHEMA)
+
+    assert SCHEMA['properties']['format']['const'] == FORMAT
+    assert SCHEMA['properties']['version']['const'] == VERSION
+
+
+def test_a_class_follows_the_schema(document):
+    """Failed, waiting, for review and hostile ones."""
+    VALID.validate(document)
+
+    assert [one['status'] for one in document['submissions']] == [
+        'graded',
+        'graded',
+        'for review',
+        'graded',
+    ]
+    assert document['submissions'][0]['points'] == 2.0
+
+
+def test_for_review_has_no_points_anywhere():
+    """Not of the submission, its exams or its checks."""
+    (one,) = json.loads(results_json([ClassResults(REVIEW.assignment, (REVIEW,))]))['submissions']
+
+    assert one['points'] is None
+    for exam in one['exams']:
+        assert exam['points'] is None
+        assert {check['points'] for check in exam['checks']} == {None}
+
+
+@pytest.mark.parametrize(
+    ('number', 'change'),
+    [
+        (0, {'points': None}),
+        (0, {'points': -1}),
+        (0, {'fault': 'The probe broke off.'}),
+        (2, {'points': 0}),
+        (2, {'fault': ''}),
+        (0, {'status': 'passed'}),
+        (0, {'secret': 1}),
+    ],
+)
+def test_the_schema_refuses_what_contradicts_itself(document, number, change):
+    """A review with points, a grade without, unknown words and fields."""
+    wrong = copy.deepcopy(document)
+    wrong['submissions'][number].update(change)
+
+    assert VALID.is_valid(document)
+    assert not VALID.is_valid(wrong)
+
+
+def test_every_field_is_required(document):
+    """So a reader can rely on them."""
+    parts = [
+        (document, '$'),
+        (document['submissions'][0], 'submission'),
+        (document['submissions'][0]['exams'][0], 'exam'),
+        (document['submissions'][0]['exams'][0]['checks'][0], 'check'),
+        (document['submissions'][3]['problems'][0], 'problem'),
+    ]
+    for part, kind in parts:
+        for name in list(part):
+            value = part.pop(name)
+            assert not VALID.is_valid(document), f'{kind} without {name}'
+            part[name] = value
+    assert VALID.is_valid(document)

@@ -1,0 +1,162 @@
+"""The words of a check: complete, short, and the same as text and as HTML."""
+
+from __future__ import annotations
+
+import html
+from html.parser import HTMLParser
+import re
+
+import pytest
+
+from autograder.feedback import check_lines, exam_text, MOST_LINES, told, WIDTH
+from autograder.feedback_html import exam_html, section_id
+from autograder.results import CheckResult, ExamResult, Verdict
+
+LONG = 'The readings of the sensor that is far away from everything are late. ' * 30
+EVIL = '<img src=x onerror=alert(1)>&"\x1b[31m'
+
+
+def failing(**changes):
+    """Return a check that failed, with the five things to say."""
+    facts = {
+        'expected': 'one message every 0.5 s',
+        'observed': '3 messages in 6 s',
+        'cause': 'The period is 2.0 s.',
+        'try_this': 'create_timer(0.5, ...)',
+        'read': 'Part 2: Names',
+    }
+    return CheckResult(
+        'rate', 'It speaks twice a second.', Verdict.FAILED, 0.5, 2, **{**facts, **changes}
+    )
+
+
+class Facts(HTMLParser):
+    """Collects the terms and texts of the definition lists of a page, its tags and links."""
+
+    def __init__(self):
+        super().__init__()
+        self.facts, self.tags, self.links, self._open = [], [], [], ''
+
+    def handle_starttag(self, tag, attrs):
+        """Note where words belong."""
+        self.tags.append(tag)
+        self.links += [value for name, value in attrs if name in ('href', 'src')]
+        if tag in ('dt', 'dd'):
+            self._open = tag
+            self.facts.append('')
+
+    def handle_endtag(self, tag):
+        """Note where they end."""
+        if tag == self._open:
+            self._open = ''
+
+    def handle_data(self, data):
+        """Note words."""
+        if self._open:
+            self.facts[-1] += data
+
+
+def facts_of(page):
+    """Return (name, text) of all that a page says about its checks."""
+    reader = Facts()
+    reader.feed(page)
+    return list(zip(reader.facts[::2], reader.facts[1::2]))
+
+
+def test_a_failed_check_says_five_things_in_order():
+    """Below the sentence that was checked, with its points."""
+    lines = check_lines(failing(), {})
+
+    assert lines == [
+        '[FAIL] It speaks twice a second. (0.5 of 2)',
+        '       expected: one message every 0.5 s',
+        '       observed: 3 messages in 6 s',
+        '       likely cause: The period is 2.0 s.',
+        '       try: create_timer(0.5, ...)',
+        '       read: Part 2: Names',
+    ]
+
+
+def test_what_is_not_known_is_not_said():
+    """No empty line for a cause that nobody knows."""
+    assert [name for name, _ in told(failing(cause='', try_this=' '), {})] == [
+        'expected',
+        'observed',
+        'read',
+    ]
+
+
+def test_a_check_that_waits_names_the_sentence_it_waits_for():
+    """The title of the other check, not its name in the code."""
+    waiting = CheckResult('text', 'It counts.', Verdict.NOT_RUN, 0, 1, waits_for='rate')
+
+    assert told(waiting, {'rate': 'It speaks.'}) == [('waits for', 'It speaks.')]
+    assert told(waiting, {}) == [('waits for', 'rate')]
+
+
+@pytest.mark.parametrize('name', ['expected', 'observed', 'cause', 'try_this'])
+@pytest.mark.parametrize('text', [LONG, 'x' * 3000, 'word\n' * 300])
+def test_twelve_lines_are_enough_for_any_text(name, text):
+    """The longest part is cut, and says so; the others stay whole."""
+    check = failing(**{name: text})
+    lines = check_lines(check, {})
+
+    assert len(lines) <= MOST_LINES
+    assert max(map(len, lines)) <= WIDTH
+    assert '\N{HORIZONTAL ELLIPSIS}' in ' '.join(lines)
+    assert lines[-1] == '       read: Part 2: Names'
+
+
+def test_all_parts_may_be_long():
+    """Each keeps a line at least."""
+    check = failing(**dict.fromkeys(('expected', 'observed', 'cause', 'try_this', 'read'), LONG))
+
+    assert len(check_lines(check, {})) <= MOST_LINES
+    assert len(told(check, {})) == 5
+
+
+def test_points_stay_together():
+    """No line begins in the middle of them."""
+    for length in range(60, 90):
+        check = CheckResult('a', f'{"x " * (length // 2)}end.', Verdict.PASSED, 1, 1)
+
+        assert '(1 of 1)' in '\n'.join(check_lines(check, {}))
+
+
+@pytest.mark.parametrize('text', ['short', LONG, EVIL])
+def test_html_says_the_same_words(text):
+    """Also where they are cut."""
+    check = failing(observed=text)
+    page = exam_html(ExamResult('talker', (check,)))
+
+    assert facts_of(page) == told(check, {})
+
+
+def test_words_of_a_program_stay_words():
+    """No tag and no control character of them is acted on."""
+    result = ExamResult('talker', (failing(observed=EVIL, cause=EVIL, read=EVIL),), note=EVIL)
+    page = exam_html(result, lesson='')
+    reader = Facts()
+    reader.feed(page)
+
+    assert 'img' not in reader.tags
+    assert '\x1b' not in page + exam_text(result)
+
+
+def test_the_section_to_read_is_a_link_where_there_is_a_lesson():
+    """The address is that of the heading in notebooks and in their HTML."""
+    result = ExamResult('talker', (failing(),))
+
+    assert 'href="#Part-2:-Names"' in exam_html(result, lesson='')
+    assert 'href="topics.ipynb#Part-2:-Names"' in exam_html(result, lesson='topics.ipynb')
+    assert 'href' not in exam_html(result)
+    elsewhere = ExamResult('quiz', (failing(read='lesson 02, on clocks'),))
+    assert 'href' not in exam_html(elsewhere, lesson='')
+    assert section_id('A  "b" <c>') == 'A-%22b%22-%3Cc%3E'
+
+
+def test_no_colour_says_anything_alone():
+    """The verdict is a word and a sign."""
+    page = exam_html(ExamResult('talker', (failing(),)))
+
+    assert '\N{BALLOT X} Failed:' in html.unescape(re.sub('<[^>]+>', '', page))

@@ -1,0 +1,281 @@
+"""Pictures of failed checks: what they show, what they never show, and how large they get."""
+
+from __future__ import annotations
+
+import json
+import re
+from xml.etree import ElementTree
+
+import pytest
+
+from autograder import picture_data
+from autograder.exam import Cause, Exam, Failed, Run
+from autograder.feedback_html import exam_html
+from autograder.judge import judge
+from autograder.picture_data import MOST_TIMES, pictures
+from autograder.picture_svg import picture_html
+from autograder.recording import Recording
+from autograder.results import ExamResult
+from autograder.scenario import Advance, Feed, Scenario
+
+TOPIC, TYPE = '/lab/chatter', 'std_msgs/msg/String'
+SECOND = 1_000_000_000
+EVIL = '/<script>alert(1)</script>"\'&\x1b'
+
+
+def end(topic=TOPIC, type_name=TYPE, kind='publisher', node='/lab/talker', **qos):
+    """Return an endpoint as it is recorded."""
+    whole = {'reliability': 'RELIABLE', 'durability': 'VOLATILE', **qos}
+    return {'topic': topic, 'kind': kind, 'node': node, 'type': type_name, 'qos': whole}
+
+
+def said(second, topic=TOPIC, **more):
+    """Return a message at a simulated time [s]."""
+    clock_ns = round(second * SECOND)
+    return {
+        'event': 'message',
+        'topic': topic,
+        'clock_ns': clock_ns,
+        'data': {'data': 'SECRET'},
+        **more,
+    }
+
+
+def fed(count, topic='/t'):
+    """Return the inputs of a run."""
+    facts = {'event': 'input', 'topic': topic, 'clock_ns': None, 'data': {}}
+    return [{**facts, 'index': number} for number in range(count)]
+
+
+def recorded(*events, ends=None, nodes=('/lab/talker',)):
+    """Return a recording of a program with these endpoints."""
+    graph = {
+        'event': 'graph',
+        'clock_ns': None,
+        'when': 'end',
+        'nodes': list(nodes),
+        'endpoints': [end()] if ends is None else list(ends),
+    }
+    last = {'event': 'end', 'clock_ns': 10 * SECOND, 'reason': 'complete'}
+    return Recording({}, (*events, graph, last))
+
+
+def drawn(recording, failure, hidden=False, **scenario):
+    """Return the picture of a check that fails like this, None if there is none."""
+    whole = {
+        'file': 'talker.py',
+        'watch': {TOPIC: TYPE, '/chatter': TYPE},
+        'arguments': ('-r', '__ns:=/lab'),
+        'steps': (Advance(10.0),),
+        **scenario,
+    }
+    exam = Exam(
+        'talker',
+        title='T',
+        assignment='a',
+        part=1,
+        cells=(),
+        requires=(),
+        scenario=Scenario(**whole),
+    )
+    exam.hidden = hidden
+
+    @exam.check(points=1)
+    def speaks(run):
+        """It publishes String messages on chatter."""
+        raise failure
+
+    run = Run({}, recording, {})
+    return pictures(exam, run, judge(exam, run)).get('speaks')
+
+
+WRONG = Failed(expected='x', observed='y')
+RATE = {'expected': 'one message every 1 s for 10 s', 'observed': 'others'}
+
+
+class TestGraph:
+    """What does not connect."""
+
+    def test_another_topic_is_beside_the_expected_one(self):
+        """The expected one is dashed, with the reason."""
+        picture = drawn(recorded(ends=[end('/lab/chater')]), WRONG)
+        shown = {
+            (one['node'], one['topic'], one['matched'], one['remark']) for one in picture['arrows']
+        }
+
+        assert picture['kind'] == 'graph'
+        assert ('/lab/talker', TOPIC, False, 'expected here, and nothing is there') in shown
+        assert ('/lab/talker', '/lab/chater', True, 'not asked for') in shown
+        assert '/chatter' not in {topic for _, topic, _, _ in shown}
+
+    def test_another_type_names_both(self):
+        """The expected and the observed one."""
+        picture = drawn(
+            recorded(ends=[end(type_name='std_msgs/msg/Int32')]),
+            WRONG,
+        )
+
+        assert picture['arrows'][0]['remark'] == (
+            'expected std_msgs/msg/String, but yours is std_msgs/msg/Int32'
+        )
+
+    def test_a_quality_of_service_is_that_of_the_check(self):
+        """In the words of the check."""
+        failure = Failed(
+            expected='reliability RELIABLE',
+            observed='reliability BEST_EFFORT',
+            why=Cause('qos_reliability', 'Another one.', 'Pass 10.'),
+        )
+        picture = drawn(recorded(ends=[end(reliability='BEST_EFFORT')]), failure)
+
+        assert picture['arrows'][0]['remark'] == (
+            'expected reliability RELIABLE, observed reliability BEST_EFFORT'
+        )
+
+    def test_a_value_in_a_message_needs_no_picture(self):
+        """All is connected, and nothing was late."""
+        failure = Failed(expected="unit 'Celsius' in every message", observed='others')
+
+        assert drawn(recorded(said(1.0)), failure) is None
+
+    def test_a_program_that_made_no_node_has_no_picture(self):
+        """There is nothing to see."""
+        assert drawn(recorded(ends=[], nodes=[]), Failed(**RATE)) is None
+
+
+class TestTimeline:
+    """What came too seldom, too often or too late."""
+
+    def test_the_rows_are_what_was_due_and_what_came(self):
+        """With the moment that the check names."""
+        failure = Failed(**RATE, at=3 * SECOND, every_s=1.0)
+        picture = drawn(recorded(*(said(one + 0.1) for one in (1, 2, 4))), failure)
+        due, came = picture['rows']
+
+        assert (picture['unit'], picture['deviation']) == ('seconds', 3.0)
+        assert (due['what'], due['times'][:3]) == ('expected', [0.1, 1.1, 2.1])
+        assert (came['label'], came['times'], came['count']) == (TOPIC, [1.1, 2.1, 4.1], 3)
+
+    def test_silence_is_a_row_too(self):
+        """The expected ticks above nothing."""
+        picture = drawn(recorded(), Failed(**RATE, every_s=1.0))
+
+        assert [row['count'] for row in picture['rows']] == [10, 0]
+
+    def test_inputs_and_log_lines_are_numbered_by_message(self):
+        """Which line came after which message."""
+        log = {'event': 'log', 'level': 30, 'text': 'SECRET', 'after_input': 1, 'clock_ns': None}
+        failure = Failed(
+            expected='one WARN line after a reading above 30', observed='no WARN line'
+        )
+        picture = drawn(
+            recorded(*fed(3), log, ends=[end('/t', kind='subscription')]),
+            failure,
+            watch={},
+            feed={'/t': TYPE},
+            steps=(Feed('/t', ({'data': 'x'},)),),
+        )
+
+        assert picture['unit'] == 'input'
+        assert [(row['label'], row['times']) for row in picture['rows']] == [
+            ('sent on /t', [1.0, 2.0, 3.0]),
+            ('WARN lines', [2.0]),
+        ]
+
+    def test_lines_are_those_of_the_node_that_is_meant(self):
+        """Of two nodes in one program, the one that the check speaks of."""
+        log = {'event': 'log', 'level': 20, 'text': 'x', 'clock_ns': SECOND, 'after_input': None}
+        failure = Failed(expected='7 INFO lines from /lab/keeper in 14 s', observed='none')
+        picture = drawn(
+            recorded({**log, 'name': 'lab.talker'}, nodes=['/lab/keeper', '/lab/talker']), failure
+        )
+
+        assert [(row['label'], row['count']) for row in picture['rows']] == [
+            ('INFO lines of /lab/keeper', 0)
+        ]
+
+    def test_a_long_run_is_shown_around_the_difference(self):
+        """Sixty ticks in two rows are a grey field."""
+        failure = Failed(**RATE, at=30 * SECOND, every_s=1.0)
+        picture = drawn(recorded(*(said(one) for one in range(1, 60))), failure)
+
+        assert picture['end'] - picture['begin'] <= 24
+        assert picture['begin'] < 30 < picture['end']
+        assert picture['rows'][1]['count'] == 59
+        assert all(
+            picture['begin'] <= time <= picture['end'] for time in picture['rows'][1]['times']
+        )
+
+
+class TestSecrets:
+    """Of a hidden exam, names and times, and no more."""
+
+    def test_no_value_is_in_any_picture(self):
+        """Neither of a message nor of a log line."""
+        picture = drawn(recorded(said(1.0)), Failed(**RATE, at=SECOND, every_s=1.0))
+
+        assert 'SECRET' not in json.dumps(picture)
+
+    def test_a_hidden_namespace_and_moment_stay_hidden(self):
+        """The name of the node and the topic are enough."""
+        graph = drawn(recorded(ends=[end('/lab/x')]), WRONG, hidden=True)
+        line = drawn(recorded(said(1.137)), Failed(**RATE, at=SECOND), hidden=True)
+
+        assert '/lab' not in json.dumps(graph) + json.dumps(line)
+        assert line['rows'][0]['times'] == [1.1]
+
+    def test_the_order_of_hidden_inputs_is_not_shown(self):
+        """A list of the messages that are warned about would be an answer."""
+        inputs = fed(1, TOPIC)
+        failure = Failed(expected='one WARN line', observed='no WARN line')
+
+        assert drawn(recorded(*inputs, said(1.0)), failure) is not None
+        assert drawn(recorded(*inputs, said(1.0)), failure, hidden=True) is None
+
+
+class TestDrawing:
+    """SVG with words."""
+
+    @pytest.fixture(params=['graph', 'timeline'])
+    def picture(self, request):
+        """Return a picture of each kind, with a hostile name in it."""
+        if request.param == 'graph':
+            ends = [end(EVIL, node=EVIL)]
+            return drawn(recorded(ends=ends, nodes=[EVIL]), WRONG)
+        failure = Failed(**RATE, at=3 * SECOND, every_s=1.0)
+        return drawn(recorded(said(1, EVIL), ends=[end(EVIL)]), failure, watch={EVIL: TYPE})
+
+    def test_it_is_well_formed_and_has_a_name_and_words(self, picture):
+        """For those who cannot see it; nothing is run or loaded."""
+        page = picture_html(picture)
+        tree = ElementTree.fromstring(re.search(r'<svg.*</svg>', page, re.DOTALL)[0])
+        names = {one.tag.rpartition('}')[2] for one in tree.iter()}
+
+        assert tree.get('role') == 'img'
+        assert tree.find('{*}title').text
+        assert tree.find('{*}desc').text
+        assert not names & {'script', 'image', 'a', 'foreignObject', 'style'}
+        assert 'http' not in page.replace('http://www.w3.org/2000/svg', '')
+
+    def test_equal_results_give_equal_pages(self, picture):
+        """No number of the process is in them."""
+        assert picture_html(picture) == picture_html(json.loads(json.dumps(picture)))
+
+    def test_it_is_part_of_the_feedback(self, picture):
+        """Below the words of its check; without one there is none."""
+        assert picture_html({}) == ''
+        assert '<svg' not in exam_html(ExamResult('talker', ()))
+
+    def test_size_is_bounded(self, monkeypatch):
+        """A program may send for ever, under a name without end."""
+        monkeypatch.setattr(picture_data, 'MOST_EVENTS', 1000)
+        topic = f'/{"x" * 255}'
+        events = [said(one / 1000, topic) for one in range(20_000)]
+        ends = [end(f'/{number}{"x" * 250}') for number in range(300)]
+        failure = Failed(expected='10 messages', observed='20000')
+        line = drawn(recorded(*events, ends=ends), failure, watch={topic: TYPE})
+        graph = drawn(recorded(ends=ends), WRONG)
+
+        assert all(len(row['times']) <= MOST_TIMES for row in line['rows'])
+        assert len(picture_html(line)) < 20_000
+        assert len(picture_html(graph)) < 10_000

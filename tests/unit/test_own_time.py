@@ -1,0 +1,126 @@
+"""Programs that keep their own time: how long they are watched, and what counts as a rhythm."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder import inputs, own_time
+from autograder.own_time import is_flood, is_regular, least_messages, names_another_clock
+from autograder.recording import header, Recording
+from autograder.scenario import Advance, Feed, Scenario
+
+
+@pytest.fixture
+def secret(monkeypatch):
+    """Return a function that chooses the course secret."""
+
+    def choose(text: str) -> None:
+        monkeypatch.setenv('COURSE_SECRET', text)
+        inputs.course_secret.cache_clear()
+
+    yield choose
+    inputs.course_secret.cache_clear()
+
+
+def recording(watched_s: float, end_s: float) -> Recording:
+    """Return a recording of a watch in real time."""
+    events = (
+        {'event': 'wall_time', 'clock_ns': None, 'seconds': watched_s},
+        {'event': 'end', 'clock_ns': None, 'reason': 'complete', 'wall_s': end_s},
+    )
+    return Recording(header('talker', 'none'), events)
+
+
+def watches(scenario: Scenario) -> list[float]:
+    """Return the length of each watch [s]."""
+    return [step.watch_s for step in scenario.steps if isinstance(step, Advance)]
+
+
+SCENARIO = Scenario(steps=(Feed('/a', [{}]), Advance(10), Advance(5)))
+
+
+class TestHowLongItIsWatched:
+    """Nobody can know it, and it is the same each time."""
+
+    def test_the_first_stretch_is_longer_than_three_seconds(self, secret):
+        """The others stay short, so that a run stays below its limit."""
+        secret('one')
+
+        first, second = watches(own_time.watched_longer('talker', SCENARIO))
+
+        assert own_time.SHORTEST_S <= first <= own_time.LONGEST_S
+        assert second == Advance(1).watch_s
+
+    def test_it_is_drawn_from_the_secret_and_the_exam(self, secret):
+        """Equal for all, and repeatable."""
+        secret('one')
+        talker = watches(own_time.watched_longer('talker', SCENARIO))
+        again = watches(own_time.watched_longer('talker', SCENARIO))
+        other_exam = watches(own_time.watched_longer('harbour', SCENARIO))
+        secret('two')
+        other_course = watches(own_time.watched_longer('talker', SCENARIO))
+
+        assert talker == again
+        assert talker not in (other_exam, other_course)
+
+    def test_nothing_else_of_the_scenario_changes(self, secret):
+        """The first step is a feed, and stays as it is."""
+        secret('one')
+
+        changed = own_time.watched_longer('talker', SCENARIO)
+
+        assert changed.steps[0] == SCENARIO.steps[0]
+        assert changed.steps[1].seconds == 10
+
+
+class TestRhythm:
+    """A period of real time, kept until the end."""
+
+    def test_one_a_second_until_the_end_is_regular(self):
+        """Also with the unrest of a busy machine."""
+        times = [0.1, 1.2, 2.1, 3.4, 4.2, 5.2, 6.3, 7.2]
+
+        assert is_regular(recording(7.0, 7.6), times, 1.0)
+
+    def test_a_rhythm_that_stops_is_none(self):
+        """Four quick ones and then nothing, as the attack sends them."""
+        assert not is_regular(recording(7.0, 7.6), [0.1, 0.8, 1.5, 2.2], 1.0)
+        assert not is_regular(recording(7.0, 7.6), [0.1, 0.8, 1.5, 2.2, 2.9, 3.6], 1.0)
+
+    def test_twice_a_second_is_another_rhythm(self):
+        """And so is one with a hole."""
+        assert not is_regular(recording(7.0, 7.2), [number / 2 for number in range(15)], 1.0)
+        assert not is_regular(recording(7.0, 7.2), [0.0, 1.0, 2.0, 4.0, 5.0, 6.0, 7.0], 1.0)
+
+    def test_how_many_are_due_depends_on_the_watch(self):
+        """Not fewer than three."""
+        assert least_messages(recording(6.5, 7.0), 1.0) == 5
+        assert least_messages(recording(9.5, 9.9), 1.0) == 7
+        assert least_messages(recording(3.0, 3.1), 1.0) == 3
+
+    def test_no_message_is_no_rhythm(self):
+        """There is nothing to compare."""
+        assert not is_regular(recording(7.0, 7.2), [], 1.0)
+
+
+@pytest.mark.parametrize(
+    ('text', 'found'),
+    [
+        ('node.create_timer(1.0, node.tick)', False),
+        ('self.get_clock().now()', False),
+        ('import time\ntime.sleep(1.0)', True),
+        ('Clock(clock_type=ClockType.STEADY_TIME)', True),
+        ("Parameter('use_sim_time', value=False)", True),
+        ('threading.Timer(1.0, tick)', True),
+    ],
+)
+def test_another_clock_is_found_in_the_text(text, found):
+    """It decides about words only."""
+    assert names_another_clock({'a.py': '', 'b.py': text}) is found
+
+
+def test_a_flood_is_far_more_than_was_due():
+    """Not only some more."""
+    assert is_flood(1000, 20)
+    assert not is_flood(200, 20)
+    assert not is_flood(8, 0.5)

@@ -1,0 +1,37 @@
+"""How a node file is started; no ROS is needed for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import subprocess
+import sys
+
+from autograder.observe import HERE
+
+LAUNCHER = Path(HERE, 'inside', 'run_node.py')
+
+
+def started(path: Path, gate: bytes = b'x') -> subprocess.CompletedProcess[bytes]:
+    """Run a file as the sandbox does."""
+    return subprocess.run(
+        [sys.executable, str(LAUNCHER), str(path)], input=gate, capture_output=True, check=False
+    )
+
+
+def test_threads_take_turns_fast_enough_for_executors_with_many(tmp_path):
+    """With Python's own interval such an executor computes ten times as long."""
+    path = tmp_path / 'node.py'
+    path.write_text('import sys\nprint(sys.getswitchinterval() < 0.001)', encoding='utf-8')
+
+    assert started(path).stdout == b'True\n'
+
+
+def test_nothing_runs_before_the_gate_is_opened(tmp_path):
+    """The end of the input means that the grader is gone."""
+    path = tmp_path / 'node.py'
+    path.write_text('print("ran")', encoding='utf-8')
+
+    done = started(path, gate=b'')
+
+    assert done.stdout == b''
+    assert done.returncode == 1
