@@ -4,14 +4,16 @@
 #   make lab                  JupyterLab with the notebooks
 #   make grade                grade all of submitted/ (ARGS='--jobs 2' passes options on)
 #   make test                 all tests, without the browser and the benchmarks
-#   make test-browser         JupyterLab and formgrader in headless Chromium
+#   make test-browser         JupyterLab and formgrader in headless Chromium; also test-cluster (Dask)
+#                             and test-postgres (a real server)
 #   make check                style, types, and whether generated files are up to date
 #   make publisher            run the course's publisher node in this terminal ...
 #   make subscriber           ... and its subscriber in another one
 #   make coverage             docs/coverage.md: what the course claims, teaches and proves
+#   make judgement            docs/agreement.md, mutants.md, causes.md: how well the grader judges
 #   make release              generate notebooks/ from solutions/, pack a student bundle
 #   make bench                the benchmarks; ten minutes, best on a quiet machine
-#   make soak                 the same files judged 200 times, calm and under load: hours
+#   make soak                 the same files judged 200 times, calm and under load; an hour
 #   make doctor               what is there and what is missing; needs no network
 #   make clean                remove everything that was prepared
 #
@@ -27,7 +29,7 @@ SHELL := /bin/sh
 .DEFAULT_GOAL := help
 # The goals share one environment and one terminal; each does its own work in parallel.
 .NOTPARALLEL:
-.PHONY: help prepare lab grade test test-browser check coverage release bench soak publisher subscriber doctor clean
+.PHONY: help prepare lab grade test test-browser test-cluster test-postgres check coverage judgement release bench soak publisher subscriber doctor clean
 
 # An absolute VENV stays as it is, a relative one is seen from here.
 PY = $(VENV)/bin/python
@@ -37,7 +39,7 @@ NODES = $(VENV)/workspace/install/temp_monitor_pkg/lib/temp_monitor_pkg
 AS_ROOT = $(if $(filter 0,$(shell id -u)),--allow-root)
 
 help:
-	@sed -n '3,18s/^# \{0,1\}//p' Makefile
+	@sed -n '3,20s/^# \{0,1\}//p' Makefile
 
 prepare:
 	@sh environment/prepare.sh
@@ -64,6 +66,12 @@ test-browser: prepare
 	  -r environment/requirements-browser.txt
 	@exec $(WITH_ROS) python -m pytest -m browser $(ARGS)
 
+# Beyond one machine: a scheduler and two workers on loopback; a real PostgreSQL server.
+test-cluster test-postgres: test-%: prepare
+	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps \
+	  -r environment/requirements-$*.txt
+	@exec $(WITH_ROS) python -m pytest -m $* $(ARGS)
+
 check: prepare
 	$(PY) -m ruff check
 	$(PY) -m ruff format --check
@@ -71,9 +79,18 @@ check: prepare
 	$(PY) -m autograder.course check
 	$(PY) -m tests.claims.coverage --check
 	$(PY) -m tests.attacks.table --check
+	$(PY) -m tests.judgement.agreement --check
+	$(PY) -m tests.judgement.mutants --check
+	$(PY) -m tests.judgement.causes --check
 
 coverage: prepare
 	@exec $(PY) -m tests.claims.coverage
+
+# Runs what no kept recording answers: some minutes.
+judgement: prepare
+	$(PY) -m tests.judgement.agreement
+	$(PY) -m tests.judgement.mutants
+	$(PY) -m tests.judgement.causes
 
 release: prepare
 	@exec $(PY) -m autograder.course release $(ARGS)
