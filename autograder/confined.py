@@ -140,8 +140,11 @@ class Confined:
             return _tree(self.home)
         count = size = 0
         for folder in WRITABLE:
+            inside = f'/proc/{self.pid}/root{folder}'
             try:
-                found = os.statvfs(f'/proc/{self.pid}/root{folder}')
+                if os.stat(inside).st_dev == os.stat(folder).st_dev:
+                    continue  # still the host's: the sandbox is being set up, nothing runs in it
+                found = os.statvfs(inside)
             except OSError:
                 continue  # it has just ended
             count += found.f_files - found.f_ffree

@@ -16,6 +16,7 @@ from pathlib import Path
 import secrets
 import selectors
 import shutil
+import signal
 import tempfile
 import time
 from typing import Any
@@ -329,7 +330,12 @@ class _Watched:
 
     def _end_probe(self) -> str:
         """End the probe, which is done or of no more use; return its last error line."""
-        self.probe.kill()
+        # bubblewrap's inner process waits for ever if the outer one is killed before it has told it
+        # to go on; until it has a session of its own, it is in this group.
+        try:
+            os.killpg(self.probe.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
         _, said = self.probe.communicate()
         return (said.decode(errors='replace').strip().splitlines() or [''])[-1]
 

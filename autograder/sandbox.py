@@ -229,7 +229,7 @@ class Sandbox:
         argv, variables = self._outside(program, limits, home, domain)
         if self.mode != 'none':
             argv = [*self._confine(program, home), *argv]
-        process = subprocess.Popen(argv, env=variables, cwd=home, start_new_session=True, **_PIPES)
+        process = subprocess.Popen(argv, env=variables, cwd=home, **_PIPES)
         confined = Confined(process, process.pid, os.pidfd_open(process.pid), home=home)
         confined.supervised, confined.domain = self.mode != 'none', domain
         return confined
@@ -308,6 +308,8 @@ _PIPES: dict[str, Any] = {
     'stdin': subprocess.PIPE,
     'stdout': subprocess.PIPE,
     'stderr': subprocess.PIPE,
+    # A process group of its own, so that it can be ended with all that is just being set up.
+    'start_new_session': True,
 }
 
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
+import signal
 import subprocess
 import sys
 
 import pytest
 
 from autograder import __main__ as command
+from autograder import grading
 from autograder.errors import SandboxUnavailable
 from autograder.grading import submitted_folder
 from autograder.layout import Layout
@@ -245,6 +248,22 @@ def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_pa
 
     submitted_folder(elsewhere, None, console)
     assert capsys.readouterr().out == ''
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, monkeypatch):
+    """Ctrl-C, and what ends a job: an exit code of its own, and no traceback."""
+    monkeypatch.setattr(grading, '_assignments', lambda *_: os.kill(os.getpid(), number))
+    before = signal.getsignal(signal.SIGTERM)
+
+    try:
+        assert command.main(['grade', '--submitted', str(tmp_path)]) == command.STOPPED
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+    assert capsys.readouterr().err == (
+        '\nStopped. Finished runs are kept; the same command goes on.\n'
+    )
 
 
 def test_starting_imports_neither_nbgrader_nor_ros():
