@@ -1,0 +1,43 @@
+"""A run that is broken off while its sandboxes are being set up hurts nobody and leaves nothing."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+import signal
+import subprocess
+
+import pytest
+
+from autograder.confined import Confined, Limits, Program
+from autograder.sandbox import strongest
+
+pytestmark = [pytest.mark.pipeline]
+
+
+def test_files_of_the_host_are_not_charged_to_a_sandbox_that_is_not_ready():
+    """Until it has file systems of its own, a sandbox shows those of the machine."""
+    with subprocess.Popen(['cat'], stdin=subprocess.PIPE) as process:
+        held = Confined(process, process.pid, os.pidfd_open(process.pid))
+        try:
+            assert held.files() == (0, 0)
+        finally:
+            os.close(held.pidfd)
+            process.stdin.close()
+
+
+@pytest.mark.parametrize('turn', range(10))
+def test_a_probe_ends_at_whatever_moment_it_is_killed(tmp_path: Path, turn: int):
+    """Its pipes close, so nobody waits for them for ever."""
+    sandbox = strongest()
+    home = tmp_path / 'home'
+    home.mkdir()
+    student = sandbox.start(Program((sandbox.ros.python, '-c', '')), Limits(), home)
+    try:
+        probe = sandbox.start_probe(student, home)
+        os.killpg(probe.pid, signal.SIGKILL)
+        said, _ = probe.communicate(timeout=30)
+    finally:
+        student.kill()
+
+    assert said == b''
