@@ -15,6 +15,7 @@ from autograder.exam import Cause, Run
 from autograder.raised import exception_cause, traceback_of
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
+_EXIT = re.compile(r'\b(?:sys\.|os\._)?(?:exit|quit)\(')
 _PERIOD = re.compile(r'create_timer\(\s*([\w.]{1,60})\s*,')
 
 BUSY_S = 1.5
@@ -59,6 +60,12 @@ def why_it_ended(run: Run) -> Cause | None:
         )
     if code == 0:
         return _why_over_at_once('\n'.join(run.files.values()))
+    if code is not None and _EXIT.search('\n'.join(run.files.values())):
+        return Cause(
+            'ends_itself',
+            f'The program ends itself, with exit code {code}.',
+            'Use return to leave a callback; exit() and sys.exit() end the whole program.',
+        )
     if code is not None:
         return Cause('died', f'The program died with exit code {code}.', 'Run it in a terminal.')
     return None
@@ -289,7 +296,7 @@ def why_no_message(run: Run) -> Cause:
     if found := why_silent(run):
         return found
     code = '\n'.join(run.files.values())
-    if code.strip() and '.publish' not in code:
+    if code.strip() and '.publish(' not in code:
         return Cause(
             'never_publishes',
             'Your code never calls publish().',

@@ -330,8 +330,8 @@ class _Watched:
 
     def _end_probe(self) -> str:
         """End the probe, which is done or of no more use; return its last error line."""
-        # bubblewrap's inner process waits for ever if the outer one is killed before it has told it
-        # to go on; until it has a session of its own, it is in this group.
+        # bubblewrap's inner process waits for ever if the outer one dies before it says go on;
+        # until it has a session of its own, it is in this group.
         try:
             os.killpg(self.probe.pid, signal.SIGKILL)
         except ProcessLookupError:

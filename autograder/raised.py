@@ -303,6 +303,13 @@ def _arguments_cause(trace: Traceback) -> Cause | None:
     if trace.kind not in ('TypeError', 'RuntimeError') or found is None:
         return None
     name = (found['name'] or '').rpartition('.')[2][:60]
+    if found['missing'] and name in ('create_publisher', 'create_subscription'):
+        return Cause(
+            'no_depth',
+            f'{name}() gets too few arguments{trace.where}: {trace.error.partition(": ")[2]}',
+            "create_publisher(String, 'chatter', 10): type, name, and the depth of the queue; a "
+            'subscription takes its callback before the depth.',
+        )
     if name and found['missing'] and f'.{name}()' in trace.code:
         return Cause(
             'called_not_passed',

@@ -1,4 +1,4 @@
-"""A run that is broken off while its sandboxes are being set up hurts nobody and leaves nothing."""
+"""A run that is broken off while its sandboxes are being set up harms nobody, leaves nothing."""
 
 from __future__ import annotations
 

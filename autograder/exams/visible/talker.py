@@ -45,7 +45,7 @@ def greetings(run: Run) -> list[Event]:
     return [
         event
         for event in run.recording.messages(heard_on(run))
-        if 'data' in event and (run.recording.in_wall_time or event['clock_ns'] is not None)
+        if 'data' in event and event['clock_ns'] is not None
     ]
 
 

@@ -37,13 +37,13 @@ def readings(run: Run) -> list[Event]:
     """
     Return the readings that count, in order.
 
-    Simulated time begins when the program has shown that it listens.  What it sends before, in
-    ``__init__``, may or may not be heard; only a program that keeps its own time is judged by it.
+    Time begins when the program has shown that it listens, or is watched because it does not.
+    What it sends before, in ``__init__``, may or may not be heard.
     """
     return [
         event
         for event in run.recording.messages(TOPIC)
-        if 'data' in event and (run.recording.in_wall_time or event['clock_ns'] is not None)
+        if 'data' in event and event['clock_ns'] is not None
     ]
 
 
