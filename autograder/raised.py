@@ -405,7 +405,8 @@ def _field_cause(trace: Traceback) -> Cause | None:
     found = MESSAGE_FIELD.match(trace.error)
     messages = (names.split() for home, names in HOMES.items() if home.endswith('.msg'))
     known = {name for names in messages for name in names} - trace.own
-    if found and found[1] in known:
+    # No field begins with an underscore: rclpy took the message for something else.
+    if found and found[1] in known and not found[2].startswith('_'):
         return Cause(
             'no_field',
             f'A {found[1]} has no field {found[2]}, which is used{trace.where}.',

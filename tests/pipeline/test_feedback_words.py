@@ -181,6 +181,7 @@ def test_the_visible_checks_of_a_notebook_say_them(result, said, tmp_path):
     assert read(report._repr_html_()).pictures == 1
 
 
+@pytest.mark.timeout(1800)  # it may be the first that needs the lesson's samples
 @pytest.mark.parametrize('assignment', EXAMINED)
 def test_every_failing_text_of_the_sample_class_is_short(assignment):
     """Twelve lines of a readable width, whatever was handed in."""

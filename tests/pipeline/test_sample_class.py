@@ -24,7 +24,13 @@ SAMPLES = [
     for path in sample_class.samples(LAYOUT, assignment, everything=True)
 ]
 
-pytestmark = [pytest.mark.pipeline, pytest.mark.slow, pytest.mark.ros]
+# The first test of a lesson waits for all of its samples.
+pytestmark = [
+    pytest.mark.pipeline,
+    pytest.mark.slow,
+    pytest.mark.ros,
+    pytest.mark.timeout(1800),
+]
 
 
 @cache
