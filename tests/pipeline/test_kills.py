@@ -6,7 +6,8 @@ import pytest
 
 from benchmarks.kills import soak
 
-pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow, pytest.mark.nbgrader]
+# Apart from the others: it takes minutes, and how many depends on the machine.
+pytestmark = [pytest.mark.benchmark, pytest.mark.pipeline, pytest.mark.ros, pytest.mark.nbgrader]
 
 
 @pytest.mark.timeout(1800)
