@@ -14,15 +14,19 @@ import atexit
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 import signal
+import sys
 import threading
 from types import FrameType, TracebackType
 from typing import Any
 import weakref
 
 from IPython.core import interactiveshell
+import rclpy
 
 _RETRY_S = 0.01
+_RCLPY = Path(rclpy.__file__).parent
 _SHOWING_ERRORS = frozenset(
     {'wrapped', 'showtraceback', 'showsyntaxerror', '_format_exception_for_storage'}
 )
@@ -117,6 +121,7 @@ def watch_cells(shell: Any) -> None:
     # Interrupted commands end, and IPython goes on with the cell; their names in its modules.
     for module, name in ((zmqshell, 'system'), (interactiveshell, 'getoutput')):
         setattr(module, name, _ending_the_cell(getattr(module, name)))
+    sys.unraisablehook = _bringing_back_interrupts(sys.unraisablehook)
     # An interrupt that comes while the kernel ends would break off what others still have to do.
     # Registered late, this runs before them.
     atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
@@ -150,6 +155,37 @@ def _watch_cell(_: Any = None) -> None:
         signal.signal(signal.SIGINT, _deliver)
 
 
+def _bringing_back_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """
+    Return a function for exceptions that Python drops, which sends an interrupt again.
+
+    It also keeps quiet about what an interrupted ``Executor()`` leaves: its ``__del__``, some time
+    later and in another cell, misses what was not there yet.
+
+    Not every place where that happens can be told by :func:`_moment`: the callback of a weak
+    reference is any function.
+
+    :param tell: for all other exceptions
+    """
+
+    def dropped(unraisable: Any) -> None:
+        if unraisable.exc_type is KeyboardInterrupt:
+            _try_later()
+        elif not _half_made(unraisable):
+            tell(unraisable)
+
+    return dropped
+
+
+def _half_made(unraisable: Any) -> bool:
+    """Tell whether rclpy misses an attribute in an object whose making was interrupted."""
+    trace = unraisable.exc_traceback
+    if unraisable.exc_type is not AttributeError or trace is None:
+        return False
+    code = trace.tb_frame.f_code
+    return code.co_name == '__del__' and Path(code.co_filename).parent == _RCLPY
+
+
 def _ending_the_cell(command: Callable[..., Any]) -> Callable[..., Any]:
     """Return a function that runs a command, and whose cell ends if the command is interrupted."""
 
@@ -176,9 +212,13 @@ def _deliver(number: int, frame: FrameType | None) -> None:
         _watched.interrupted = True
         signal.default_int_handler(number, frame)
     elif moment == 'later':
-        retry = threading.Timer(_RETRY_S, _send_again, (_watched.message,))
-        retry.daemon = True
-        retry.start()
+        _try_later()
+
+
+def _try_later() -> None:
+    retry = threading.Timer(_RETRY_S, _send_again, (_watched.message,))
+    retry.daemon = True
+    retry.start()
 
 
 def _send_again(message: int) -> None:

@@ -498,6 +498,9 @@ BLOCKING = {
     'plain Python': 'while True: pass',
     'a command': '!sleep 60\nwait_until(lambda: False, 60)',
     'output of a command': 'said = !sleep 60\nwait_until(lambda: False, 60)',
+    # Python drops what is raised there.
+    'a callback of a weak reference': 'gone = ref(thing, for_a_second); del thing\n'
+    'wait_until(lambda: False, 60)',
 }
 
 
@@ -528,6 +531,11 @@ def kernel_with_node(tmp_path_factory):
         f'from rclpy.wait_for_message import wait_for_message\n{TALKER}'
     )
     kernel.run('node = start(Talker); idle = rclpy.create_node("idle")')
+    kernel.run(
+        'from time import monotonic\nfrom weakref import ref\n'
+        'class Thing: pass\nthing = Thing()\n'
+        'def for_a_second(_):\n  end = monotonic() + 1\n  while monotonic() < end: pass\n'
+    )
     yield kernel
     kernel.shut_down()
 
@@ -669,3 +677,16 @@ def test_check_is_shown_once_as_html_in_a_frontend(kernel):
     assert '<strong>' in outputs.data[0]['text/html']
     assert len(again.data) == 1
     assert outputs.text == ''
+
+
+def test_a_half_made_executor_is_thrown_away_quietly(kernel):
+    """What an interrupt in the middle of Executor() leaves; other complaints are shown."""
+    outputs = kernel.run(
+        'from rclpy.executors import Executor\nleft = Executor.__new__(Executor); del left'
+    )
+    assert outputs.streams['stderr'] == ''
+
+    outputs = kernel.run(
+        'class Own:\n  def __del__(self): return self.nothing\nleft = Own(); del left'
+    )
+    assert 'nothing' in outputs.streams['stderr']
