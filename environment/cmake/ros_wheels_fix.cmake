@@ -16,3 +16,6 @@ endfunction()
 if(CMAKE_SOURCE_DIR STREQUAL CMAKE_CURRENT_SOURCE_DIR)
   cmake_language(DEFER CALL _ros_wheels_drop_missing_include_dirs)
 endif()
+
+# FindPython3.cmake beside this file keeps CMake from starting a hundred interpreters a build.
+list(PREPEND CMAKE_MODULE_PATH "${CMAKE_CURRENT_LIST_DIR}")
