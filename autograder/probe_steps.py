@@ -25,6 +25,8 @@ from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallba
 
 NANOSECONDS = 1_000_000_000
 CONNECT_S = 1.0
+TICK_EVERY_S = 0.01
+DEAF_S = 0.5  # how long a program is watched that has not even taken the first request
 STILL_S = 0.2  # how long a graph must stay as it is; news of an endpoint takes a millisecond
 WITHOUT_ANSWERS_S = 0.3  # what a program that never answers round trips gets to react to a step
 
@@ -37,7 +39,7 @@ def advance(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
     """Move the clock forward in equal steps, each proven to be handled."""
     now = probe.clock_ns or 0
     if not lockstep:
-        _advance_in_wall_time(probe, now, step['watch_s'])
+        _advance_in_wall_time(probe, now, DEAF_S if probe.deaf else step['watch_s'])
         return
     for number in range(step['steps']):
         probe.tick(now + step['first_ns'] + number * step['step_ns'])
@@ -54,9 +56,13 @@ def _advance_in_wall_time(probe: Any, start_ns: int, seconds: float) -> None:
     began = time.monotonic()
     while (elapsed := time.monotonic() - began) < seconds:
         probe.tick(start_ns + int(elapsed * NANOSECONDS))
-        if probe.student_exited:
-            raise Stop('student_exited')
-        probe.spin(0.05)
+        # We hear our own tick, so one look is no pause: without one, it would be thousands a
+        # second, and the probe would need more of the processor than what it watches.
+        until = time.monotonic() + TICK_EVERY_S
+        while (left := until - time.monotonic()) > 0:
+            if probe.student_exited:
+                raise Stop('student_exited')
+            probe.spin(left)
 
 
 def feed(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
@@ -98,6 +104,7 @@ def _let_a_second_pass(probe: Any) -> None:
     for _ in range(4):
         probe.tick((probe.clock_ns or 0) + NANOSECONDS // 4)
         probe.barrier(2)
+        probe.drain()
     probe.settle(1)
 
 
@@ -124,8 +131,11 @@ def call(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
     facts = {'service': step['service'], 'type': step['type'], 'request': step['request']}
     client = probe.services[step['service']]
     # A node that has not answered a first question in seconds is spun by nobody.
-    silent = step['service'].rpartition('/')[0] in probe.unreachable
+    node = step['service'].rpartition('/')[0]
+    silent = node in probe.unreachable
     patience_s = min(CONNECT_S, step['patience_s']) if silent else step['patience_s']
+    if node in probe.deaf:
+        patience_s = WITHOUT_ANSWERS_S
     try:
         if not probe.wait_until(client.service_is_ready, CONNECT_S):
             probe.emit('no_answer', **facts, reason='no_service')
@@ -133,6 +143,8 @@ def call(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
         future = client.call_async(fill(client.srv_type.Request(), step['request']))
         if not probe.wait_until(future.done, patience_s):
             client.remove_pending_request(future)
+            if silent:  # what it was asked it will not do later: the rest is not worth seconds
+                probe.deaf.add(node)
             probe.emit('no_answer', **facts, reason='too_late')
             return
     except Stop as stop:

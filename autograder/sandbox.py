@@ -26,13 +26,13 @@ import platform
 import shutil
 import subprocess
 import sys
-import tempfile
 from typing import Any
 
 from autograder import isolation, landlock
 from autograder.confined import Confined, Limits, Program
 from autograder.errors import SandboxUnavailable
 from autograder.isolation import fix_for, System
+from autograder.sandbox_trial import try_out
 from environment.ros import ros_environment, RosEnvironment
 
 HERE = Path(__file__).parent
@@ -274,12 +274,15 @@ class Sandbox:
         :param student: the held program
         :param home: the student's; the probe's is made beside it
         """
-        limits = Limits(processes=64, memory=1 << 30)
+        # It works for as long as the program is watched, so the wall clock's limit comes first.
+        limits = Limits(cpu_s=120)
         argv = (self.ros.python, '/grader/probe.py')
         fds = tuple(student.namespaces.values())
         if self.mode == 'bwrap-root':
             enter = ['nsenter', f'--net=/proc/self/fd/{student.namespaces["net"]}', '--']
-            program = Program(argv, {str(HERE / name): f'/grader/{name}' for name in PROBE})
+            program = Program(
+                argv, {str(HERE / name): f'/grader/{Path(name).name}' for name in PROBE}
+            )
             options = self.bwrap(program, limits, (), own_net=False)
             return _popen(enter, options, self.command(program, limits), fds)
         own, code = home.parent / 'probe', home.parent / 'code'
@@ -301,7 +304,13 @@ class Sandbox:
         return subprocess.Popen(run, pass_fds=fds, env=variables, cwd=own, **_PIPES)
 
 
-PROBE = ('probe.py', 'probe_graph.py', 'probe_steps.py', 'probe_wire.py')
+PROBE = (
+    'probe.py',
+    'probe_graph.py',
+    'probe_steps.py',
+    'probe_wire.py',
+    'inside/lean_start.py',
+)
 """What the probe consists of."""
 BARE = {'PATH': '/usr/bin:/bin'}
 _PIPES: dict[str, Any] = {
@@ -399,7 +408,7 @@ def isolated() -> Sandbox:
         )
     # Never bubblewrap's user namespace as root: the kernel would still see uid 0 inside.
     sandbox = Sandbox('bwrap-root' if os.geteuid() == 0 else 'bwrap-user')
-    _try_out(sandbox)
+    try_out(sandbox)
     return sandbox
 
 
@@ -422,69 +431,8 @@ def weak(mode: str) -> Sandbox:
                 f'{folder} is closed to other users, and Python or the course is below it.',
                 f'Move them, or open the way: chmod o+x {folder}',
             )
-    _try_out(sandbox)
+    try_out(sandbox)
     return sandbox
-
-
-TRIAL = """
-import rclpy, sys
-try:
-    open(sys.argv[1]).close()
-except OSError:
-    print('in')
-else:
-    print('open')
-"""
-
-
-def _try_out(sandbox: Sandbox) -> None:
-    """Run a Python that imports rclpy and finds nothing of ours; join its network."""
-    program = Program((sandbox.ros.python, '-c', TRIAL, __file__))
-    with sandbox.turn(), tempfile.TemporaryDirectory(prefix='trial-') as folder:
-        Path(folder).chmod(0o755)
-        home = Path(folder, 'home')
-        home.mkdir()
-        confined = sandbox.start(program, Limits(wall_s=20), home)
-        try:
-            if sandbox.isolated:
-                _try_to_join(confined)
-            confined.release()
-            try:
-                said, error = confined.process.communicate(timeout=20)
-            except subprocess.TimeoutExpired as late:
-                what = 'rclpy did not import within 20 s.'
-                raise SandboxUnavailable(what, 'Try: make doctor') from late
-        finally:
-            confined.kill()
-    if said.strip() == b'open':
-        raise SandboxUnavailable(
-            f'Isolation {sandbox.mode} lets a program read the grader.', isolation.SECTION
-        )
-    if said.strip() != b'in':
-        tail = ' '.join(error.decode(errors='replace').strip().splitlines()[-1:])
-        raise SandboxUnavailable(
-            f'rclpy does not run with isolation {sandbox.mode}: {tail}.', 'Try: make doctor'
-        )
-
-
-def _try_to_join(confined: Confined) -> None:
-    """Join a sandbox's network as the probe will."""
-    fds = confined.namespaces
-    enter = ['nsenter', f'--net=/proc/self/fd/{fds["net"]}']
-    if 'user' in fds:
-        enter += [f'--user=/proc/self/fd/{fds["user"]}', '--preserve-credentials']
-    joined = subprocess.run(
-        [*enter, '--', 'true'],
-        pass_fds=tuple(fds.values()),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if joined.returncode != 0:
-        raise SandboxUnavailable(
-            f'The probe cannot join the sandbox network: {joined.stderr.strip()}.',
-            fix_for('namespace', System.here()),
-        )
 
 
 def plain() -> Sandbox:

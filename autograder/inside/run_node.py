@@ -21,12 +21,9 @@ import sys
 import types
 
 import gate  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+from lean_start import lean  # type: ignore[import-not-found]
+from steady_rclpy import steady  # type: ignore[import-not-found]
 
-# An executor of rclpy with many threads hands out a callback again and again until one of its
-# threads has begun it, and that thread waits for the interpreter this long: with Python's own 5 ms
-# a minute of a 1 Hz publisher took 30 s of two idle processors instead of 1.8 s. One thread alone
-# notices nothing.
-SWITCH_S = 1e-4
 NO_PACKAGE = ('test', 'tests', 'launch', 'config')
 
 
@@ -59,7 +56,8 @@ def join_packages(folder: Path) -> list[Path]:
 def main() -> None:
     """Run the file that the command line names."""
     gate.wait()
-    sys.setswitchinterval(SWITCH_S)
+    lean()
+    steady()
     path, sys.argv = sys.argv[1], sys.argv[1:]
     source = Path(path).read_text(encoding='utf-8')
     tree = ast.parse(source, path)  # a SyntaxError ends the program with Python's own message

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 import subprocess
 import sys
@@ -23,6 +24,7 @@ def test_words_that_follow_the_order_at_once_do_not_hide_it(said_meanwhile: byte
         [sys.executable, str(Path(HERE, 'probe.py'))],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
+        env={**os.environ, 'PYTHONPATH': f'{HERE}/inside:{os.environ.get("PYTHONPATH", "")}'},
     ) as probe:
         probe.stdin.write(json.dumps(order).encode() + b'\n' + said_meanwhile)
         probe.stdin.flush()

@@ -1,0 +1,71 @@
+"""What the launcher mends in rclpy: an event that another thread destroys a moment before."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import subprocess
+import sys
+
+import pytest
+
+from autograder.observe import HERE
+
+pytestmark = [pytest.mark.ros]
+
+STEADY = Path(HERE, 'inside', 'steady_rclpy.py')
+# What an executor does with a list of waitables, at the moments when another thread destroys one.
+PROGRAM = """
+import rclpy
+from rclpy.impl.implementation_singleton import rclpy_implementation as impl
+from std_msgs.msg import String
+
+rclpy.init()
+node = rclpy.create_node('shaky')
+publisher = node.create_publisher(String, 'topic', 10)
+event = publisher.event_handlers[0]
+event._ready_to_take_data = True
+event.destroy()
+wait_set = impl.WaitSet(0, 0, 0, 0, 0, 1, node.context.handle)
+wait_set.clear_entities()
+try:
+    event.add_to_wait_set(wait_set)
+    print('left out', event.is_ready(wait_set), event.take_data())
+except impl.InvalidHandle:
+    print('died')
+node.destroy_node()
+rclpy.shutdown()
+"""
+
+
+def said(*command: str) -> str:
+    """Return what a program prints."""
+    ran = subprocess.run(
+        [sys.executable, *command], capture_output=True, text=True, check=True, timeout=60
+    )
+    return ran.stdout.strip()
+
+
+@pytest.fixture
+def program(tmp_path: Path) -> str:
+    """Return the path of the program."""
+    file = tmp_path / 'shaky.py'
+    file.write_text(PROGRAM)
+    return str(file)
+
+
+def test_plain_rclpy_dies_of_it(program: str):
+    """If this passes no more, rclpy is mended and the launcher's mending can go."""
+    assert said(program) == 'died'
+
+
+def test_the_launcher_leaves_a_destroyed_event_out(program: str):
+    """As rclpy does with subscriptions, timers, services and clients."""
+    assert said(str(STEADY), program) == 'left out False None'
+
+
+def test_nothing_is_imported_for_the_program(tmp_path: Path):
+    """A forgotten import stays the mistake that it is."""
+    file = tmp_path / 'script.py'
+    file.write_text('import sys\nprint(sorted(m for m in sys.modules if "rclpy" in m), __name__)')
+
+    assert said(str(STEADY), str(file)) == '[] __main__'
