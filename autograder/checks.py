@@ -128,7 +128,7 @@ def require_messages(
     """
     if len(found) < least:
         raise Failed(
-            expected=f'at least {least} {what}',
+            expected=f'at least {least} {what}' if least > 1 else what,
             observed=f'{len(found) or "none"}',
             why=why_silent(run) if found else why_no_message(run),
         )

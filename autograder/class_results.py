@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 from autograder.errors import GraderError
 from autograder.layout import Layout
@@ -24,24 +23,6 @@ class ClassResults:
     results: tuple[SubmissionResult, ...]
 
 
-def full_name(layout: Layout, name: str) -> str:
-    """
-    Return the assignment that is meant.
-
-    :param name: with or without its number, ``07_temperature_monitor`` or ``temperature_monitor``
-    :raises GraderError: if there is none of that name
-    """
-    known = layout.assignments()
-    for one in known:
-        if name == one or one.endswith(f'_{name}'):
-            return one
-    close = get_close_matches(name, known, n=1, cutoff=0.3)
-    raise GraderError(
-        f'{name}: there is no such assignment.',
-        f'Did you mean {close[0]}?' if close else f'Known: {", ".join(known) or "none"}.',
-    )
-
-
 def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
     """
     Return what was graded last.
@@ -49,7 +30,7 @@ def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
     :param name: only this assignment; None for every one that was graded
     :raises GraderError: if it is unknown, or was not graded yet
     """
-    wanted = layout.assignments() if name is None else (full_name(layout, name),)
+    wanted = layout.assignments() if name is None else (layout.assignment_named(name),)
     there = [one for one in wanted if results_file(layout, one).is_file()]
     if not there:
         raise GraderError(

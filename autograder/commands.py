@@ -107,14 +107,12 @@ def _run(chosen: argparse.Namespace) -> int:
 def _collect(chosen: argparse.Namespace) -> int:
     """Take in a class."""
     from autograder.collect import collect, LEFT, print_rows
-    from autograder.grading import assignment_named
 
     layout = Layout.here()
-    if chosen.assignment:
-        assignment_named(chosen.assignment, layout.assignments())
+    assignment = layout.assignment_named(chosen.assignment) if chosen.assignment else ''
     to = chosen.to or layout.submitted
     write = not chosen.dry_run
-    rows = collect(chosen.source, layout, to, chosen.assignment, chosen.kind, write)
+    rows = collect(chosen.source, layout, to, assignment, chosen.kind, write)
     if chosen.json:
         print(json.dumps([row.to_json() for row in rows]))
     else:

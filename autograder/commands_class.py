@@ -13,7 +13,7 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from autograder.class_results import ClassResults, full_name, graded, one_graded
+from autograder.class_results import ClassResults, graded, one_graded
 from autograder.errors import GraderError
 from autograder.exports.gradescope import VISIBILITIES
 from autograder.exports.marks import AUTOMATIC, GRADEBOOK, Mark, marks, SOURCES
@@ -212,7 +212,7 @@ def _similar(chosen: argparse.Namespace) -> int:
     from autograder.similarity import similar
 
     layout = Layout.here()
-    assignment = full_name(layout, chosen.assignment)
+    assignment = layout.assignment_named(chosen.assignment)
     submitted = chosen.submitted or layout.submitted
     found = similar(layout, assignment, submitted, chosen.at_least / 100)
     print(json.dumps(found.to_json()) if chosen.json else similar_text(found))
@@ -265,7 +265,7 @@ def _place(chosen: argparse.Namespace, layout: Layout, ending: str) -> Path:
     if chosen.to is not None:
         path = Path(chosen.to)
     else:
-        name = full_name(layout, chosen.assignment) if chosen.assignment else 'all'
+        name = layout.assignment_named(chosen.assignment) if chosen.assignment else 'all'
         path = layout.work / 'exports' / f'{name}{ending}'
     refuse_existing([path], chosen.force)
     return path
@@ -375,7 +375,7 @@ def _container(chosen: argparse.Namespace) -> int:
     from autograder.exports.gradescope_zip import autograder_zip
 
     layout = Layout.here()
-    assignment = full_name(layout, chosen.assignment)
+    assignment = layout.assignment_named(chosen.assignment)
     path = _place(chosen, layout, '.gradescope.zip')
     data = autograder_zip(layout, assignment, chosen.visibility, chosen.allow_weak)
     _write(chosen, path, data, mode=0o600)

@@ -32,6 +32,18 @@ class GraderError(Exception):
         self.fix = fix
 
 
+def defect(error: Exception, where: str) -> GraderError:
+    """
+    Return what is said of a defect of ours, which is for a person to look at.
+
+    :param where: what was being done, such as the exam's name
+    """
+    return GraderError(
+        f'{where}: the grader failed with {type(error).__name__}: {error}.',
+        'Please report this with the submission.',
+    )
+
+
 class SandboxUnavailable(GraderError):
     """No sandbox strong enough for hidden exams works on this machine."""
 

@@ -60,26 +60,19 @@ def examine(
         raise SandboxUnavailable(
             f'A hidden exam is never run with isolation {sandbox.mode}: it keeps nothing hidden.'
         )
-    missing = [name for name in exam.requires if name not in files]
-    if missing:
-        return _without(exam, missing)
-    timing: dict[str, float] = {}
-    name = ''
+    if result := without_recording(exam, files, sandbox.mode):
+        return result
 
     def run() -> Outcome:
         return _run(exam, files, sandbox, _observer(exam, files, sandbox, told, place))
 
-    if not worth_running(exam, files):
-        recording = Recording(header(exam.name, sandbox.mode), ())
-    elif recordings is None:
-        recording, timing = run()
-    else:
-        name = f'{digest(exam, files, sandbox)}.jsonl'
-        path = recordings / exam.name / name
-        with _one_at_a_time(str(path)):
-            recording, timing = _kept_or_run(path, fresh, run)
-        name = name if path.exists() else ''
-    return replace(judged(exam, files, recording, timing), recording=name)
+    if recordings is None:
+        return judged(exam, files, *run())
+    path = recordings / exam.name / f'{digest(exam, files, sandbox)}.jsonl'
+    with _one_at_a_time(str(path)):
+        recording, timing = _kept_or_run(path, fresh, run)
+    result = judged(exam, files, recording, timing)
+    return replace(result, recording=path.name if path.exists() else '')
 
 
 def judged(
@@ -97,14 +90,15 @@ def judged(
     began = time.perf_counter()
     run = Run(files, recording, exam.facts)
     checks = judge(exam, run)
+    mode = str(recording.header.get('mode', ''))
     return ExamResult(
         exam.name,
         checks,
         _note(recording),
-        str(recording.header.get('mode', '')),
+        mode,
         flags_of(recording, exam.scenario),
         {**(timing or {}), 'judge_s': time.perf_counter() - began},
-        not_protected=not_protected(str(recording.header.get('mode', ''))),
+        not_protected=not_protected(mode),
         pictures=pictures(exam, run, checks),
     )
 
@@ -175,7 +169,10 @@ def _run(
 
 def files_digest(files: Mapping[str, str]) -> str:
     """Return a digest of a student's files, as it stands in a recording's header."""
-    text = json.dumps(sorted(files.items()))
+    return _digest(json.dumps(sorted(files.items())))
+
+
+def _digest(text: str) -> str:
     return hashlib.sha256(text.encode('utf-8', 'replace')).hexdigest()[:32]
 
 
@@ -186,14 +183,9 @@ def _one_at_a_time(key: str) -> threading.Lock:
 
 def digest(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> str:
     """Return the name under which a run is kept."""
-    parts = [
-        exam.name,
-        exam.scenario_digest(),
-        sandbox.mode,
-        environment_digest(sandbox.ros.python),
-    ]
-    parts += [json.dumps(sorted(files.items()))]
-    return hashlib.sha256('\0'.join(parts).encode('utf-8', 'replace')).hexdigest()[:32]
+    environment = environment_digest(sandbox.ros.python)
+    parts = (exam.name, exam.scenario_digest(), sandbox.mode, environment, files_digest(files))
+    return _digest('\0'.join(parts))
 
 
 def _without(exam: Exam, missing: list[str]) -> ExamResult:

@@ -193,22 +193,7 @@ def _assignments(layout: Layout, chosen: str | None) -> tuple[str, ...]:
     known = layout.assignments()
     if not known:
         raise UsageError('notebooks/ holds no assignment. Generate it with: make release')
-    return known if chosen is None else (assignment_named(chosen, known),)
-
-
-def assignment_named(chosen: str, known: Sequence[str]) -> str:
-    """
-    Return an assignment that there is.
-
-    :raises UsageError: with the nearest one
-    """
-    if chosen in known:
-        return chosen
-    from difflib import get_close_matches
-
-    close = get_close_matches(chosen, known, n=1, cutoff=0.3)
-    hint = f'Did you mean {close[0]}?' if close else f'Known: {", ".join(known)}.'
-    raise UsageError(f'--assignment {chosen}: there is no such assignment. {hint}')
+    return known if chosen is None else (layout.assignment_named(chosen),)
 
 
 def _grade_assignment(

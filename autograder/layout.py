@@ -7,7 +7,10 @@ Where the parts of a course lie: the one place that knows the folder names.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
+
+from autograder.errors import GraderError
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,24 @@ class Layout:
             return ()
         found = (path.parent.name for path in self.notebooks.glob('*/*.ipynb'))
         return tuple(sorted(set(found)))
+
+    def assignment_named(self, name: str) -> str:
+        """
+        Return the assignment that is meant.
+
+        :param name: with or without its number, ``07_temperature_monitor`` or
+            ``temperature_monitor``
+        :raises GraderError: if there is none of that name, with the nearest one
+        """
+        known = self.assignments()
+        for one in known:
+            if name == one or one.endswith(f'_{name}'):
+                return one
+        close = get_close_matches(name, known, n=1, cutoff=0.3)
+        raise GraderError(
+            f'{name}: there is no such assignment.',
+            f'Did you mean {close[0]}?' if close else f'Known: {", ".join(known) or "none"}.',
+        )
 
     def release(self, assignment: str) -> Path:
         """

@@ -19,7 +19,7 @@ import threading
 import time
 from typing import Protocol, TYPE_CHECKING
 
-from autograder.errors import ExamInvalid, GraderError
+from autograder.errors import defect, ExamInvalid, GraderError
 from autograder.extract import answer_files, ExamFiles, extract
 from autograder.inbox import Submission
 from autograder.layout import Layout
@@ -236,10 +236,7 @@ def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> ExamResult | G
     except GraderError as error:
         return error
     except Exception as error:  # a defect of ours: no verdict, and a person has to look
-        return GraderError(
-            f'{exam.name}: the grader failed with {type(error).__name__}: {error}.',
-            'Please report this with the submission.',
-        )
+        return defect(error, exam.name)
 
 
 def end_runs(within_s: float = 5.0) -> bool:

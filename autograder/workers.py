@@ -115,13 +115,16 @@ def run_task(task: bytes) -> bytes:
         recording, timing = _run(json.loads(task))
         answer = {'recording': recording.to_bytes().decode('utf-8'), 'timing': timing}
     except GraderError as error:
-        kind = type(error).__name__
-        known = kind if getattr(errors, kind, None) is type(error) else 'GraderError'
-        answer = {'fault': (known, error.what, error.fix)}
+        answer = _fault(error)
     except Exception as error:  # noqa: BLE001 - a defect of ours, for a person to look at
-        what = f'The grader failed with {type(error).__name__}: {error}.'
-        answer = {'fault': ('GraderError', what, 'Please report this with the submission.')}
+        answer = _fault(errors.defect(error, 'A worker'))
     return json.dumps(answer).encode()
+
+
+def _fault(error: GraderError) -> dict[str, Any]:
+    kind = type(error).__name__
+    known = kind if getattr(errors, kind, None) is type(error) else 'GraderError'
+    return {'fault': (known, error.what, error.fix)}
 
 
 def _run(task: Mapping[str, Any]) -> tuple[Recording, dict[str, float]]:

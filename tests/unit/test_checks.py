@@ -114,6 +114,13 @@ class TestMessages:
         assert failed.value.expected == 'at least 3 messages on /lab/reading'
         assert failed.value.why.cause_id == 'silent'
 
+    def test_one_message_is_asked_for_without_a_number(self):
+        """Nobody says at least 1 messages."""
+        with pytest.raises(Failed) as failed:
+            checks.require_messages(run_of(GRAPH), [], 1, 'messages on /lab/reading')
+
+        assert failed.value.expected == 'messages on /lab/reading'
+
 
 class TestLogs:
     """Log lines of the node's own logger."""

@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies
 import pytest
 
 from autograder.class_report import class_page, write_class_report
-from autograder.class_results import ClassResults, full_name, graded
+from autograder.class_results import ClassResults, graded
 from autograder.class_statistics import class_numbers, ClassNumbers
 from autograder.commands_class import stats_text
 from autograder.errors import GraderError
@@ -257,13 +257,13 @@ class TestWhatWasGraded:
 
     def test_an_assignment_may_be_named_without_its_number(self, layout):
         """As in the other commands."""
-        assert full_name(layout, 'talker') == ASSIGNMENT
+        assert layout.assignment_named('talker') == ASSIGNMENT
         assert graded(layout, 'talker')[0].results == CLASS.results[:3]
 
     def test_a_typo_is_answered_with_a_near_one(self, layout):
         """Not with a traceback."""
         with pytest.raises(GraderError, match='Did you mean 01_talker'):
-            full_name(layout, '01_taker')
+            layout.assignment_named('01_taker')
 
     def test_nothing_graded_says_what_to_do(self, tmp_path):
         """Grade first."""
