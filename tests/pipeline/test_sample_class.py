@@ -43,7 +43,8 @@ def graded(assignment: str) -> dict[str, SubmissionResult]:
             Submission(path.name, path, sample_class.compose(LAYOUT, assignment, path))
             for path in sample_class.samples(LAYOUT, assignment, everything=True)
         ]
-        done = grade_class(class_, lesson, engine, jobs=2)
+        # More than there are processors: much of the time, a program is watched and sleeps.
+        done = grade_class(class_, lesson, engine, jobs=4)
     return {one.result.student: one.result for one in done}
 
 
