@@ -24,14 +24,16 @@ HEADER = """\
 # Exact versions of everything in the virtual environment, for CPython 3.10 to 3.13 on Linux
 # x86_64. Written by `python -m environment lock` from requirements.in; do not edit by hand.
 #
-# Install with `pip install --no-deps -r requirements.lock`: the list is complete, and one package
-# is left out on purpose. rosidl_parser asks for lark-parser, an old name under which lark was
+# Install with `pip install --no-deps -r requirements.lock`: the list is complete, and two packages
+# are left out on purpose. rosidl_parser asks for lark-parser, an old name under which lark was
 # published; both own the folder site-packages/lark, and which one wins would depend on the order
-# of installation. rosidl_parser works with lark 1.x (the apt installation of Jazzy uses 1.1.9),
-# while JupyterLab's rfc3987-syntax needs 1.x. So only lark is installed.
+# of installation. rosidl_parser works with lark 1.x (the apt installation of Jazzy uses 1.1.9), so
+# only lark is installed. rfc3987-syntax, an option of jsonschema for addresses in other alphabets,
+# compiles a grammar in every process that imports nbformat: 2.4 of 2.6 s. Without it, jsonschema
+# takes such an address for well written.
 """
 RESOLVED = '#\n# Resolved with CPython '
-LEFT_OUT = {'lark-parser'}
+LEFT_OUT = {'lark-parser', 'rfc3987-syntax'}
 
 
 def pins_of_report(report: Mapping[str, object]) -> dict[str, str]:

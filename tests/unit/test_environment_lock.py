@@ -3,6 +3,7 @@
 from dataclasses import replace
 import os
 import re
+import subprocess
 import sys
 
 import pytest
@@ -58,6 +59,15 @@ def test_lock_has_one_owner_of_the_lark_folder():
     assert pins['lark'].startswith('1.')
 
 
+def test_reading_notebooks_compiles_no_grammar():
+    """It took ten times as long with an option of jsonschema that nobody here needs."""
+    loaded = [sys.executable, '-c', 'import nbformat, sys; print("lark" in sys.modules)']
+    said = subprocess.run(loaded, capture_output=True, text=True, check=True, timeout=60)
+
+    assert said.stdout.strip() == 'False'
+    assert 'rfc3987-syntax' not in pins_module.pins_for(TEXT, '3.12')
+
+
 def test_pins_for_sourced_leaves_ros_and_numpy_out():
     """A sourced ROS 2 keeps its own packages and the NumPy it was compiled with."""
     pins = pins_module.pins_for(TEXT, '3.12', ros=False)
@@ -92,12 +102,13 @@ def test_merge_different_versions_get_markers():
 
 
 def test_pins_of_report_uses_one_spelling():
-    """Names of pip's report are spelled alike and lark-parser is dropped."""
+    """Names of pip's report are spelled alike; what is left out on purpose is dropped."""
     report = {
         'install': [
             {'metadata': {'name': 'Jinja2', 'version': '3.1.6'}},
             {'metadata': {'name': 'jupyter_client', 'version': '8.10.0'}},
             {'metadata': {'name': 'lark-parser', 'version': '0.12.0'}},
+            {'metadata': {'name': 'rfc3987-syntax', 'version': '1.1.0'}},
         ]
     }
 
