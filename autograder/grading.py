@@ -23,7 +23,7 @@ from autograder.feedback import printable
 from autograder.isolation import banner, not_protected, WEAK
 from autograder.layout import Layout
 from autograder.progress import Done, progress, Totals
-from autograder.workers import pool_of, processors
+from autograder.workers import grading_folder, pool_of, processors
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -107,7 +107,7 @@ def _grade(chosen: argparse.Namespace) -> int:
     assignments = _assignments(layout, chosen.assignment)
     results: list[SubmissionResult] = []
     trouble = ''
-    with _engine(layout, chosen, told) as (engine, jobs):
+    with grading_folder(), _engine(layout, chosen, told) as (engine, jobs):
         for assignment in assignments:
             try:
                 results += _grade_assignment(layout, assignment, submitted, engine, jobs, told)
@@ -157,7 +157,7 @@ def in_a_pool(engine: SandboxEngine, jobs: int) -> Iterator[SandboxEngine]:
 
     :param jobs: how many processes
     """
-    with pool_of(jobs, engine.sandbox.mode) as place:
+    with pool_of(jobs) as place:
         yield replace(engine, place=place)
 
 

@@ -300,23 +300,19 @@ def _end_with(sentinel: int) -> None:
 
 
 @contextmanager
-def pool_of(width: int, mode: str) -> Iterator[Pool]:
-    """
-    Yield a pool whose temporary files are gone afterwards; those of killed ones go first.
-
-    :param mode: isolation; the weak ones take turns over a file in the system's own folder
-    """
-    if not mode.startswith('bwrap'):
-        with Pool(width) as pool:
-            yield pool
-        return
+def pool_of(width: int) -> Iterator[Pool]:
+    """Yield a pool whose temporary files are gone afterwards."""
     with grading_folder() as folder, Pool(width, str(folder)) as pool:
         yield pool
 
 
 @contextmanager
 def grading_folder() -> Iterator[Path]:
-    """Yield a temporary folder and remove it, and those that killed gradings have left."""
+    """
+    Yield a folder in which all temporary files of this process are from now on, and remove it.
+
+    A grading that is killed cannot tidy up: the folders of such ones go first.
+    """
     above = Path(tempfile.gettempdir())
     for left in above.glob(f'{FOLDERS}*'):
         _remove_if_left(left)
@@ -324,10 +320,12 @@ def grading_folder() -> Iterator[Path]:
     folder.chmod(0o711)  # the sandboxes' throw-away users pass through
     # Whoever holds the lock lives: the kernel gives it back, however a process ends.
     lock = os.open(folder / 'lock', os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    before, tempfile.tempdir = tempfile.tempdir, str(folder)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield folder
     finally:
+        tempfile.tempdir = before
         os.close(lock)
         shutil.rmtree(folder, ignore_errors=True)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
+import tempfile
 
 from places_world import class_of_talkers, exam_of_a_talker, told
 import psutil
@@ -34,7 +35,7 @@ def test_verdicts_of_a_pool_are_those_of_one_by_one():
     exam, sandbox = exam_of_a_talker(), strongest()
     alone = [told(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
 
-    with pool_of(2, sandbox.mode) as pool, ThreadPoolExecutor(3) as threads:
+    with pool_of(2) as pool, ThreadPoolExecutor(3) as threads:
         runs = [
             threads.submit(examine, exam, files, sandbox=sandbox, place=pool)
             for files in class_of_talkers()
@@ -205,8 +206,10 @@ class TestFolder:
         (left / 'lock').touch()
 
         with grading_folder() as one, grading_folder() as two:
+            assert tempfile.gettempdir() == str(two)
             assert not left.exists()
             assert one.is_dir()
             assert two.is_dir()
 
         assert list(tmp_path.iterdir()) == []
+        assert tempfile.gettempdir() == str(tmp_path)
