@@ -42,6 +42,7 @@ FIRST_CODE = 0xE000
 """Tokens and lines become characters, which rapidfuzz compares quickest."""
 NO_CODES = range(0xD800, 0xE000)
 WORD = re.compile(r'\w+|[^\w\s]')
+IN_BRACES, NAME = re.compile(r'\{[^{}]*\}'), re.compile(r'\b[^\W\d]\w*')
 SKIPPED = {
     tokenize.COMMENT,
     tokenize.NL,
@@ -207,12 +208,21 @@ def _python_lines(path: str, text: str) -> Iterator[Line]:
             held.append(token)
 
 
+def _without_names(expression: str, own: frozenset[str]) -> str:
+    """Return an expression of an f-string, which is no token of its own before Python 3.12."""
+    return NAME.sub(lambda one: 'name' if one[0] in own else one[0], expression)
+
+
 def _normal(token: tokenize.TokenInfo, own: frozenset[str]) -> str:
     """Return a token as it is compared: names of the file's own are all one."""
     if token.type == tokenize.NAME and not keyword.iskeyword(token.string):
         return 'name' if token.string in own else token.string
     if token.type == tokenize.STRING:
-        return token.string.lstrip('rbuRBUfF').strip('\'"')
+        quoted = token.string.lstrip('rbuRBUfF')
+        text, prefix = quoted.strip('\'"'), token.string.removesuffix(quoted)
+        if 'f' in prefix.lower():
+            text = IN_BRACES.sub(lambda one: _without_names(one[0], own), text)
+        return text
     return token.string
 
 
