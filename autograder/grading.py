@@ -23,7 +23,7 @@ from autograder.feedback import printable
 from autograder.isolation import banner, not_protected, WEAK
 from autograder.layout import Layout
 from autograder.progress import Done, progress, Totals
-from autograder.workers import grading_folder, pool_of, processors
+from autograder.workers import grading_folder, Pool, processors
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -157,7 +157,7 @@ def in_a_pool(engine: SandboxEngine, jobs: int) -> Iterator[SandboxEngine]:
 
     :param jobs: how many processes
     """
-    with pool_of(jobs) as place:
+    with Pool(jobs) as place:
         yield replace(engine, place=place)
 
 

@@ -191,13 +191,11 @@ class Pool:
     Processes on this machine; a context manager, as they must end with it.
 
     :param width: how many
-    :param folder: for the temporary files of the runs, empty for the system's own
     """
 
-    def __init__(self, width: int, folder: str = '') -> None:
+    def __init__(self, width: int) -> None:
         """Start nothing yet."""
         self.width = width
-        self._folder = folder
         self._guard = threading.Lock()
         self._pool: ProcessPoolExecutor | None = None
         self._single: set[ProcessPoolExecutor] = set()
@@ -270,8 +268,9 @@ class Pool:
     def _new(self, width: int) -> ProcessPoolExecutor:
         # Not "fork": this process has threads. Not "forkserver": killed, it leaves its socket.
         context = multiprocessing.get_context('spawn')
+        folder = tempfile.gettempdir()  # which grading_folder() may have chosen
         return ProcessPoolExecutor(
-            width, mp_context=context, initializer=_begin, initargs=(self._folder,)
+            width, mp_context=context, initializer=_begin, initargs=(folder,)
         )
 
 
@@ -284,8 +283,7 @@ def kill(pool: ProcessPoolExecutor) -> None:
 def _begin(folder: str) -> None:
     """Make a new process a worker: it leaves Ctrl-C to its parent, and ends with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if folder:
-        tempfile.tempdir = folder
+    tempfile.tempdir = folder
     parent = multiprocessing.parent_process()
     if parent is not None:
         watch = threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True)
@@ -297,13 +295,6 @@ def _end_with(sentinel: int) -> None:
     # was killed. With it end its sandboxes: they die with the thread that started them.
     wait([sentinel])
     os._exit(1)
-
-
-@contextmanager
-def pool_of(width: int) -> Iterator[Pool]:
-    """Yield a pool whose temporary files are gone afterwards."""
-    with grading_folder() as folder, Pool(width, str(folder)) as pool:
-        yield pool
 
 
 @contextmanager

@@ -28,6 +28,7 @@ from autograder.layout import Layout
 from autograder.pipeline import grade_class, load_lesson, SandboxEngine
 from autograder.sample_class import write_sample_class
 from autograder.sandbox import strongest
+from autograder.workers import grading_folder
 from benchmarks import report
 
 FULL_REPEATS = 50
@@ -102,7 +103,10 @@ def _grade_once(submitted: Path, recordings: Path, jobs: int) -> Outcome:
     """
     layout = Layout.here()
     outcome: Outcome = {}
-    with in_a_pool(SandboxEngine(strongest(), recordings, fresh=True), jobs) as engine:
+    with (
+        grading_folder(),
+        in_a_pool(SandboxEngine(strongest(), recordings, fresh=True), jobs) as engine,
+    ):
         for assignment in layout.assignments():
             lesson = load_lesson(layout, assignment, engine)
             submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())

@@ -21,7 +21,7 @@ from autograder.errors import GraderError, TooBusy
 from autograder.examine import examine
 from autograder.sandbox import strongest
 from autograder.version import difference, version
-from autograder.workers import grading_folder, outcome_of, Pool, pool_of, run_task, task_of
+from autograder.workers import grading_folder, outcome_of, Pool, run_task, task_of
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = exam_of_a_talker().scenario.to_json()
@@ -35,7 +35,7 @@ def test_verdicts_of_a_pool_are_those_of_one_by_one():
     exam, sandbox = exam_of_a_talker(), strongest()
     alone = [told(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
 
-    with pool_of(2) as pool, ThreadPoolExecutor(3) as threads:
+    with grading_folder(), Pool(2) as pool, ThreadPoolExecutor(3) as threads:
         runs = [
             threads.submit(examine, exam, files, sandbox=sandbox, place=pool)
             for files in class_of_talkers()
