@@ -159,11 +159,11 @@ def _bringing_back_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any
     """
     Return a function for exceptions that Python drops, which sends an interrupt again.
 
-    It also keeps quiet about what an interrupted ``Executor()`` leaves: its ``__del__``, some time
-    later and in another cell, misses what was not there yet.
-
     Not every place where that happens can be told by :func:`_moment`: the callback of a weak
     reference is any function.
+
+    It also keeps quiet about what an interrupted ``Executor()`` leaves: its ``__del__``, some time
+    later and in another cell, misses what was not there yet.
 
     :param tell: for all other exceptions
     """

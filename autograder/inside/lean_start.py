@@ -12,6 +12,7 @@ The probe and the launcher of the student's program share this file.
 from __future__ import annotations
 
 import importlib
+from importlib.machinery import ModuleSpec
 import importlib.util
 import sys
 import threading
@@ -25,8 +26,9 @@ def lean() -> None:
     """Prepare this process, before it imports rclpy."""
     # The import system's own way to say that there is no such module.
     sys.modules[GENERATOR] = None  # type: ignore[assignment]
-    if 'numpy' not in sys.modules and importlib.util.find_spec('numpy') is not None:
-        sys.modules['numpy'] = _Later('numpy')
+    spec = importlib.util.find_spec('numpy') if 'numpy' not in sys.modules else None
+    if spec is not None:
+        sys.modules['numpy'] = _Later(spec)
 
 
 class _Later(types.ModuleType):
@@ -37,19 +39,14 @@ class _Later(types.ModuleType):
     half a module before Python 3.12.3.
     """
 
-    def __init__(self, name: str) -> None:
-        super().__init__(name)
-        self.__spec__ = importlib.util.find_spec(name)
-        self.__dict__['_loading'] = threading.RLock()
+    def __init__(self, spec: ModuleSpec) -> None:
+        super().__init__(spec.name)
+        self.__spec__ = spec
+        self._loading = threading.RLock()
 
     def __getattr__(self, name: str) -> Any:
-        own = self.__dict__
-        with own['_loading']:
-            if sys.modules.get(own['__name__']) is self:
-                del sys.modules[own['__name__']]
-                real = importlib.import_module(own['__name__'])
-                own.update(real.__dict__)
-        try:
-            return own[name]
-        except KeyError:
-            return getattr(sys.modules[own['__name__']], name)
+        with self._loading:
+            if sys.modules.get(self.__name__) is self:
+                del sys.modules[self.__name__]
+                self.__dict__.update(importlib.import_module(self.__name__).__dict__)
+        return getattr(sys.modules[self.__name__], name)
