@@ -36,3 +36,51 @@ def test_a_program_that_keeps_its_own_time_hears_a_hundred_ticks_a_second_at_mos
     )
 
     assert 1 <= int(ran.stdout) <= 50
+
+
+# A tick of our own makes no event; a topic that is written faster than read never ends.
+WAITING = f"""
+import sys
+sys.path[:0] = [{str(HERE)!r}, {str(HERE / 'inside')!r}]
+from contextlib import nullcontext
+from itertools import count
+import probe
+
+class Handle(nullcontext):
+    def __init__(self, waiting):
+        super().__init__()
+        self.waiting = iter(waiting)
+    def take_message(self, msg_type, raw):
+        message = next(self.waiting, None)
+        return None if message is None else (message, {{}})
+
+class Subscription:
+    msg_type = None
+    def __init__(self, waiting):
+        self.handle, self.heard = Handle(waiting), []
+        self.callback = self.heard.append
+
+class Watching:
+    pass
+
+watching = Watching()
+watching.node = Watching()
+ticks, topic, flood = Subscription([1]), Subscription([1, 2, 3]), Subscription(count(1))
+watching.node.subscriptions = [ticks, topic]
+probe.Probe.drain(watching)
+print(ticks.heard, topic.heard)
+watching.node.subscriptions = [flood]
+probe.Probe.drain(watching)
+print(len(flood.heard))
+"""
+
+
+def test_all_that_has_arrived_is_handled_whether_it_makes_an_event_or_not():
+    """What is left over belongs to the next step of the clock, and a stamp would seem stale."""
+    ran = subprocess.run(
+        [sys.executable, '-c', WAITING], capture_output=True, text=True, check=True, timeout=60
+    )
+    first, second = ran.stdout.splitlines()
+
+    assert first == '[1] [1, 2, 3]'
+    assert 100 <= int(second) <= 1000
