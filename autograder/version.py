@@ -64,7 +64,7 @@ def environment_digest(python: str = sys.executable) -> str:
 
 
 def _digest_of_grader() -> str:
-    inside = sorted((HERE / 'inside').glob('*.py'))
+    inside = sorted((HERE / 'inside').rglob('*.py'))
     filters = sorted((HERE / 'seccomp').glob('*.bpf'))
     files = [*(HERE / name for name in (*PROBE, *AROUND)), *inside, *filters]
     return _digest(b'\0'.join(path.name.encode() + b'\0' + path.read_bytes() for path in files))
@@ -76,7 +76,8 @@ def _digest_of_settings(venv: Path) -> str:
     for folder, name in ((venv, 'VENV'), (HERE.parent, 'COURSE'), (sys.base_prefix, 'PYTHON')):
         text = text.replace(str(folder), f'<{name}>')
     messages = sorted((HERE.parent / 'temp_monitor_pkg' / 'msg').glob('*.msg'))
-    return _digest(text.encode() + b''.join(path.read_bytes() for path in messages))
+    cmake = sorted((HERE.parent / 'environment' / 'cmake').glob('*.cmake'))
+    return _digest(text.encode() + b''.join(path.read_bytes() for path in (*messages, *cmake)))
 
 
 def _digest_of_packages(venv: Path) -> str:

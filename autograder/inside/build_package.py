@@ -37,11 +37,22 @@ def build(source: str, package: str) -> Path:
     if shutil.which('ninja'):
         command += ['-GNinja']  # runs more steps of a message build at a time than Make
     # Four compilers at a time stay below the sandbox's limit of processes on any machine. No
-    # limit of load (-l): with one, a busy machine builds one file at a time.
-    built = subprocess.run(command, check=False, env={**os.environ, 'MAKEFLAGS': '-j4'})
+    # limit of load (-l): with one, a busy machine builds one file at a time. What runs is Python,
+    # so messages are not made for C++; environment/cmake says how.
+    settings = {'MAKEFLAGS': '-j4', 'ROS2_COURSE_WITHOUT_CPP': '1'}
+    built = subprocess.run(command, check=False, env={**os.environ, **settings, **site(workspace)})
     if built.returncode != 0:
         sys.exit(built.returncode)
     return workspace / 'install'
+
+
+def site(workspace: Path) -> dict[str, str]:
+    """Return what lets the generators of messages share one parse, see ``build_site``."""
+    paths = [str(Path(__file__).with_name('build_site')), os.environ.get('PYTHONPATH', '')]
+    return {
+        'PYTHONPATH': ':'.join(filter(None, paths)),
+        'ROS2_COURSE_PARSED': str(workspace / 'parsed'),
+    }
 
 
 def variables(prefix: Path) -> dict[str, str]:

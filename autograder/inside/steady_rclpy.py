@@ -17,48 +17,21 @@ Usage as a program: steady_rclpy.py SCRIPT [arguments], for the executables of a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-import importlib.abc
-from importlib.machinery import ModuleSpec
-import importlib.util
 from pathlib import Path
 import runpy
 import sys
-import types
 from typing import Any
 
 from lean_start import lean  # type: ignore[import-not-found]  # beside this file
+from when_imported import when_imported  # type: ignore[import-not-found]
 
-MENDED = 'rclpy.event_handler'
 SWITCH_S = 1e-4
 
 
 def steady() -> None:
     """Mend what this process will import; to import it here could hide a forgotten import."""
     sys.setswitchinterval(SWITCH_S)
-    sys.meta_path.insert(0, _Mender())
-
-
-class _Mender(importlib.abc.MetaPathFinder):
-    """Mends one module as it is imported, and is gone afterwards."""
-
-    def find_spec(
-        self, name: str, path: Sequence[str] | None, target: types.ModuleType | None = None
-    ) -> ModuleSpec | None:
-        if name != MENDED:
-            return None
-        sys.meta_path.remove(self)
-        spec = importlib.util.find_spec(name)
-        if spec is None or spec.loader is None:
-            return None
-        load = spec.loader.exec_module
-
-        def load_and_mend(module: types.ModuleType) -> None:
-            load(module)
-            mend(module.EventHandler)
-
-        spec.loader.exec_module = load_and_mend  # type: ignore[method-assign]
-        return spec
+    when_imported('rclpy.event_handler', lambda module: mend(module.EventHandler))
 
 
 def mend(handler: Any) -> None:

@@ -19,3 +19,15 @@ endif()
 
 # FindPython3.cmake beside this file keeps CMake from starting a hundred interpreters a build.
 list(PREPEND CMAKE_MODULE_PATH "${CMAKE_CURRENT_LIST_DIR}")
+
+# A grader builds messages for programs in Python, which use the C that is generated and never the
+# C++; without it a build takes two fifths less of the processor. A list is filtered as it grows,
+# because rosidl_generate_interfaces() has no way to ask for less.
+if(DEFINED ENV{ROS2_COURSE_WITHOUT_CPP})
+  macro(_ros2_course_drop_cpp variable access)
+    if("${access}" STREQUAL "MODIFIED_ACCESS")
+      list(FILTER ${variable} EXCLUDE REGEX "_cpp:")
+    endif()
+  endmacro()
+  variable_watch(AMENT_EXTENSIONS_rosidl_generate_idl_interfaces _ros2_course_drop_cpp)
+endif()

@@ -1,0 +1,133 @@
+"""The build of a message package as the grader does it: what Python needs, and no more."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+import subprocess
+import sys
+
+import pytest
+
+from autograder.observe import HERE
+
+pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(300)]
+
+PACKAGE = {
+    'package.xml': """<package format="3">
+  <name>knots</name><version>0.1.0</version><description>Speeds of boats.</description>
+  <maintainer email="a@b.example">a</maintainer><license>MIT</license>
+  <buildtool_depend>ament_cmake</buildtool_depend>
+  <buildtool_depend>rosidl_default_generators</buildtool_depend>
+  <exec_depend>rosidl_default_runtime</exec_depend>
+  <member_of_group>rosidl_interface_packages</member_of_group>
+  <export><build_type>ament_cmake</build_type></export>
+</package>
+""",
+    'CMakeLists.txt': """cmake_minimum_required(VERSION 3.8)
+project(knots)
+find_package(ament_cmake REQUIRED)
+find_package(std_msgs REQUIRED)
+find_package(rosidl_default_generators REQUIRED)
+rosidl_generate_interfaces(${PROJECT_NAME} "msg/Speed.msg" DEPENDENCIES std_msgs)
+ament_package()
+""",
+    'msg/Speed.msg': 'std_msgs/Header header\nfloat32 knots\n',
+}
+BUILD = f"""
+import sys
+sys.path.insert(0, {str(HERE / 'inside')!r})
+import build_package
+build_package.build(sys.argv[1], 'knots')
+"""
+
+
+def test_messages_are_built_for_python_and_not_for_cpp(tmp_path):
+    """C++ is two fifths of the work, and nothing that is graded uses it."""
+    source = tmp_path / 'source'
+    for name, text in PACKAGE.items():
+        (source / name).parent.mkdir(parents=True, exist_ok=True)
+        (source / name).write_text(text, encoding='utf-8')
+    subprocess.run(
+        [sys.executable, '-c', BUILD, str(source)],
+        env={**os.environ, 'TMPDIR': str(tmp_path)},
+        check=True,
+        capture_output=True,
+    )
+    libraries = {path.name for path in (tmp_path / 'install' / 'lib').glob('lib*.so')}
+    [modules] = (tmp_path / 'install').glob('lib/python3*/site-packages')
+
+    assert 'libknots__rosidl_typesupport_fastrtps_c.so' in libraries
+    assert not [name for name in libraries if name.endswith('_cpp.so')]
+    assert told(modules, libraries_in=tmp_path / 'install' / 'lib') == 'knots/msg/Speed 3.5'
+
+
+def told(modules: Path, libraries_in: Path) -> str:
+    """Return what a Python of its own says about a message that went through the type support."""
+    program = (
+        'from rclpy.serialization import deserialize_message, serialize_message\n'
+        'from knots.msg import Speed\n'
+        'found = deserialize_message(serialize_message(Speed(knots=3.5)), Speed)\n'
+        "print('knots/msg/' + type(found).__name__, found.knots)\n"
+    )
+    paths = {
+        'PYTHONPATH': f'{modules}:{os.environ.get("PYTHONPATH", "")}',
+        'LD_LIBRARY_PATH': f'{libraries_in}:{os.environ.get("LD_LIBRARY_PATH", "")}',
+    }
+    ran = subprocess.run(
+        [sys.executable, '-c', program],
+        env={**os.environ, **paths},
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    return ran.stdout.strip()
+
+
+def test_what_learners_build_has_cpp_too():
+    """The set-up built the course's own package whole, as a terminal would."""
+    prefixes = [Path(one) for one in os.environ['AMENT_PREFIX_PATH'].split(':')]
+
+    header = 'include/temp_monitor_pkg/**/temperature.hpp'
+    assert [file for prefix in prefixes for file in prefix.glob(header)]
+
+
+DEFINITION = """# A comment
+uint8 LOW=0
+string NAME='x"y'
+float64[3] fixed [1.5, -2.0, 3.0]
+int32[<=4] bounded
+string[] names
+std_msgs/Header header
+wstring wide "default"
+"""
+PARSED = """
+from pathlib import Path
+import sys
+from rosidl_adapter.msg import convert_msg_to_idl
+from rosidl_parser import parser
+folder = Path(sys.argv[1])
+text = convert_msg_to_idl(folder, 'odd', Path('Odd.msg'), folder).read_text()
+first, made = parser.get_ast_from_idl_string(text), parser._parser
+parser._parser = None
+second = parser.get_ast_from_idl_string(text)
+print(made is not None, parser._parser is None, first == second, first.pretty() == second.pretty())
+"""
+
+
+def test_generators_read_what_one_of_them_has_parsed(tmp_path):
+    """The same tree, token for token, and no parser is made for it."""
+    (tmp_path / 'Odd.msg').write_text(DEFINITION, encoding='utf-8')
+    shared = {
+        'PYTHONPATH': f'{HERE / "inside" / "build_site"}:{os.environ.get("PYTHONPATH", "")}',
+        'ROS2_COURSE_PARSED': str(tmp_path / 'parsed'),
+    }
+    ran = subprocess.run(
+        [sys.executable, '-c', PARSED, str(tmp_path)],
+        env={**os.environ, **shared},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert ran.stdout.splitlines()[-1:] == ['True True True True'], ran.stderr
