@@ -1,7 +1,7 @@
 """
 nbgrader's settings for this course; read by every nbgrader command and by formgrader.
 
-Student code never runs in nbgrader's process: see autograder/nbgrader_plugin.py.
+Student code never runs in nbgrader's process: see autograder/gradebook/nbgrader_plugin.py.
 """
 
 from importlib.util import find_spec
@@ -38,7 +38,7 @@ c.KernelManager.transport = 'ipc'
 
 c.GenerateAssignment.preprocessors = [
     'nbgrader.preprocessors.LockCells',
-    'autograder.nbgrader_plugin.ClearSolutionsByKind',
+    'autograder.gradebook.nbgrader_plugin.ClearSolutionsByKind',
     'nbgrader.preprocessors.ClearOutput',
     'nbgrader.preprocessors.CheckCellMetadata',
     'nbgrader.preprocessors.ComputeChecksums',
@@ -49,11 +49,11 @@ c.GenerateAssignment.preprocessors = [
     'nbgrader.preprocessors.CheckCellMetadata',
 ]
 
-c.Autograde.exporter_class = 'autograder.nbgrader_plugin.SubmissionExporter'
+c.Autograde.exporter_class = 'autograder.gradebook.nbgrader_plugin.SubmissionExporter'
 c.Autograde.autograde_preprocessors = [
-    'autograder.nbgrader_plugin.GradeOutside',
+    'autograder.gradebook.nbgrader_plugin.GradeOutside',
     'nbgrader.preprocessors.LimitOutput',
-    'autograder.nbgrader_plugin.SaveGrades',
+    'autograder.gradebook.nbgrader_plugin.SaveGrades',
     'nbgrader.preprocessors.AssignLatePenalties',
     'nbgrader.preprocessors.CheckCellMetadata',
 ]
@@ -65,8 +65,8 @@ warnings.filterwarnings('ignore', message='Object of type .* not in session')
 # Students' Markdown is shown to instructors by feedback and formgrader.
 c.HTMLExporter.sanitize_html = True
 c.HTMLExporter.filters = {
-    'markdown2html': 'autograder.nbgrader_plugin.safe_markdown',
-    'clean_html': 'autograder.nbgrader_plugin.safe_output',
+    'markdown2html': 'autograder.gradebook.nbgrader_plugin.safe_markdown',
+    'clean_html': 'autograder.gradebook.nbgrader_plugin.safe_output',
 }
 # Our own page for students: nothing is loaded from elsewhere, and it is readable in the dark.
 # Formgrader names its own template.

@@ -18,13 +18,13 @@ from typing import Any, TYPE_CHECKING
 from autograder.commands import add_commands
 from autograder.commands_class import add_class_commands
 from autograder.errors import GraderError, SandboxUnavailable
-from autograder.grading import add_grade, FOR_REVIEW, OK, short, UsageError
 from autograder.layout import Layout
-from autograder.pipeline import end_runs
+from autograder.whole_class.grading import add_grade, FOR_REVIEW, OK, short, UsageError
+from autograder.whole_class.pipeline import end_runs
 from environment.ros import EnvironmentError_
 
 if TYPE_CHECKING:
-    from autograder.exam import Exam
+    from autograder.judging.exam import Exam
 
 USAGE, STOPPED = 2, 130
 OURS = ('autograder', 'drawing', 'environment', 'roslab')
@@ -110,8 +110,8 @@ def _parser() -> argparse.ArgumentParser:
 
 def _self_check(chosen: argparse.Namespace) -> int:
     """Show that the reference passes every exam here and that the bare release does not."""
-    from autograder.pipeline import grading_engine
     from autograder.self_check import self_check
+    from autograder.whole_class.pipeline import grading_engine
 
     layout = Layout.here()
     code = 0
@@ -127,9 +127,9 @@ def _self_check(chosen: argparse.Namespace) -> int:
 def _check(chosen: argparse.Namespace) -> int:
     """Run one exam on a package; the visible one also runs where nothing isolates."""
     from autograder import exams
-    from autograder.examine import examine
-    from autograder.intake import read_handed_in, with_node_files
-    from autograder.package import name_missing, own_files, read_package, what_is_there
+    from autograder.handed_in.intake import read_handed_in, with_node_files
+    from autograder.handed_in.package import name_missing, own_files, read_package, what_is_there
+    from autograder.runs.examine import examine
 
     if not chosen.files.is_dir():
         raise UsageError(f'--files {chosen.files}: expected a package folder, got none.')
@@ -150,7 +150,7 @@ def _check(chosen: argparse.Namespace) -> int:
     if chosen.json:
         print(json.dumps(result.to_json()))
     else:
-        from autograder.feedback import exam_text
+        from autograder.explaining.feedback import exam_text
 
         print(exam_text(result), end='')
     return OK
@@ -172,7 +172,7 @@ def _as_problem(what: str, fix: str) -> dict[str, Any]:
     """Return why there is no verdict, for a program that shows it."""
     from dataclasses import asdict
 
-    from autograder.results import Problem
+    from autograder.judging.results import Problem
 
     fix = (
         fix.removeprefix('Try: ').rstrip('.')
@@ -184,7 +184,7 @@ def _as_problem(what: str, fix: str) -> dict[str, Any]:
 
 def _sandbox(allow_plain: bool) -> tuple[Any, str]:
     """Return the sandbox to use and what is to be said about it."""
-    from autograder import sandbox
+    from autograder.sandboxes import sandbox
 
     try:
         return sandbox.strongest(), ''

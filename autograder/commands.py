@@ -80,7 +80,7 @@ def add_commands(commands: Any) -> None:
 
 def _run(chosen: argparse.Namespace) -> int:
     """Look at one submission."""
-    from autograder import quick_look
+    from autograder.whole_class import quick_look
 
     layout = Layout.here()
     found = quick_look.exams_named(chosen.exam, layout, hidden=not chosen.visible)
@@ -131,7 +131,7 @@ def _show(event: Any) -> None:
 
 def _sandbox(visible: bool) -> Any:
     """Return the strongest sandbox; only visible checks may do without."""
-    from autograder import sandbox
+    from autograder.sandboxes import sandbox
 
     try:
         return sandbox.strongest()
@@ -144,7 +144,7 @@ def _sandbox(visible: bool) -> Any:
 
 def _rejudge(chosen: argparse.Namespace) -> int:
     """Judge again."""
-    from autograder.rejudge import rejudge_command
+    from autograder.whole_class.rejudge import rejudge_command
 
     changes, code = rejudge_command(
         Layout.here(), chosen.assignment, chosen.submitted, chosen.write
@@ -159,7 +159,7 @@ def _rejudge(chosen: argparse.Namespace) -> int:
 
 def _explain(chosen: argparse.Namespace) -> int:
     """Show the evidence."""
-    from autograder.explain import evidence, evidence_text
+    from autograder.explaining.explain import evidence, evidence_text
 
     found = evidence(
         Layout.here(), chosen.student, chosen.check, chosen.assignment, chosen.submitted

@@ -13,17 +13,17 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from autograder.class_results import ClassResults, graded, one_graded
 from autograder.errors import GraderError
+from autograder.explaining.feedback import number, printable
 from autograder.exports.gradescope import VISIBILITIES
 from autograder.exports.marks import AUTOMATIC, GRADEBOOK, Mark, marks, SOURCES
-from autograder.feedback import number, printable
-from autograder.isolation import MODES, WEAK
 from autograder.layout import Layout
+from autograder.sandboxes.isolation import MODES, WEAK
+from autograder.whole_class.class_results import ClassResults, graded, one_graded
 
 if TYPE_CHECKING:
-    from autograder.class_statistics import ClassNumbers
-    from autograder.similarity import Pair, Similar
+    from autograder.whole_class.class_statistics import ClassNumbers
+    from autograder.whole_class.similarity import Pair, Similar
 
 OK, FOR_REVIEW = 0, 1
 COMMON_LINES = 6
@@ -137,7 +137,7 @@ def _percent(text: str) -> float:
 
 def _report(chosen: argparse.Namespace) -> int:
     """Write the pages."""
-    from autograder.class_report import write_class_report
+    from autograder.whole_class.class_report import write_class_report
 
     layout = Layout.here()
     for one in graded(layout, chosen.assignment):
@@ -147,7 +147,7 @@ def _report(chosen: argparse.Namespace) -> int:
 
 def _stats(chosen: argparse.Namespace) -> int:
     """Print a class in numbers."""
-    from autograder.class_statistics import class_numbers
+    from autograder.whole_class.class_statistics import class_numbers
 
     layout = Layout.here()
     found = [class_numbers(layout, one) for one in graded(layout, chosen.assignment)]
@@ -209,7 +209,7 @@ def _marks_lines(numbers: ClassNumbers) -> list[str]:
 
 def _similar(chosen: argparse.Namespace) -> int:
     """Print the pairs."""
-    from autograder.similarity import similar
+    from autograder.whole_class.similarity import similar
 
     layout = Layout.here()
     assignment = layout.assignment_named(chosen.assignment)

@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING
 import zipfile
 
 from autograder.errors import ExamInvalid, GraderError
-from autograder.extract import CHECK_PREFIX
+from autograder.handed_in.extract import CHECK_PREFIX
+from autograder.handed_in.submission import marks_of, Notebook, read_release
 from autograder.layout import Layout
 from autograder.portions import portions
-from autograder.submission import marks_of, Notebook, read_release
 
 if TYPE_CHECKING:
-    from autograder.exam import Exam
+    from autograder.judging.exam import Exam
 
 CHECK_CELL = re.compile(r"^check\((['\"])(?P<exam>\w+)\1\)$")
 BUNDLED = (
@@ -45,9 +45,9 @@ WITHHELD = (
     'autograder/_work',
     'autograder/course.py',
     'autograder/portions.py',
-    'autograder/nbgrader_plugin.py',
-    'autograder/converters.py',
-    'autograder/record.py',
+    'autograder/gradebook/nbgrader_plugin.py',
+    'autograder/gradebook/converters.py',
+    'autograder/gradebook/record.py',
     'autograder/sample_class.py',
 )
 NO_PARTS = {'__pycache__', '.ipynb_checkpoints', 'ros_ws', 'build', 'install', 'log'}
@@ -79,8 +79,8 @@ def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
 
 def unfit_exams(layout: Layout) -> Iterator[str]:
     """Yield what is wrong with the exams themselves: types, fields, two versions that differ."""
-    from autograder.exam_mistakes import ament_prefixes, mistakes_of
     from autograder.exams import for_assignment
+    from autograder.judging.exam_mistakes import ament_prefixes, mistakes_of
 
     prefixes = ament_prefixes()
     for assignment in layout.assignments():
@@ -96,7 +96,7 @@ def notebook_files(layout: Layout) -> Iterator[Path]:
 
 def drift(layout: Layout) -> Iterator[str]:
     """Yield the generated files that differ from what the solutions give."""
-    from autograder import converters
+    from autograder.gradebook import converters
 
     assignments = sorted({path.parent.name for path in layout.solutions.glob('*/*.ipynb')})
     with tempfile.TemporaryDirectory(prefix='release_') as folder:
@@ -192,7 +192,7 @@ def regenerate(layout: Layout) -> tuple[str, ...]:
     :returns: the assignments
     :raises GraderError: with nbgrader's own words
     """
-    from autograder import converters
+    from autograder.gradebook import converters
 
     assignments = sorted({path.parent.name for path in layout.solutions.glob('*/*.ipynb')})
     if not assignments:

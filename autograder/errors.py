@@ -11,7 +11,7 @@ Whose fault it is, as a class.
     `- ExamInvalid               an exam contradicts itself
 
 A mistake in a *submission* is never an exception that leaves this package: it is a
-:class:`~autograder.results.Problem` or a failed check.
+:class:`~autograder.judging.results.Problem` or a failed check.
 """
 
 from __future__ import annotations

@@ -11,9 +11,9 @@ from collections.abc import Callable, Mapping
 import json
 from typing import Any
 
-from autograder.checks import LEVELS
-from autograder.feedback import printable
-from autograder.recording import Event
+from autograder.explaining.feedback import printable
+from autograder.judging.checks import LEVELS
+from autograder.runs.recording import Event
 
 WIDEST = 110
 MOST_DIGITS = 9  # of a float: seventeen push what matters off the line
@@ -24,7 +24,7 @@ def live_line(event: Event) -> str:
     """
     Return one event as a line, empty if it is nothing to show.
 
-    :param event: as in :mod:`autograder.recording`
+    :param event: as in :mod:`autograder.runs.recording`
     """
     what = _what(event)
     if not what:

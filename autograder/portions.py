@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import re
 from statistics import median
 
-from autograder.cells import CellSyntaxError, parse_cell
-from autograder.submission import Notebook
+from autograder.handed_in.cells import CellSyntaxError, parse_cell
+from autograder.handed_in.submission import Notebook
 
 WORDS = (25, 60)
 """Median words of a text cell, least and most."""

@@ -15,8 +15,8 @@ import threading
 from typing import Any
 
 from autograder.errors import GraderError
-from autograder.feedback import printable
-from autograder.results import ExamResult
+from autograder.explaining.feedback import printable
+from autograder.judging.results import ExamResult
 
 NAME_CHARS = 30
 

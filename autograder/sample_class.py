@@ -21,11 +21,17 @@ from pathlib import Path
 import tempfile
 from typing import Any
 
-from autograder.cells import body_of, CellFile, UNSOLVED
 from autograder.errors import GraderError
-from autograder.extract import answer_files
+from autograder.handed_in.cells import body_of, CellFile, UNSOLVED
+from autograder.handed_in.extract import answer_files
+from autograder.handed_in.submission import (
+    marks_of,
+    Notebook,
+    read_release,
+    rebuild,
+    StudentCell,
+)
 from autograder.layout import Layout
-from autograder.submission import marks_of, Notebook, read_release, rebuild, StudentCell
 
 MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg', 'answer': '%%answer'}
 
@@ -152,7 +158,7 @@ def _untouched(layout: Layout, assignment: str) -> bytes:
     answers = [cell['source'] for cell in release['cells'] if marks_of(cell).get('solution')]
     if all(UNSOLVED in answer or 'YOUR ANSWER HERE' in answer for answer in answers):
         return _bytes(release)
-    from autograder import converters
+    from autograder.gradebook import converters
 
     with tempfile.TemporaryDirectory(prefix='release-') as folder:
         converters.generate(layout, assignment, Path(folder), database=False)

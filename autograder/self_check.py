@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from autograder.exam import Exam
+from autograder.handed_in.submission import marks_of
+from autograder.judging.exam import Exam
+from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
-from autograder.pipeline import Engine, grade_notebook, Lesson, load_lesson
-from autograder.results import SubmissionResult
-from autograder.submission import marks_of
+from autograder.whole_class.pipeline import Engine, grade_notebook, Lesson, load_lesson
 
 
 def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
@@ -42,7 +42,7 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
 
 def _mistakes(exam: Exam) -> list[str]:
     """Return what can be said of an exam without a run: a run of it might never end well."""
-    from autograder.exam_mistakes import ament_prefixes, mistakes_of
+    from autograder.judging.exam_mistakes import ament_prefixes, mistakes_of
 
     return mistakes_of(exam, ament_prefixes()) if isinstance(exam, Exam) else []
 

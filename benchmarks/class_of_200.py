@@ -26,7 +26,7 @@ from typing import Any
 import psutil
 
 from autograder.layout import Layout
-from autograder.recording import Recording
+from autograder.runs.recording import Recording
 from benchmarks import reduced_course, report
 from benchmarks.submissions import publishers, REFERENCE
 
@@ -45,7 +45,7 @@ SAMPLES = (
 )
 MORE_CHECKS = '''
 
-from autograder.exam import Failed, Run
+from autograder.judging.exam import Failed, Run
 
 
 @exam.check(points=1, needs=['starts_its_node'])

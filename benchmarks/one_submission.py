@@ -18,11 +18,11 @@ import time
 from typing import Any
 
 from autograder import exams
-from autograder import observe as observing
-from autograder.confined import Confined, Limits, Program
-from autograder.exam import Advance, Exam, Scenario
-from autograder.examine import examine
-from autograder.sandbox import Sandbox, strongest
+from autograder.judging.exam import Advance, Exam, Scenario
+from autograder.runs import observe as observing
+from autograder.runs.examine import examine
+from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.sandbox import Sandbox, strongest
 from benchmarks import report
 from benchmarks.submissions import EXAM, publishers, REFERENCE
 

@@ -20,9 +20,9 @@ import sys
 import time
 from typing import Any
 
-from autograder import converters
+from autograder.gradebook import converters
+from autograder.handed_in.submission import marks_of, read_release
 from autograder.layout import Layout
-from autograder.submission import marks_of, read_release
 from benchmarks.submissions import ASSIGNMENT, EXAM
 
 KEPT_CELLS = ('spec_publisher', EXAM, f'check_{EXAM}')

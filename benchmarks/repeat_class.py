@@ -22,13 +22,13 @@ import tempfile
 import time
 from typing import Any
 
-from autograder.grading import in_a_pool
-from autograder.inbox import discover
 from autograder.layout import Layout
-from autograder.pipeline import grade_class, load_lesson, SandboxEngine
+from autograder.runs.workers import grading_folder
 from autograder.sample_class import write_sample_class
-from autograder.sandbox import strongest
-from autograder.workers import grading_folder
+from autograder.sandboxes.sandbox import strongest
+from autograder.whole_class.grading import in_a_pool
+from autograder.whole_class.inbox import discover
+from autograder.whole_class.pipeline import grade_class, load_lesson, SandboxEngine
 from benchmarks import report
 
 FULL_REPEATS = 50

@@ -27,8 +27,8 @@ import time
 from typing import Any
 
 from autograder.errors import GraderError
-from autograder.examine import examine
-from autograder.sandbox import Sandbox, strongest
+from autograder.runs.examine import examine
+from autograder.sandboxes.sandbox import Sandbox, strongest
 from benchmarks import report
 from benchmarks.repeat_class import busy
 from benchmarks.soak_tasks import everything, panel, Task

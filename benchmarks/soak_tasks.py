@@ -14,13 +14,13 @@ from pathlib import Path
 import yaml
 
 from autograder import exams
-from autograder.exam import Exam
-from autograder.extract import extract
+from autograder.handed_in.extract import extract
+from autograder.handed_in.submission import open_submission
+from autograder.judging.exam import Exam
 from autograder.layout import Layout
-from autograder.pipeline import load_lesson, SandboxEngine
 from autograder.sample_class import compose, samples
-from autograder.sandbox import strongest
-from autograder.submission import open_submission
+from autograder.sandboxes.sandbox import strongest
+from autograder.whole_class.pipeline import load_lesson, SandboxEngine
 from tests.attacks.corpus import files_of, programs
 
 PANEL = Path(__file__).with_name('panel.yaml')

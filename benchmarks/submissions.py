@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 import json
 
-from autograder.extract import answer_files
+from autograder.handed_in.extract import answer_files
 from autograder.layout import Layout
 from autograder.sample_class import compose
 

@@ -20,10 +20,10 @@ import time
 from typing import Any
 
 from autograder import exams
-from autograder.exam import Exam
-from autograder.extract import extract
+from autograder.handed_in.extract import extract
+from autograder.handed_in.submission import open_submission, read_release
+from autograder.judging.exam import Exam
 from autograder.layout import Layout
-from autograder.submission import open_submission, read_release
 from benchmarks import report
 
 RUNS = 3

@@ -16,10 +16,10 @@ import tempfile
 from typing import Any
 
 from autograder import exams
-from autograder.cells import UNSOLVED
 from autograder.errors import ExamInvalid
+from autograder.handed_in.cells import UNSOLVED
+from autograder.judging.results import ExamResult, Problem
 from autograder.layout import Layout
-from autograder.results import ExamResult, Problem
 from roslab import child
 from roslab.output import ElapsedTime
 from roslab.package_files import learner_package, LearnerPackage

@@ -16,7 +16,7 @@ import textwrap
 
 import yaml
 
-from autograder.build_advice import diagnose, texts_of
+from autograder.judging.build_advice import diagnose, texts_of
 from roslab.errors import RoslabError
 from roslab.package_files import learner_package
 

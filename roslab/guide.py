@@ -23,7 +23,7 @@ from typing import Any
 
 from IPython.core.inputtransformer2 import TransformerManager
 
-from autograder.cells import CellSyntaxError, parse_cell
+from autograder.handed_in.cells import CellSyntaxError, parse_cell
 from roslab.errors import RoslabError
 from roslab.interrupts import interrupted
 from roslab.output import current_cell

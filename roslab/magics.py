@@ -18,7 +18,7 @@ from typing import Any
 
 from IPython.core.magic import no_var_expand
 
-from autograder.cells import (
+from autograder.handed_in.cells import (
     CellFile,
     CellSyntaxError,
     chosen_letter,

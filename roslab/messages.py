@@ -19,14 +19,14 @@ from pathlib import Path
 import shutil
 import sys
 
-from autograder.build_advice import (
+from autograder.handed_in.cells import UNSOLVED
+from autograder.judging.build_advice import (
     diagnose,
     Diagnosis,
     MISSING_AMENT_PACKAGE,
     NO_MESSAGES,
     texts_of,
 )
-from autograder.cells import UNSOLVED
 from roslab import child
 from roslab.errors import NotHereError
 from roslab.output import ElapsedTime, show

@@ -15,7 +15,7 @@ import os
 from pathlib import Path
 import re
 
-from autograder.cells import CellFile
+from autograder.handed_in.cells import CellFile
 from roslab.errors import NameRefusedError
 
 WORKSPACE = 'ros_ws'

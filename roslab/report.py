@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import html
 import textwrap
 
-from autograder.feedback import check_lines, number, titles_of, WIDTH
-from autograder.feedback_html import checks_html, paragraph
-from autograder.results import ExamResult, Problem, Verdict
+from autograder.explaining.feedback import check_lines, number, titles_of, WIDTH
+from autograder.explaining.feedback_html import checks_html, paragraph
+from autograder.judging.results import ExamResult, Problem, Verdict
 from roslab.output import current_cell, show
 
 _MISSING_FILE = 'missing_file'

@@ -19,11 +19,11 @@ import unicodedata
 
 from autograder.collect.kinds import Handed, handed_in
 from autograder.collect.tree import File, opened, UnreadableError
-from autograder.feedback import printable
-from autograder.inbox import is_student_id, read_file
+from autograder.explaining.feedback import printable
+from autograder.handed_in.submission import marks_of, read_notebook, read_release
 from autograder.layout import Layout
-from autograder.recording import keep
-from autograder.submission import marks_of, read_notebook, read_release
+from autograder.runs.recording import keep
+from autograder.whole_class.inbox import is_student_id, read_file
 
 TAKEN, REPLACED, UNCHANGED, LEFT = 'taken', 'replaced', 'unchanged', 'not taken'
 STAMP = 'timestamp.txt'

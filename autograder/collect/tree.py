@@ -19,8 +19,8 @@ import zipfile
 import zlib
 
 from autograder.errors import GraderError
-from autograder.inbox import read_file
-from autograder.submission import MAX_BYTES
+from autograder.handed_in.submission import MAX_BYTES
+from autograder.whole_class.inbox import read_file
 
 MOST_ENTRIES = 50_000
 DEEPEST = 12

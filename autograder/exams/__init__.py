@@ -13,8 +13,8 @@ import importlib
 import pkgutil
 
 from autograder.errors import ExamInvalid
-from autograder.exam import Exam
-from autograder.own_time import watched_longer
+from autograder.judging.exam import Exam
+from autograder.judging.own_time import watched_longer
 
 
 def _names(folder: str) -> tuple[str, ...]:

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 import json
 from typing import Any
 
-from autograder.class_results import ClassResults
-from autograder.results import ExamResult, SubmissionResult
+from autograder.judging.results import ExamResult, SubmissionResult
+from autograder.whole_class.class_results import ClassResults
 
 FORMAT = 'ros2-course-results'
 VERSION = 1

@@ -20,8 +20,8 @@ from pathlib import Path
 import re
 
 from autograder.errors import GraderError
+from autograder.explaining.feedback import number
 from autograder.exports.marks import Mark
-from autograder.feedback import number
 
 ID_COLUMNS = ('SIS Login ID', 'SIS User ID', 'ID')
 """Where a student's id is looked for."""

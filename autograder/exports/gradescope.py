@@ -12,11 +12,11 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from autograder.class_results import seconds_of
 from autograder.errors import GraderError
+from autograder.explaining.feedback import number, printable
 from autograder.exports.marks import automatic
-from autograder.feedback import number, printable
-from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
+from autograder.judging.results import CheckResult, ExamResult, SubmissionResult, Verdict
+from autograder.whole_class.class_results import seconds_of
 
 VISIBILITIES = ('after_published', 'after_due_date', 'visible', 'hidden')
 RESULTS = 'results.json'

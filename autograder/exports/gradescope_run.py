@@ -17,10 +17,10 @@ from autograder.errors import GraderError
 from autograder.exports.files import write_file
 from autograder.exports.gradescope import RESULTS, results_bytes
 from autograder.exports.gradescope_zip import SETTINGS
-from autograder.inbox import open_folder
+from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
-from autograder.pipeline import grade_opened, grading_engine, load_lesson, open_one
-from autograder.results import SubmissionResult
+from autograder.whole_class.inbox import open_folder
+from autograder.whole_class.pipeline import grade_opened, grading_engine, load_lesson, open_one
 
 OK, NO_VERDICT = 0, 1
 

@@ -19,8 +19,8 @@ import zipfile
 
 from autograder.errors import GraderError
 from autograder.exports.gradescope import VISIBILITIES
-from autograder.inputs import course_secret
 from autograder.layout import Layout
+from autograder.runs.inputs import course_secret
 
 HERE = Path(__file__).parent / 'gradescope_files'
 EXECUTABLE = ('setup.sh', 'run_autograder')
@@ -50,10 +50,10 @@ def autograder_zip(
     :param assignment: full name of the assignment
     :param visibility: see :mod:`autograder.exports.gradescope`
     :param allow_weak: isolation that may be used in the container, see
-        :mod:`autograder.isolation`; empty for the full one only
+        :mod:`autograder.sandboxes.isolation`; empty for the full one only
     :raises GraderError: if this copy of the course has no hidden exams
     """
-    from autograder.isolation import MODES
+    from autograder.sandboxes.isolation import MODES
 
     if allow_weak and not MODES[allow_weak].keeps_secrets:
         raise GraderError(

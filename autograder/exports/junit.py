@@ -13,8 +13,8 @@ from collections.abc import Iterable
 import re
 from xml.etree import ElementTree
 
-from autograder.class_results import ClassResults, seconds_of_exam
-from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
+from autograder.judging.results import CheckResult, ExamResult, SubmissionResult, Verdict
+from autograder.whole_class.class_results import ClassResults, seconds_of_exam
 
 NO_XML = re.compile('[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
 """What the production Char of XML 1.0 (section 2.2) leaves out."""

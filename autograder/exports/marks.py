@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 import warnings
 
-from autograder.class_results import ClassResults
 from autograder.errors import GraderError
-from autograder.isolation import MODES
+from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
-from autograder.results import SubmissionResult
+from autograder.sandboxes.isolation import MODES
+from autograder.whole_class.class_results import ClassResults
 
 AUTOMATIC, GRADEBOOK = 'automatic', 'gradebook'
 SOURCES = (AUTOMATIC, GRADEBOOK)
@@ -76,7 +76,7 @@ def from_gradebook(
     """
     from nbgrader.api import Gradebook, MissingEntry
 
-    from autograder.converters import load_config
+    from autograder.gradebook.converters import load_config
 
     url = str(load_config(layout).CourseDirectory.db_url)
     missing = GraderError(

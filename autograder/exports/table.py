@@ -13,9 +13,9 @@ from collections.abc import Iterable, Sequence
 import csv
 import io
 
-from autograder.class_results import ClassResults
+from autograder.explaining.feedback import headline, number, printable
 from autograder.exports.marks import automatic, Mark
-from autograder.feedback import headline, number, printable
+from autograder.whole_class.class_results import ClassResults
 
 FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠')
 """How a cell begins that a spreadsheet may run, full-width signs included."""

@@ -25,17 +25,18 @@ import re
 from typing import Any
 from unittest import mock
 
-from autograder import exams, observe
-from autograder.confined import Limits, Program
+from autograder import exams
 from autograder.errors import ProbeFailed
-from autograder.examine import examine
-from autograder.extract import answer_files
+from autograder.handed_in.extract import answer_files
+from autograder.handed_in.submission import read_release
+from autograder.judging.results import ExamResult
 from autograder.layout import Layout
-from autograder.recording import Recording
-from autograder.results import ExamResult
-from autograder.sandbox import Sandbox
-from autograder.scenario import Scenario
-from autograder.submission import read_release
+from autograder.runs import observe
+from autograder.runs.examine import examine
+from autograder.runs.recording import Recording
+from autograder.runs.scenario import Scenario
+from autograder.sandboxes.confined import Limits, Program
+from autograder.sandboxes.sandbox import Sandbox
 
 FOLDER = Path(__file__).parent
 CANARY = 'CANARY-7f3a9c'

@@ -14,10 +14,11 @@ from pathlib import Path
 import socket
 import sys
 
-from autograder import exams, sandbox
-from autograder.confined import Limits, Program
-from autograder.examine import examine
-from autograder.observe import INSIDE, laid_out
+from autograder import exams
+from autograder.runs.examine import examine
+from autograder.runs.observe import INSIDE, laid_out
+from autograder.sandboxes import sandbox
+from autograder.sandboxes.confined import Limits, Program
 
 HOSTILE = """
 import ctypes, json, os, signal, socket, subprocess, sys

@@ -16,8 +16,8 @@ import zipfile
 
 import pytest
 
-from autograder import intake
-from autograder.intake import NotTakenInError, read_handed_in
+from autograder.handed_in import intake
+from autograder.handed_in.intake import NotTakenInError, read_handed_in
 from tests.attacks.archives import KEPT, pack, PACKAGE, REFUSED
 from tests.attacks.corpus import CANARY
 

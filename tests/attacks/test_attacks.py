@@ -15,9 +15,9 @@ import time
 import pytest
 
 from autograder.errors import GraderError
-from autograder.report import write_reports
-from autograder.results import SubmissionResult
-from autograder.sandbox import strongest
+from autograder.judging.results import SubmissionResult
+from autograder.sandboxes.sandbox import strongest
+from autograder.whole_class.report import write_reports
 from tests.attacks.corpus import Attack, CANARY, early_limits, grade, Outcome, programs
 
 # All of them run below the first test's limit of time; on two processors they take four minutes.

@@ -12,19 +12,19 @@ import sys
 import pytest
 
 from autograder import exams
-from autograder.confined import Limits, Program
-from autograder.examine import examine
-from autograder.observe import INSIDE, laid_out
-from autograder.processes import usage
-from autograder.sandbox import plain, strongest
+from autograder.runs.examine import examine
+from autograder.runs.observe import INSIDE, laid_out
+from autograder.sandboxes.confined import Limits, Program
+from autograder.sandboxes.processes import usage
+from autograder.sandboxes.sandbox import plain, strongest
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros]
 
 LAUNCHER = """
 import sys
 from pathlib import Path
-from autograder.confined import Limits, Program
-from autograder.sandbox import strongest
+from autograder.sandboxes.confined import Limits, Program
+from autograder.sandboxes.sandbox import strongest
 box = strongest()
 argv = (box.ros.python, '/grader/inside/run_node.py', '/submission/x.py')
 program = Program(argv, {sys.argv[1]: '/grader/inside', sys.argv[2]: '/submission'})

@@ -18,9 +18,10 @@ import time
 
 import pytest
 
-from autograder import exams, isolation, landlock, sandbox
+from autograder import exams
 from autograder.errors import SandboxUnavailable
-from autograder.examine import examine
+from autograder.runs.examine import examine
+from autograder.sandboxes import isolation, landlock, sandbox
 from environment.ros import ros_environment
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros]

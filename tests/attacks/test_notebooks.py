@@ -21,14 +21,14 @@ from types import ModuleType
 
 import pytest
 
-from autograder.inbox import discover
+from autograder.gradebook.record import enter_assignment, record
+from autograder.handed_in.submission import read_release
+from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
-from autograder.pipeline import grade_class, Graded, Lesson, load_lesson, SandboxEngine
-from autograder.record import enter_assignment, record
-from autograder.report import page_name, write_reports
-from autograder.results import SubmissionResult
-from autograder.sandbox import strongest
-from autograder.submission import read_release
+from autograder.sandboxes.sandbox import strongest
+from autograder.whole_class.inbox import discover
+from autograder.whole_class.pipeline import grade_class, Graded, Lesson, load_lesson, SandboxEngine
+from autograder.whole_class.report import page_name, write_reports
 from tests.attacks.corpus import Attack, CANARY, notebooks
 from tests.attacks.handing_in import ASSIGNMENT, cell, lay_out, PAYLOAD
 
@@ -83,7 +83,7 @@ def hand_in(attack: Attack, submitted: Path, solved, blank) -> Path:
 @pytest.fixture(scope='session')
 def course(tmp_path_factory) -> Layout:
     """Return a course with one lesson, released and entered in a gradebook."""
-    from autograder import converters
+    from autograder.gradebook import converters
 
     layout = Layout(tmp_path_factory.mktemp('course'))
     source = ROOT / 'solutions' / ASSIGNMENT

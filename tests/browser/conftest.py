@@ -85,8 +85,8 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
         )
     shutil.copy(ROOT / 'nbgrader_config.py', root)
     shutil.copytree(root / 'solutions' / ASSIGNMENT, root / 'lesson')
+    from autograder.gradebook.record import enter_assignment
     from autograder.layout import Layout
-    from autograder.record import enter_assignment
 
     (root / 'autograder' / '_work').mkdir(parents=True)
     enter_assignment(Layout(root), ASSIGNMENT)  # what a release does, in half the time

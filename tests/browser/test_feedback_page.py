@@ -9,7 +9,7 @@ import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 import pytest
 
-from autograder.results import CheckResult, ExamResult, Verdict
+from autograder.judging.results import CheckResult, ExamResult, Verdict
 
 pytestmark = [pytest.mark.browser, pytest.mark.nbgrader]
 
@@ -82,9 +82,9 @@ def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a page of feedback as nbgrader writes it for this course."""
     from nbconvert.exporters import HTMLExporter
 
-    from autograder.converters import load_config
+    from autograder.gradebook.converters import load_config
+    from autograder.gradebook.nbgrader_plugin import _score, _told
     from autograder.layout import Layout
-    from autograder.nbgrader_plugin import _score, _told
 
     result = ExamResult(
         'talker',

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 import sys
 from typing import Any
 
-from autograder.results import ExamResult, Verdict
+from autograder.judging.results import ExamResult, Verdict
 from tests.judgement.kept import load, run_all, save, table, write_or_compare
 from tests.judgement.references import digest, Exercise, exercises
 from tests.judgement.samples import (

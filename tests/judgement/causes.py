@@ -16,8 +16,8 @@ import re
 import sys
 from typing import Any
 
-from autograder import build_advice, causes, raised
 from autograder.exams.visible import check_your_understanding as questions
+from autograder.judging import build_advice, causes, raised
 from autograder.layout import Layout
 from tests.judgement.kept import load, table, write_or_compare
 
@@ -59,7 +59,8 @@ class Written:
 def in_the_code() -> tuple[Written, ...]:
     """Return the causes of the grader and of all exams, in the order of the files."""
     folder = ROOT / 'autograder'
-    paths = [*sorted(folder.glob('*.py')), *sorted((folder / 'exams').glob('*/*.py'))]
+    grader = [path for path in folder.rglob('*.py') if 'exams' not in path.parts]
+    paths = [*sorted(grader, key=lambda path: path.name), *sorted(folder.glob('exams/*/*.py'))]
     found = [one for path in paths for one in _in_file(path)]
     return (*found, *_in_tables())
 

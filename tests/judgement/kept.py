@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from autograder.errors import RecordingInvalid
-from autograder.exam import Exam
-from autograder.examine import examine, files_digest, judged
-from autograder.recording import Recording
-from autograder.results import ExamResult
-from autograder.sandbox import strongest
+from autograder.judging.exam import Exam
+from autograder.judging.results import ExamResult
+from autograder.runs.examine import examine, files_digest, judged
+from autograder.runs.recording import Recording
+from autograder.sandboxes.sandbox import strongest
 from tests.judgement.references import LAYOUT
 
 FOLDER = Path(__file__).parent

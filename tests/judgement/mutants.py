@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 import sys
 from typing import Any
 
-from autograder.results import ExamResult
+from autograder.judging.results import ExamResult
 from tests.judgement.derive import all_mutants, Mutant, mutants_of, written
 from tests.judgement.kept import load, run_all, save, table, write_or_compare
 from tests.judgement.references import digest, Exercise, exercises

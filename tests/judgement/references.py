@@ -15,11 +15,13 @@ import inspect
 from pathlib import Path
 import sys
 
-from autograder import (
+from autograder import exams
+from autograder.handed_in.extract import answer_files
+from autograder.handed_in.submission import read_release
+from autograder.judging import (
     build_advice,
     causes,
     checks,
-    exams,
     judge,
     lifecycle_causes,
     message_checks,
@@ -27,10 +29,8 @@ from autograder import (
     raised,
     readings,
 )
-from autograder.exam import Exam
-from autograder.extract import answer_files
+from autograder.judging.exam import Exam
 from autograder.layout import Layout
-from autograder.submission import read_release
 
 LAYOUT = Layout.here()
 SHARED = (

@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from autograder import sample_class
-from autograder.exam import Exam
-from autograder.extract import answer_files, extract
-from autograder.results import ExamResult, Verdict
+from autograder.handed_in.extract import answer_files, extract
+from autograder.handed_in.submission import Notebook, open_submission, read_release
+from autograder.judging.exam import Exam
+from autograder.judging.results import ExamResult, Verdict
 from autograder.sample_class import compose, expected_of
-from autograder.submission import Notebook, open_submission, read_release
 from tests.judgement.references import Exercise, exercises, LAYOUT
 
 UNTOUCHED = 'zero__untouched_stub'

@@ -20,7 +20,7 @@ from nbclient import NotebookClient
 import nbformat
 import pytest
 
-from autograder.cells import UNSOLVED
+from autograder.handed_in.cells import UNSOLVED
 from autograder.portions import portions
 
 ROOT = Path(__file__).resolve().parents[2]

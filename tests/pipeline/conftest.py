@@ -18,8 +18,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))  # for fake_engine, her
 @pytest.fixture(scope='session')
 def released(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a course folder with a generated release, to be copied."""
-    from autograder import converters
-    from autograder.record import enter_assignment
+    from autograder.gradebook import converters
+    from autograder.gradebook.record import enter_assignment
 
     root = tmp_path_factory.mktemp('course')
     shutil.copytree(

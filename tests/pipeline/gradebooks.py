@@ -6,12 +6,12 @@ from conftest import ASSIGNMENT
 from fake_engine import FakeEngine
 from nbgrader.api import Gradebook
 
-from autograder import entered
-from autograder.converters import load_config
-from autograder.grading import begin_to_enter, enter
-from autograder.inbox import discover
+from autograder.gradebook import entered
+from autograder.gradebook.converters import load_config
 from autograder.layout import Layout
-from autograder.pipeline import grade_class, load_lesson
+from autograder.whole_class.grading import begin_to_enter, enter
+from autograder.whole_class.inbox import discover
+from autograder.whole_class.pipeline import grade_class, load_lesson
 
 NOTEBOOK = 'temperature_monitor.ipynb'
 WRITTEN = 'explain_threshold'

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from autograder.exam import Exam, Failed, Run
-from autograder.scenario import Advance, Scenario
+from autograder.judging.exam import Exam, Failed, Run
+from autograder.runs.scenario import Advance, Scenario
 
 TALKER = """
 import rclpy

@@ -16,15 +16,15 @@ from fake_engine import CANARY, FakeEngine
 import pytest
 
 from autograder import __main__ as command
-from autograder.class_results import one_graded
 from autograder.exports.gradescope_zip import autograder_zip
 from autograder.exports.marks import AUTOMATIC, BY_HAND, GRADED, marks, NOT_ENTERED, REVIEW
-from autograder.inbox import discover
+from autograder.gradebook.record import record
 from autograder.layout import Layout
-from autograder.pipeline import grade_class, load_lesson
-from autograder.record import record
-from autograder.report import write_reports
 from autograder.sample_class import compose
+from autograder.whole_class.class_results import one_graded
+from autograder.whole_class.inbox import discover
+from autograder.whole_class.pipeline import grade_class, load_lesson
+from autograder.whole_class.report import write_reports
 
 NOTEBOOK = 'temperature_monitor.ipynb'
 TEXT_ONLY = '09_check_your_understanding'

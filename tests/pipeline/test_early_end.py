@@ -9,8 +9,8 @@ import subprocess
 
 import pytest
 
-from autograder.confined import Confined, Limits, Program
-from autograder.sandbox import strongest
+from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.sandbox import strongest
 
 pytestmark = [pytest.mark.pipeline]
 

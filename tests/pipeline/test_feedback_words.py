@@ -15,15 +15,15 @@ from test_sample_class import EXAMINED, graded
 
 from autograder import __main__ as command
 from autograder import exams, sample_class
-from autograder.feedback import check_lines, MOST_LINES, titles_of, told, WIDTH
-from autograder.inbox import Submission
+from autograder.explaining.feedback import check_lines, MOST_LINES, titles_of, told, WIDTH
+from autograder.gradebook.record import record
+from autograder.handed_in.submission import read_release
+from autograder.judging.results import Verdict
 from autograder.layout import Layout
-from autograder.pipeline import grade_class, load_lesson, SandboxEngine
-from autograder.record import record
-from autograder.report import page_name, write_reports
-from autograder.results import Verdict
-from autograder.sandbox import strongest
-from autograder.submission import read_release
+from autograder.sandboxes.sandbox import strongest
+from autograder.whole_class.inbox import Submission
+from autograder.whole_class.pipeline import grade_class, load_lesson, SandboxEngine
+from autograder.whole_class.report import page_name, write_reports
 from roslab import checking
 from roslab.package_files import LearnerPackage
 

@@ -9,12 +9,12 @@ import shutil
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 import pytest
 
-from autograder import converters
-from autograder.inbox import discover
+from autograder.gradebook import converters
+from autograder.gradebook.record import enter_assignment, record
 from autograder.layout import Layout
-from autograder.pipeline import grade_class, load_lesson
-from autograder.record import enter_assignment, record
-from autograder.report import write_reports
+from autograder.whole_class.inbox import discover
+from autograder.whole_class.pipeline import grade_class, load_lesson
+from autograder.whole_class.report import write_reports
 
 pytestmark = pytest.mark.nbgrader
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from autograder import observe
-from autograder.confined import Limits
-from autograder.observe import observe as run
-from autograder.sandbox import strongest
-from autograder.scenario import Scenario
+from autograder.runs import observe
+from autograder.runs.observe import observe as run
+from autograder.runs.scenario import Scenario
+from autograder.sandboxes.confined import Limits
+from autograder.sandboxes.sandbox import strongest
 
 pytestmark = [pytest.mark.pipeline, pytest.mark.ros]
 
@@ -153,7 +153,7 @@ rclpy.spin(node)
 )
 def test_the_probe_bounds_the_size_and_the_number_of_messages(size, count, reason, monkeypatch):
     """What is too large is written down by its size, and what is too much ends the run."""
-    from autograder.scenario import Advance
+    from autograder.runs.scenario import Advance
 
     scenario = Scenario(
         file='x.py',

@@ -15,10 +15,10 @@ from conftest import ASSIGNMENT
 from fake_engine import CANARY, FakeEngine
 import pytest
 
-from autograder.inbox import discover
+from autograder.gradebook.record import record
 from autograder.layout import Layout
-from autograder.pipeline import grade_class, load_lesson
-from autograder.record import record
+from autograder.whole_class.inbox import discover
+from autograder.whole_class.pipeline import grade_class, load_lesson
 
 pytestmark = pytest.mark.nbgrader
 
@@ -221,7 +221,7 @@ def test_the_autograde_button_of_formgrader_grades_outside_too(course):
     from nbgrader.apps.api import NbGraderAPI
     from nbgrader.coursedir import CourseDirectory
 
-    from autograder.converters import load_config
+    from autograder.gradebook.converters import load_config
 
     hand_in(course, 'mal', hostile(course))
     config = load_config(course)

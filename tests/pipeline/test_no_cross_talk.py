@@ -18,7 +18,7 @@ import sys
 
 import pytest
 
-from autograder.observe import HERE
+from autograder.runs.observe import HERE
 
 pytestmark = [pytest.mark.pipeline, pytest.mark.slow, pytest.mark.ros]
 
@@ -31,8 +31,9 @@ GRADER = f"""
 import json, sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from autograder import exams, sandbox
-from autograder.examine import examine
+from autograder import exams
+from autograder.sandboxes import sandbox
+from autograder.runs.examine import examine
 
 exam, box = exams.load('talker'), sandbox.strongest()
 

@@ -16,12 +16,12 @@ from places_world import class_of_talkers, exam_of_a_talker, told
 import psutil
 import pytest
 
-from autograder import workers
 from autograder.errors import GraderError, TooBusy
-from autograder.examine import examine
-from autograder.sandbox import strongest
-from autograder.version import difference, version
-from autograder.workers import grading_folder, outcome_of, Pool, run_task, task_of
+from autograder.runs import workers
+from autograder.runs.examine import examine
+from autograder.runs.version import difference, version
+from autograder.runs.workers import grading_folder, outcome_of, Pool, run_task, task_of
+from autograder.sandboxes.sandbox import strongest
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = exam_of_a_talker().scenario.to_json()
@@ -71,7 +71,7 @@ class TestTask:
         def refuse(*_):
             raise TooBusy('The machine was too busy.')
 
-        monkeypatch.setattr('autograder.observe.observe', refuse)
+        monkeypatch.setattr('autograder.runs.observe.observe', refuse)
         task = task_of('talker', SCENARIO, {}, strongest().mode)
 
         with pytest.raises(TooBusy, match='The machine was too busy'):
@@ -79,7 +79,7 @@ class TestTask:
 
     def test_a_defect_of_ours_is_no_crash_of_the_worker(self, monkeypatch):
         """It is an answer that asks for a person."""
-        monkeypatch.setattr('autograder.observe.observe', lambda *_: 1 / 0)
+        monkeypatch.setattr('autograder.runs.observe.observe', lambda *_: 1 / 0)
         task = task_of('talker', SCENARIO, {}, strongest().mode)
 
         with pytest.raises(GraderError, match='ZeroDivisionError'):

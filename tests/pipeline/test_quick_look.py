@@ -10,11 +10,12 @@ import zipfile
 import pytest
 
 from autograder import __main__ as command
-from autograder import quick_look, sample_class
+from autograder import sample_class
 from autograder.errors import GraderError
-from autograder.intake import NotTakenInError
+from autograder.handed_in.intake import NotTakenInError
 from autograder.layout import Layout
-from autograder.sandbox import strongest
+from autograder.sandboxes.sandbox import strongest
+from autograder.whole_class import quick_look
 
 ROOT = Path(__file__).resolve().parents[2]
 LAYOUT = Layout.here()

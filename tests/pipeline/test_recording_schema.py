@@ -9,10 +9,12 @@ import re
 from jsonschema import Draft202012Validator
 import pytest
 
-from autograder import exams, quick_look, recording
+from autograder import exams
 from autograder.layout import Layout
-from autograder.recording import Recording
-from autograder.sandbox import strongest
+from autograder.runs import recording
+from autograder.runs.recording import Recording
+from autograder.sandboxes.sandbox import strongest
+from autograder.whole_class import quick_look
 
 LAYOUT = Layout.here()
 ROOT = LAYOUT.root

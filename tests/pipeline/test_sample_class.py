@@ -9,10 +9,10 @@ import tempfile
 import pytest
 
 from autograder import exams, sample_class
-from autograder.inbox import Submission
+from autograder.judging.results import SubmissionResult, Verdict
 from autograder.layout import Layout
-from autograder.pipeline import grade_class, grading_engine, load_lesson
-from autograder.results import SubmissionResult, Verdict
+from autograder.whole_class.inbox import Submission
+from autograder.whole_class.pipeline import grade_class, grading_engine, load_lesson
 from tests.judgement.references import exercises
 from tests.judgement.samples import counted, expected_verdicts, samples, verdicts_of
 

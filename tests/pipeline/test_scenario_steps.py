@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from autograder.observe import observe
-from autograder.recording import WARN
-from autograder.sandbox import strongest
-from autograder.scenario import (
+from autograder.runs.observe import observe
+from autograder.runs.recording import WARN
+from autograder.runs.scenario import (
     Advance,
     Await,
     Feed,
@@ -25,6 +24,7 @@ from autograder.scenario import (
     state,
     transition,
 )
+from autograder.sandboxes.sandbox import strongest
 
 STRING, INT = 'std_msgs/msg/String', 'std_msgs/msg/Int32'
 PROGRAM = """

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from autograder.observe import HERE
+from autograder.runs.observe import HERE
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(300)]
 

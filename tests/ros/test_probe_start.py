@@ -11,7 +11,7 @@ import sys
 import pytest
 
 from autograder import exams
-from autograder.observe import HERE, TICK
+from autograder.runs.observe import HERE, TICK
 
 pytestmark = [pytest.mark.ros]
 
@@ -21,7 +21,7 @@ def test_words_that_follow_the_order_at_once_do_not_hide_it(said_meanwhile: byte
     """A busy grader may have ticked before a slow probe reads its order."""
     order = {**exams.load('talker').scenario.to_json(), 'name': 'n1'}
     with subprocess.Popen(
-        [sys.executable, str(Path(HERE, 'probe.py'))],
+        [sys.executable, str(Path(HERE, 'probe', 'probe.py'))],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         env={**os.environ, 'PYTHONPATH': f'{HERE}/inside:{os.environ.get("PYTHONPATH", "")}'},

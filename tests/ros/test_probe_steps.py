@@ -7,14 +7,14 @@ import sys
 
 import pytest
 
-from autograder.observe import HERE
+from autograder.runs.observe import HERE
 
 pytestmark = [pytest.mark.ros]
 
 # The probe hears its own tick, so that waiting for news returns at once; here it always does.
 PROGRAM = f"""
 import sys
-sys.path[:0] = [{str(HERE)!r}, {str(HERE / 'inside')!r}]
+sys.path[:0] = [{str(HERE / 'probe')!r}, {str(HERE / 'inside')!r}]
 from probe_steps import advance
 
 class Probe:
@@ -41,7 +41,7 @@ def test_a_program_that_keeps_its_own_time_hears_a_hundred_ticks_a_second_at_mos
 # A tick of our own makes no event; a topic that is written faster than read never ends.
 WAITING = f"""
 import sys
-sys.path[:0] = [{str(HERE)!r}, {str(HERE / 'inside')!r}]
+sys.path[:0] = [{str(HERE / 'probe')!r}, {str(HERE / 'inside')!r}]
 from contextlib import nullcontext
 from itertools import count
 import probe

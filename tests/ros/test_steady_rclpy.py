@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from autograder.observe import HERE
+from autograder.runs.observe import HERE
 
 pytestmark = [pytest.mark.ros]
 

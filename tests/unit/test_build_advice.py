@@ -2,7 +2,7 @@
 
 import pytest
 
-from autograder.build_advice import diagnose, MISTAKES, texts_of
+from autograder.judging.build_advice import diagnose, MISTAKES, texts_of
 
 ADAPTER = """
 CMake Error at /opt/ros/share/rosidl_adapter/cmake/rosidl_adapt_interfaces.cmake:57 (message):

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import importlib
 import json
-from pathlib import Path
 
 import pytest
 
-from autograder import built_package, exams
-from autograder.built_package import as_package, explained, MARK, package_name
-from autograder.recording import Recording
-from autograder.results import CheckResult, ExamResult, Verdict
+from autograder import exams
+from autograder.handed_in import built_package
+from autograder.handed_in.built_package import as_package, explained, MARK, package_name
+from autograder.judging.results import CheckResult, ExamResult, Verdict
+from autograder.runs.observe import HERE
+from autograder.runs.recording import Recording
 
 XML = '<package format="3">\n  <name> thermo </name>\n</package>'
 EXAM = as_package(exams.load('temperature_publisher', hidden=False), 'thermo')
@@ -113,7 +114,7 @@ def test_lines_are_those_of_the_file():
 
 def test_both_sides_mean_the_same_codes(monkeypatch):
     """The script in the sandbox imports nothing of the project."""
-    inside = Path(built_package.__file__).parent / 'inside'
+    inside = HERE / 'inside'
     monkeypatch.syspath_prepend(str(inside))
     run_package = importlib.import_module('run_package')
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from autograder import causes
-from autograder.exam import Run
-from autograder.recording import Recording
+from autograder.judging import causes
+from autograder.judging.exam import Run
+from autograder.runs.recording import Recording
 
 TOPIC, TYPE = '/temperature_topic', 'temp_monitor_pkg/msg/Temperature'
 

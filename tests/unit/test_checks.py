@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from autograder import checks
-from autograder.exam import Failed, Run
-from autograder.recording import Recording, WARN
+from autograder.judging import checks
+from autograder.judging.exam import Failed, Run
+from autograder.runs.recording import Recording, WARN
 
 TOPIC, TYPE = '/lab/reading', 'std_msgs/msg/String'
 QOS = {'reliability': 'RELIABLE', 'durability': 'VOLATILE', 'deadline_ns': None}

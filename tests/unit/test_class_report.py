@@ -11,13 +11,13 @@ from export_world import check, CLASS, EVIL, failed, FULL, REVIEW, submission
 from hypothesis import given, settings, strategies
 import pytest
 
-from autograder.class_report import class_page, write_class_report
-from autograder.class_results import ClassResults, graded
-from autograder.class_statistics import class_numbers, ClassNumbers
 from autograder.commands_class import stats_text
 from autograder.errors import GraderError
 from autograder.layout import Layout
-from autograder.report import write_reports
+from autograder.whole_class.class_report import class_page, write_class_report
+from autograder.whole_class.class_results import ClassResults, graded
+from autograder.whole_class.class_statistics import class_numbers, ClassNumbers
+from autograder.whole_class.report import write_reports
 
 LOADS = ('src', 'srcset', 'data', 'poster', 'action', 'xlink:href')
 ASSIGNMENT = '01_talker'

@@ -14,8 +14,8 @@ from autograder import __main__ as command
 from autograder.collect import collect, LEFT, REPLACED, student_id, TAKEN, tree, UNCHANGED
 from autograder.collect.kinds import kind_of
 from autograder.collect.tree import NotCollectedError, opened
-from autograder.inbox import discover
 from autograder.layout import Layout
+from autograder.whole_class.inbox import discover
 
 TALK, LISTEN = '03_talk', '04_listen'
 

@@ -12,10 +12,10 @@ import sys
 import pytest
 
 from autograder import __main__ as command
-from autograder import grading
 from autograder.errors import SandboxUnavailable
-from autograder.grading import submitted_folder
 from autograder.layout import Layout
+from autograder.whole_class import grading
+from autograder.whole_class.grading import submitted_folder
 
 
 def test_a_missing_folder_is_named(tmp_path, capsys):
@@ -36,7 +36,7 @@ def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
 
 def test_grading_refuses_to_run_without_a_sandbox(tmp_path, capsys, monkeypatch):
     """It never falls back to a plain process."""
-    from autograder import sandbox
+    from autograder.sandboxes import sandbox
 
     def refuse():
         raise SandboxUnavailable('No bubblewrap.', 'Install it.')
@@ -66,7 +66,7 @@ def one_line(captured):
 @pytest.fixture
 def no_place_to_write(tmp_path, monkeypatch):
     """Let the secret lie where no folder can be made, whoever runs the tests."""
-    from autograder import inputs
+    from autograder.runs import inputs
 
     (tmp_path / 'file').write_text('x')
     monkeypatch.delenv('COURSE_SECRET', raising=False)
@@ -81,7 +81,9 @@ def test_a_folder_that_cannot_be_written_is_one_line(
     how, no_place_to_write, tmp_path, capsys, monkeypatch
 ):
     """It names the file, and nobody reads a traceback."""
-    from autograder import exams, inputs, sandbox
+    from autograder import exams
+    from autograder.runs import inputs
+    from autograder.sandboxes import sandbox
 
     monkeypatch.setattr(sandbox, 'strongest', lambda: sandbox.Sandbox('bwrap-root'))
     monkeypatch.setattr(exams, 'for_assignment', lambda *_, **__: inputs.course_secret())
@@ -113,7 +115,7 @@ def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys
 @pytest.mark.parametrize('options', [[], ['--visible', '--json']])
 def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, monkeypatch):
     """The set-up says what is missing and what to type."""
-    from autograder import sandbox
+    from autograder.sandboxes import sandbox
     from environment.ros import ros_environment
 
     (tmp_path / 'temp_publisher.py').write_text('x = 1')
@@ -198,7 +200,7 @@ class TestCheckWithoutTheFile:
 
     def test_as_data_it_is_a_failed_check_about_a_file(self, tmp_path, capsys, monkeypatch):
         """The notebook knows it by its name and says which cell to run."""
-        from autograder import sandbox
+        from autograder.sandboxes import sandbox
 
         monkeypatch.setattr(sandbox, 'strongest', lambda: sandbox.Sandbox('bwrap-root'))
 
@@ -269,7 +271,7 @@ def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, m
 def test_starting_imports_neither_nbgrader_nor_ros():
     """Help and errors come at once."""
     code = (
-        'import sys; import autograder.__main__, autograder.pipeline, autograder.inbox; '
+        'import sys, autograder.__main__; from autograder.whole_class import inbox, pipeline; '
         'print([name for name in ("nbgrader", "nbformat", "rclpy", "rich", "jinja2", "psutil") '
         'if name in sys.modules])'
     )

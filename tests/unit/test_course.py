@@ -94,7 +94,7 @@ class TestBundle:
             'notebooks/01/a.ipynb',
             'notebooks/01/ros_ws/src/x.py',
             'solutions/01/a.ipynb',
-            'autograder/judge.py',
+            'autograder/judging/judge.py',
             'autograder/exams/visible/talker.py',
             'autograder/exams/hidden/talker.py',
             'autograder/_work/gradebook.db',
@@ -113,7 +113,7 @@ class TestBundle:
         assert sorted(course.bundled_files(layout)) == [
             'README.md',
             'autograder/exams/visible/talker.py',
-            'autograder/judge.py',
+            'autograder/judging/judge.py',
             'notebooks/01/a.ipynb',
             'roslab/api.py',
         ]
@@ -144,7 +144,7 @@ class TestThisCourse:
 
     def test_nbgrader_is_told_the_same_folders(self):
         """Layout and nbgrader_config.py agree."""
-        from autograder.converters import load_config
+        from autograder.gradebook.converters import load_config
 
         layout = Layout.here()
         said = load_config(layout).CourseDirectory

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from autograder.deviation import deviation
-from autograder.exam import Check, Failed, Run
-from autograder.recording import header, Recording
+from autograder.judging.deviation import deviation
+from autograder.judging.exam import Check, Failed, Run
+from autograder.runs.recording import header, Recording
 
 
 def message(second, value):

@@ -8,10 +8,10 @@ import pytest
 
 from autograder import course
 from autograder.errors import ExamInvalid
-from autograder.exam import Exam
-from autograder.exam_mistakes import ament_prefixes, differs_from_visible, type_mistakes
+from autograder.judging.exam import Exam
+from autograder.judging.exam_mistakes import ament_prefixes, differs_from_visible, type_mistakes
 from autograder.layout import Layout
-from autograder.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario
+from autograder.runs.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario
 from autograder.self_check import self_check
 
 STRING = 'std_msgs/msg/String'

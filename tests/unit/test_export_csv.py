@@ -14,7 +14,6 @@ from export_world import CLASS, EVIL, FORMULA, submission
 from hypothesis import given, settings, strategies
 import pytest
 
-from autograder.class_results import ClassResults
 from autograder.exports.marks import automatic, BY_HAND, Mark
 from autograder.exports.table import (
     checks_csv,
@@ -23,6 +22,7 @@ from autograder.exports.table import (
     harmless,
     marks_csv,
 )
+from autograder.whole_class.class_results import ClassResults
 
 FIELD = re.compile(r'"(?:[^"]|"")*"|[^",\r\n]*')
 """``escaped`` or ``non-escaped`` of the grammar; TEXTDATA is wider, as the file is UTF-8."""

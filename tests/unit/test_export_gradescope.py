@@ -21,9 +21,9 @@ import pytest
 from autograder.errors import GraderError
 from autograder.exports.gradescope import results_bytes, results_of, VISIBILITIES
 from autograder.exports.gradescope_zip import autograder_zip, SECRET, SETTINGS
-from autograder.inputs import course_secret
+from autograder.judging.results import ExamResult, SubmissionResult
 from autograder.layout import Layout
-from autograder.results import ExamResult, SubmissionResult
+from autograder.runs.inputs import course_secret
 
 FORMATS = {'enum': ['text', 'html', 'simple_format', 'md', 'ansi']}
 VISIBILITY = {'enum': ['hidden', 'after_due_date', 'after_published', 'visible']}
@@ -166,7 +166,7 @@ class TestZip:
         for name in (
             'autograder/__main__.py',
             'autograder/exports/gradescope_run.py',
-            'autograder/seccomp/x86_64.bpf',
+            'autograder/sandboxes/seccomp/x86_64.bpf',
             'environment/prepare.sh',
             'environment/requirements.lock',
             'nbgrader_config.py',

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from autograder.extract import answer_files, extract
-from autograder.submission import Opened, rebuild, StudentCell
+from autograder.handed_in.extract import answer_files, extract
+from autograder.handed_in.submission import Opened, rebuild, StudentCell
 
 
 @dataclass(frozen=True)

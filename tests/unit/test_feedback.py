@@ -8,9 +8,9 @@ import re
 
 import pytest
 
-from autograder.feedback import check_lines, exam_text, MOST_LINES, told, WIDTH
-from autograder.feedback_html import exam_html, section_id
-from autograder.results import CheckResult, ExamResult, Verdict
+from autograder.explaining.feedback import check_lines, exam_text, MOST_LINES, told, WIDTH
+from autograder.explaining.feedback_html import exam_html, section_id
+from autograder.judging.results import CheckResult, ExamResult, Verdict
 
 LONG = 'The readings of the sensor that is far away from everything are late. ' * 30
 EVIL = '<img src=x onerror=alert(1)>&"\x1b[31m'

@@ -8,15 +8,15 @@ from xml.etree import ElementTree
 
 import pytest
 
-from autograder import picture_data
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.feedback_html import exam_html
-from autograder.judge import judge
-from autograder.picture_data import MOST_TIMES, pictures
-from autograder.picture_svg import picture_html
-from autograder.recording import Recording
-from autograder.results import ExamResult
-from autograder.scenario import Advance, Feed, Scenario
+from autograder.explaining import picture_data
+from autograder.explaining.feedback_html import exam_html
+from autograder.explaining.picture_data import MOST_TIMES, pictures
+from autograder.explaining.picture_svg import picture_html
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.judge import judge
+from autograder.judging.results import ExamResult
+from autograder.runs.recording import Recording
+from autograder.runs.scenario import Advance, Feed, Scenario
 
 TOPIC, TYPE = '/lab/chatter', 'std_msgs/msg/String'
 SECOND = 1_000_000_000

@@ -6,9 +6,9 @@ from itertools import count
 
 import pytest
 
-from autograder.exam import Failed, Run
 from autograder.exams.visible import courier, harbour, night_watch, running_mean, talker
-from autograder.recording import ERROR, INFO, Recording, WARN
+from autograder.judging.exam import Failed, Run
+from autograder.runs.recording import ERROR, INFO, Recording, WARN
 
 SECONDS = 11
 DEPTH_10 = {'reliability': 'RELIABLE', 'durability': 'VOLATILE'}

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from autograder.flags import flags_of
-from autograder.processes import other_domains
-from autograder.recording import Recording
-from autograder.scenario import FeedTopic, Offer, Scenario
+from autograder.judging.flags import flags_of
+from autograder.runs.recording import Recording
+from autograder.runs.scenario import FeedTopic, Offer, Scenario
+from autograder.sandboxes.processes import other_domains
 
 NODE = '/talker'
 

@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from autograder import inbox
+from autograder.whole_class import inbox
 
 LESSON = '01_talker'
 FILE = 'talker.ipynb'

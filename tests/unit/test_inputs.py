@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from autograder import inputs
+from autograder.runs import inputs
 
 
 @pytest.fixture(autouse=True)

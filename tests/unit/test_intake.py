@@ -8,8 +8,13 @@ import zipfile
 
 import pytest
 
-from autograder import intake
-from autograder.intake import in_package, NotTakenInError, read_handed_in, with_node_files
+from autograder.handed_in import intake
+from autograder.handed_in.intake import (
+    in_package,
+    NotTakenInError,
+    read_handed_in,
+    with_node_files,
+)
 
 
 def zip_of(path, entries):

@@ -7,8 +7,8 @@ import json
 
 import pytest
 
-from autograder.integrity import MOST_LINES, small_number
-from autograder.submission import open_submission
+from autograder.handed_in.integrity import MOST_LINES, small_number
+from autograder.handed_in.submission import open_submission
 
 
 def cell(grade_id, source, kind='code', **marks):

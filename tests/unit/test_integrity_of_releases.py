@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 import nbformat
 import pytest
 
+from autograder.handed_in.submission import marks_of, open_submission, read_release
 from autograder.layout import Layout
-from autograder.submission import marks_of, open_submission, read_release
 
 LAYOUT = Layout.here()
 LESSONS = LAYOUT.assignments()

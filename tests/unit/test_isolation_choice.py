@@ -9,14 +9,14 @@ from types import SimpleNamespace
 import pytest
 from rich.console import Console
 
-from autograder import isolation, landlock, sandbox
-from autograder.confined import Confined
 from autograder.errors import SandboxUnavailable
-from autograder.feedback import exam_text
-from autograder.grading import warn_if_weak
-from autograder.isolation import fix_for, System
-from autograder.report import print_table, write_reports
-from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
+from autograder.explaining.feedback import exam_text
+from autograder.judging.results import CheckResult, ExamResult, SubmissionResult, Verdict
+from autograder.sandboxes import isolation, landlock, sandbox
+from autograder.sandboxes.confined import Confined
+from autograder.sandboxes.isolation import fix_for, System
+from autograder.whole_class.grading import warn_if_weak
+from autograder.whole_class.report import print_table, write_reports
 from environment.ros import RosEnvironment
 
 UID_MAP = 'bwrap: setting up uid map: Permission denied'

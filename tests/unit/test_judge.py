@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from autograder.errors import ExamInvalid, GraderError
-from autograder.exam import Cause, Exam, Failed, Run, Scenario
-from autograder.judge import judge, worth_running
-from autograder.recording import Recording
-from autograder.results import Verdict
+from autograder.judging.exam import Cause, Exam, Failed, Run, Scenario
+from autograder.judging.judge import judge, worth_running
+from autograder.judging.results import Verdict
+from autograder.runs.recording import Recording
 
 NOTHING = Recording({}, ())
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from autograder.examine import _kept_or_run
-from autograder.recording import header, Recording
+from autograder.runs.examine import _kept_or_run
+from autograder.runs.recording import header, Recording
 
 WHOLE = Recording(
     {**header('talker', 'bwrap-user'), 'files': 'a'},

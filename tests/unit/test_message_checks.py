@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from autograder.exam import Failed, Run
 from autograder.exams.visible import station_message
-from autograder.message_checks import require_declarations, require_fields, why_no_build
-from autograder.recording import Recording
+from autograder.judging.exam import Failed, Run
+from autograder.judging.message_checks import require_declarations, require_fields, why_no_build
+from autograder.runs.recording import Recording
 
 WANTED = (('pkg_a/Time', 'stamp'), ('float64[<=4]', 'values'), ('string', 'unit'))
 RIGHT = 'pkg_a/Time stamp\nfloat64[<=4] values\nstring unit\n'

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from autograder.exam import Failed, Run
 from autograder.exams.visible.milli_reader import divides_by_a_thousand, TARGET
-from autograder.recording import Recording
+from autograder.judging.exam import Failed, Run
+from autograder.runs.recording import Recording
 
 
 @pytest.mark.parametrize(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from autograder import inputs, own_time
-from autograder.own_time import is_flood, is_regular, least_messages, names_another_clock
-from autograder.recording import header, Recording
-from autograder.scenario import Advance, Feed, Scenario
+from autograder.judging import own_time
+from autograder.judging.own_time import is_flood, is_regular, least_messages, names_another_clock
+from autograder.runs import inputs
+from autograder.runs.recording import header, Recording
+from autograder.runs.scenario import Advance, Feed, Scenario
 
 
 @pytest.fixture

@@ -9,11 +9,11 @@ import threading
 import pytest
 
 from autograder.errors import GraderError, ProbeFailed
-from autograder.feedback import headline
-from autograder.inbox import Submission
-from autograder.pipeline import grade_class, grade_notebook, Lesson
-from autograder.results import CheckResult, ExamResult, Verdict
-from autograder.submission import Notebook
+from autograder.explaining.feedback import headline
+from autograder.handed_in.submission import Notebook
+from autograder.judging.results import CheckResult, ExamResult, Verdict
+from autograder.whole_class.inbox import Submission
+from autograder.whole_class.pipeline import grade_class, grade_notebook, Lesson
 
 RELEASE: Notebook = {
     'cells': [

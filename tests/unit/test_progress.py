@@ -8,8 +8,8 @@ import pytest
 from rich.console import Console
 
 from autograder.errors import ProbeFailed
+from autograder.judging.results import CheckResult, ExamResult, Verdict
 from autograder.progress import Done, is_quiet, progress, Totals
-from autograder.results import CheckResult, ExamResult, Verdict
 
 
 def done(student: str, points: float, run_s: float = 0.0) -> Done:

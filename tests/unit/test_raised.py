@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from autograder import raised
-from autograder.exam import Run
-from autograder.recording import Recording
+from autograder.judging import raised
+from autograder.judging.exam import Run
+from autograder.runs.recording import Recording
 
 CODE = """import rclpy
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from autograder.exam import Failed, Run
 from autograder.exams.visible import talker, temperature_message, temperature_subscriber
-from autograder.readings import Reading, Sent
-from autograder.recording import Recording
+from autograder.judging.exam import Failed, Run
+from autograder.judging.readings import Reading, Sent
+from autograder.runs.recording import Recording
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stdout': ''})
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import pytest
 
 from autograder.errors import RecordingInvalid
-from autograder.recording import header, Recording
+from autograder.runs.recording import header, Recording
 
 
 def end(topic, kind='publisher', node='/a', kind_of='x/msg/Y'):

@@ -9,9 +9,9 @@ import json
 import pytest
 from rich.console import Console
 
-from autograder.feedback import exam_text, headline, printable
-from autograder.report import page_name, print_table, write_reports
-from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
+from autograder.explaining.feedback import exam_text, headline, printable
+from autograder.judging.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
+from autograder.whole_class.report import page_name, print_table, write_reports
 
 EVIL = '<script>alert(1)</script>&"\'\x1b[31m[bold]'
 

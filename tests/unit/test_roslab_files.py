@@ -6,7 +6,7 @@ import sys
 import psutil
 import pytest
 
-from autograder.cells import CellFile
+from autograder.handed_in.cells import CellFile
 from roslab import child, package_files
 from roslab.errors import NameRefusedError
 from roslab.package_files import learner_package, LearnerPackage, package

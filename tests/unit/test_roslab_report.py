@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from autograder.results import CheckResult, ExamResult, Problem, Verdict
+from autograder.judging.results import CheckResult, ExamResult, Problem, Verdict
 from roslab import checking
 from roslab.child import Outcome
 from roslab.report import CheckReport

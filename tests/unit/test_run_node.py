@@ -6,7 +6,7 @@ from pathlib import Path
 import subprocess
 import sys
 
-from autograder.observe import HERE
+from autograder.runs.observe import HERE
 
 LAUNCHER = Path(HERE, 'inside', 'run_node.py')
 

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from autograder.scenario import (
+from autograder.runs.scenario import (
     Advance,
     Await,
     Call,

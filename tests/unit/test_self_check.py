@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from autograder.judging.results import CheckResult, ExamResult, Verdict
 from autograder.layout import Layout
-from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.self_check import self_check
 
 

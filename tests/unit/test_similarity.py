@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies
 import pytest
 
 from autograder.commands_class import similar_text
-from autograder.similarity import compare, given_lines, lines_of, WARNING
+from autograder.whole_class.similarity import compare, given_lines, lines_of, WARNING
 
 ORIGINAL = '''
 import rclpy
@@ -154,7 +154,7 @@ def test_the_most_alike_come_first_and_too_many_are_counted(monkeypatch):
     scores = [pair.score for pair in result.pairs]
     assert scores == sorted(scores, reverse=True)
 
-    monkeypatch.setattr('autograder.similarity.MOST', 4)
+    monkeypatch.setattr('autograder.whole_class.similarity.MOST', 4)
     fewer = found(0.5, **{name: text.replace(' = \n', ' = 0\n') for name, text in texts.items()})
     assert fewer.pairs == result.pairs[:4]
     assert fewer.more == len(result.pairs) - 4

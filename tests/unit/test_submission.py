@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from autograder import submission
-from autograder.submission import open_submission, read_notebook, rebuild, StudentCell
+from autograder.handed_in import submission
+from autograder.handed_in.submission import open_submission, read_notebook, rebuild, StudentCell
 
 
 def cell(grade_id='', source='', kind='code', **marks):

@@ -12,10 +12,10 @@ from typing import Any
 
 import yaml
 
-from autograder.cells import LETTERS
 from autograder.errors import ExamInvalid
-from autograder.exam import Cause, Check, Failed, Run
 from autograder.exams.visible.check_your_understanding import build, letter_of, QUESTIONS
+from autograder.handed_in.cells import LETTERS
+from autograder.judging.exam import Cause, Check, Failed, Run
 
 KEY = Path(__file__).with_suffix('.yaml')
 RUN_IT = 'Run the cells of that section again, and predict before each.'

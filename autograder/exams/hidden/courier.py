@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder.exams.visible.courier import build
-from autograder.inputs import generator
+from autograder.runs.inputs import generator
 
 _draw = generator('courier', 'moments')
 exam = build(alone_s=_draw.choice((7.0, 9.0, 11.0)), between_s=_draw.choice((4.0, 5.0, 6.0)))

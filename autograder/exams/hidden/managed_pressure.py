@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder.exams.visible.managed_pressure import build, Inputs
-from autograder.inputs import generator
+from autograder.runs.inputs import generator
 
 _draw = generator('managed_pressure', 'limits and pressures')
 _first = round(_draw.uniform(3.1, 3.9), 2)

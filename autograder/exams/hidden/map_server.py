@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder.exams.visible.map_server import build
-from autograder.inputs import generator
+from autograder.runs.inputs import generator
 
 _draw = generator('map_server', 'rooms')
 _ROOMS = ('hall', 'cellar', 'attic', 'yard', 'workshop', 'stairs', 'lab', 'office')

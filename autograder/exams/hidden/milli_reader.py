@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder.exams.visible.milli_reader import build
-from autograder.inputs import generator
+from autograder.runs.inputs import generator
 
 _draw = generator('milli_reader', 'numbers')
 exam = build(

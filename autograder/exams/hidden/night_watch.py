@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder.exams.visible.night_watch import build
-from autograder.inputs import generator
+from autograder.runs.inputs import generator
 
 _draw = generator('night_watch', 'time and place')
 exam = build(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from autograder.exams.visible.running_mean import build
-from autograder.inputs import generator
+from autograder.runs.inputs import generator
 
 _draw = generator('running_mean', 'numbers')
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder.exams.visible.sensor_watch import build
-from autograder.inputs import generator
+from autograder.runs.inputs import generator
 
 _draw = generator('sensor_watch', 'distances')
 exam = build([whole + _draw.choice((0.25, 0.75)) for whole in _draw.sample(range(1, 20), k=5)])

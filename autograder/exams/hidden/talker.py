@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder.exams.visible.talker import build
-from autograder.inputs import generator
+from autograder.runs.inputs import generator
 
 _draw = generator('talker', 'place')
 exam = build(

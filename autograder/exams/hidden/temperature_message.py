@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder.exams.visible.temperature_message import build, random_reading
-from autograder.inputs import generator
+from autograder.runs.inputs import generator
 
 _draw = generator('temperature_message', 'readings')
 exam = build([random_reading(_draw) for _ in range(3)])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder.exams.visible.temperature_publisher import build
-from autograder.inputs import generator
+from autograder.runs.inputs import generator
 
 exam = build(
     seconds=60,

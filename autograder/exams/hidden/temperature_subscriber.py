@@ -6,8 +6,8 @@ import math
 import random
 
 from autograder.exams.visible.temperature_subscriber import build
-from autograder.inputs import generator
-from autograder.readings import Reading
+from autograder.judging.readings import Reading
+from autograder.runs.inputs import generator
 
 
 def edges(draw: random.Random) -> list[Reading]:

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import re
 
-from autograder.cells import chosen_letter, LETTERS, NotALetterError
-from autograder.exam import Cause, Exam, Failed, Run, Scenario
+from autograder.handed_in.cells import chosen_letter, LETTERS, NotALetterError
+from autograder.judging.exam import Cause, Exam, Failed, Run, Scenario
 
 QUESTIONS = tuple(f'q{number:02}' for number in range(1, 25))
 

@@ -11,11 +11,16 @@ from __future__ import annotations
 
 import re
 
-from autograder.causes import why_no_message, why_silent
-from autograder.checks import require_endpoint, require_field, require_node, require_partner
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.recording import Event
-from autograder.scenario import Advance, Await, Join, Mark, Scenario, Step
+from autograder.judging.causes import why_no_message, why_silent
+from autograder.judging.checks import (
+    require_endpoint,
+    require_field,
+    require_node,
+    require_partner,
+)
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.runs.recording import Event
+from autograder.runs.scenario import Advance, Await, Join, Mark, Scenario, Step
 
 NODE = '/courier'
 TOPIC = '/parcels'

@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 import re
 
-from autograder.causes import why_it_ended, why_no_node, why_silent
-from autograder.checks import OTHER_CLOCK, own_logs, SECOND, why_not_logged
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.own_time import names_another_clock
-from autograder.recording import Event, INFO
-from autograder.scenario import Advance, Await, Scenario
+from autograder.judging.causes import why_it_ended, why_no_node, why_silent
+from autograder.judging.checks import OTHER_CLOCK, own_logs, SECOND, why_not_logged
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.own_time import names_another_clock
+from autograder.runs.recording import Event, INFO
+from autograder.runs.scenario import Advance, Await, Scenario
 
 NAMESPACE = '/harbour'
 LOOKOUT, KEEPER = f'{NAMESPACE}/lookout', f'{NAMESPACE}/keeper'

@@ -11,24 +11,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from autograder.causes import why_no_endpoint, why_no_verdict
-from autograder.checks import (
+from autograder.judging.causes import why_no_endpoint, why_no_verdict
+from autograder.judging.checks import (
     require_answers,
     require_endpoint,
     require_node,
     require_partner,
     require_period,
 )
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.lifecycle_causes import (
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.lifecycle_causes import (
     why_ended,
     why_mute,
     why_no_publisher,
     why_own_clock,
     why_refused,
 )
-from autograder.recording import Event
-from autograder.scenario import Advance, Look, Mark, Scenario, state, Step, transition
+from autograder.runs.recording import Event
+from autograder.runs.scenario import Advance, Look, Mark, Scenario, state, Step, transition
 
 TYPE = 'std_msgs/msg/String'
 WAYS = ('configure', 'activate', 'deactivate', 'activate', 'deactivate', 'cleanup')

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import re
 from typing import Any
 
-from autograder.causes import why_no_endpoint, why_no_verdict, why_silent
-from autograder.checks import own_logs, require_answers, require_node, why_not_logged
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.lifecycle_causes import (
+from autograder.judging.causes import why_no_endpoint, why_no_verdict, why_silent
+from autograder.judging.checks import own_logs, require_answers, require_node, why_not_logged
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.lifecycle_causes import (
     died_in_vain,
     NO_PARAMETER,
     READ_ONCE,
@@ -29,8 +29,8 @@ from autograder.lifecycle_causes import (
     without_its_end,
     WRONG_DEFAULT,
 )
-from autograder.recording import ERROR, Event, Recording, WARN
-from autograder.scenario import (
+from autograder.runs.recording import ERROR, Event, Recording, WARN
+from autograder.runs.scenario import (
     Await,
     Call,
     Feed,

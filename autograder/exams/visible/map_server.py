@@ -11,10 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from autograder.causes import why_no_endpoint, why_silent
-from autograder.checks import require_endpoint, require_node, require_qos, SECOND
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.scenario import Advance, Feed, FeedTopic, Join, Look, Qos, Scenario
+from autograder.judging.causes import why_no_endpoint, why_silent
+from autograder.judging.checks import require_endpoint, require_node, require_qos, SECOND
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.runs.scenario import Advance, Feed, FeedTopic, Join, Look, Qos, Scenario
 
 TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'

@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 import math
 
-from autograder.causes import why_silent
-from autograder.checks import (
+from autograder.judging.causes import why_silent
+from autograder.judging.checks import (
     field_of,
     require_endpoint,
     require_field,
@@ -21,9 +21,9 @@ from autograder.checks import (
     require_partner,
     SECOND,
 )
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.recording import Event
-from autograder.scenario import Advance, Feed, Look, Scenario, Step
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.runs.recording import Event
+from autograder.runs.scenario import Advance, Feed, Look, Scenario, Step
 
 NODE = '/milli_reader'
 SOURCE, TARGET = '/raw', '/readings'

@@ -11,18 +11,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 import re
 
-from autograder.causes import why_silent
-from autograder.checks import LEVELS, own_logs, require_node, require_ros_clock, why_not_logged
-from autograder.exam import Cause, Exam, Failed, Run
 from autograder.exams.visible.harbour import (
     require_timer,
     second_of,
     why_no_report,
     why_other_period,
 )
-from autograder.own_time import is_flood
-from autograder.recording import Event, INFO, WARN
-from autograder.scenario import Advance, Await, Scenario
+from autograder.judging.causes import why_silent
+from autograder.judging.checks import (
+    LEVELS,
+    own_logs,
+    require_node,
+    require_ros_clock,
+    why_not_logged,
+)
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.own_time import is_flood
+from autograder.runs.recording import Event, INFO, WARN
+from autograder.runs.scenario import Advance, Await, Scenario
 
 STEP_S = 0.25
 EVERY = 5

@@ -12,10 +12,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 import math
 
-from autograder.causes import why_silent
-from autograder.checks import require_endpoint, require_node, require_partner
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.scenario import Feed, Scenario
+from autograder.judging.causes import why_silent
+from autograder.judging.checks import require_endpoint, require_node, require_partner
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.runs.scenario import Feed, Scenario
 
 NODE = '/running_mean'
 SOURCE, TARGET = '/readings', '/mean'

@@ -18,8 +18,8 @@ from dataclasses import replace
 from itertools import takewhile
 import re
 
-from autograder.causes import why_no_endpoint, why_silent
-from autograder.checks import (
+from autograder.judging.causes import why_no_endpoint, why_silent
+from autograder.judging.checks import (
     own_logs,
     require_endpoint,
     require_node,
@@ -27,9 +27,9 @@ from autograder.checks import (
     SECOND,
     why_not_logged,
 )
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.recording import ERROR, Event, INFO, Recording, WARN
-from autograder.scenario import Await, Feed, Leave, Look, Mark, Offer, Qos, Scenario
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.runs.recording import ERROR, Event, INFO, Recording, WARN
+from autograder.runs.scenario import Await, Feed, Leave, Look, Mark, Offer, Qos, Scenario
 
 TYPE = 'std_msgs/msg/Float64'
 NODE = '/sensor_watch'

@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 import re
 
-from autograder.causes import close_name
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.message_checks import require_declarations, require_fields, why_no_build
-from autograder.scenario import Scenario
+from autograder.judging.causes import close_name
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.message_checks import require_declarations, require_fields, why_no_build
+from autograder.runs.scenario import Scenario
 
 MSG, MANIFEST, CMAKE = 'msg/Station.msg', 'package.xml', 'CMakeLists.txt'
 PACKAGE = 'station_interfaces'

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 import re
 
-from autograder.causes import close_name, why_no_endpoint, why_no_node, why_silent
-from autograder.checks import require_messages, require_period, require_qos
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.own_time import names_another_clock
-from autograder.recording import Event
-from autograder.scenario import Advance, Scenario
+from autograder.judging.causes import close_name, why_no_endpoint, why_no_node, why_silent
+from autograder.judging.checks import require_messages, require_period, require_qos
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.own_time import names_another_clock
+from autograder.runs.recording import Event
+from autograder.runs.scenario import Advance, Scenario
 
 TYPE = 'std_msgs/msg/String'
 ABSOLUTE = '/chatter'

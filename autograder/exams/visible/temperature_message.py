@@ -12,10 +12,10 @@ import random
 import re
 from typing import Any
 
-from autograder.causes import close_name
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.message_checks import require_declarations, require_fields, why_no_build
-from autograder.scenario import Feed, Scenario
+from autograder.judging.causes import close_name
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.message_checks import require_declarations, require_fields, why_no_build
+from autograder.runs.scenario import Feed, Scenario
 
 FIELDS = (
     ('float64', 'temperature_value'),

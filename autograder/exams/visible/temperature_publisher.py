@@ -13,12 +13,12 @@ from __future__ import annotations
 import math
 import re
 
-from autograder.causes import why_no_endpoint, why_no_message, why_silent
-from autograder.checks import OWN_LOOP, require_node, SECOND
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.own_time import is_regular, least_messages, names_another_clock
-from autograder.recording import Event
-from autograder.scenario import Advance, Scenario
+from autograder.judging.causes import why_no_endpoint, why_no_message, why_silent
+from autograder.judging.checks import OWN_LOOP, require_node, SECOND
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.own_time import is_regular, least_messages, names_another_clock
+from autograder.runs.recording import Event
+from autograder.runs.scenario import Advance, Scenario
 
 NODE = '/temperature_publisher'
 TOPIC = '/temperature_topic'

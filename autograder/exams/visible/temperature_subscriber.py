@@ -12,12 +12,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 import math
 
-from autograder.causes import why_silent
-from autograder.checks import LEVELS, require_endpoint, require_node, require_partner
-from autograder.exam import Cause, Exam, Failed, Run
-from autograder.readings import cool_groups, Reading, Sent, sent, share_of, shown_in, THRESHOLD_C
-from autograder.recording import ERROR, INFO, WARN
-from autograder.scenario import Feed, Scenario
+from autograder.judging.causes import why_silent
+from autograder.judging.checks import LEVELS, require_endpoint, require_node, require_partner
+from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.readings import (
+    cool_groups,
+    Reading,
+    Sent,
+    sent,
+    share_of,
+    shown_in,
+    THRESHOLD_C,
+)
+from autograder.runs.recording import ERROR, INFO, WARN
+from autograder.runs.scenario import Feed, Scenario
 
 NODE = '/temperature_subscriber'
 TOPIC = '/temperature_topic'
@@ -345,7 +353,7 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = (), secret: boo
     Return the exam for some readings.
 
     :param singles: sent one by one; the first and the last are cool and proper: the line of a
-        first reading may be late, see the log barrier of :mod:`autograder.probe`
+        first reading may be late, see the log barrier of :mod:`autograder.probe.probe`
     :param burst: sent at once at the end, Celsius only; at most five, so that the sensor-data
         profile's depth is enough
     :param secret: whether their values must not appear in what learners are told

@@ -21,8 +21,8 @@ def notebook(solved, blank):
             'shell.ast_transformers.append(Nothing())\n'
             'shell.input_transformers_cleanup.append(lambda lines: ["15.0"])\n'
             'sys.displayhook = print\n'
-            'import autograder.judge\n'
-            'autograder.judge.judge = lambda *anything: ()\n'
+            'import autograder.judging.judge\n'
+            'autograder.judging.judge.judge = lambda *anything: ()\n'
             f'open({str(PAYLOAD)!r}, "w")\n'
         ),
     )

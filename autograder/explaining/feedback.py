@@ -1,0 +1,185 @@
+"""
+Results in words: the one source of what a learner is told about a check.
+
+Everybody says the same with it: the visible checks in a notebook, nbgrader's feedback and
+formgrader, the report of a class and the terminal.  A failed check is at most twelve lines of a
+readable width.  Parts of the text were written by the student's code, so control characters are
+taken out: a terminal and a log viewer act on them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+import textwrap
+
+from autograder.judging.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
+
+FOR_REVIEW = (
+    'For review: the grader itself could not finish, so there is no score yet. '
+    'A person will look at it; it costs no points.'
+)
+WIDTH = 88
+"""Columns of a line of text; a terminal has 80 to 120, a notebook's output about 100."""
+
+MOST_LINES = 12
+"""Lines about one check, its title among them."""
+
+SIGNS = {Verdict.PASSED: '[pass]', Verdict.FAILED: '[FAIL]', Verdict.NOT_RUN: '[ -- ]'}
+WORDS = {Verdict.PASSED: 'passed', Verdict.FAILED: 'failed', Verdict.NOT_RUN: 'not looked at'}
+_INDENT = ' ' * 7
+_HANGING = _INDENT + ' ' * 4
+_CUT = ' \N{HORIZONTAL ELLIPSIS}'
+_TOGETHER = '\N{NO-BREAK SPACE}'
+
+
+def printable(text: str) -> str:
+    """Replace everything a terminal would act on, except line ends and tabs."""
+    return ''.join(
+        char if char in '\n\t' or char.isprintable() else '\N{REPLACEMENT CHARACTER}'
+        for char in text
+    )
+
+
+def number(points: float) -> str:
+    """Return points without needless digits."""
+    return f'{round(points, 2):g}'
+
+
+def points_of(check: CheckResult) -> str:
+    """Return what a check has earned, in words."""
+    return f'{number(check.points)} of {number(check.max_points)}'
+
+
+def titles_of(result: ExamResult) -> dict[str, str]:
+    """Return the sentence of each check of an exam by its name."""
+    return {check.check: check.title for check in result.checks}
+
+
+# -- one check -------------------------------------------------------------------------------
+
+
+def told(check: CheckResult, titles: Mapping[str, str]) -> list[tuple[str, str]]:
+    """
+    Return what a learner is told about a check that did not pass, by name and in order.
+
+    Long texts are cut so that the whole check stays within :data:`MOST_LINES`.
+
+    :param check: any result; a passed check has nothing to tell
+    :param titles: from :func:`titles_of`
+    """
+    facts = _facts(check, titles)
+    room = {name: len(_wrapped(name, text)) for name, text in facts}
+    while len(_title_lines(check)) + sum(room.values()) > MOST_LINES:
+        longest = max(room, key=lambda name: room[name])
+        room[longest] -= 1
+    return [(name, _shortened(name, text, room[name])) for name, text in facts]
+
+
+def _facts(check: CheckResult, titles: Mapping[str, str]) -> list[tuple[str, str]]:
+    if check.verdict is Verdict.PASSED:
+        return []
+    if check.verdict is Verdict.NOT_RUN:
+        waits_for = titles.get(check.waits_for, check.waits_for)
+        return [('waits for', _one_line(waits_for))] if waits_for else []
+    facts = (
+        ('expected', check.expected),
+        ('observed', check.observed),
+        ('likely cause', check.cause),
+        ('try', check.try_this),
+        ('read', check.read),
+    )
+    return [(name, _one_line(text)) for name, text in facts if text.strip()]
+
+
+def _one_line(text: str) -> str:
+    return ' '.join(printable(text).split())
+
+
+def _wrapped(name: str, text: str, most: int | None = None) -> list[str]:
+    return textwrap.wrap(
+        f'{name}: {text}',
+        WIDTH,
+        initial_indent=_INDENT,
+        subsequent_indent=_HANGING,
+        break_on_hyphens=False,
+        max_lines=most,
+        placeholder=_CUT,
+    )
+
+
+def _shortened(name: str, text: str, most: int) -> str:
+    """Return a text that takes at most so many lines, itself if it fits."""
+    if len(_wrapped(name, text)) <= most:
+        return text
+    cut = ' '.join(line.strip() for line in _wrapped(name, text, most))
+    return cut.partition(': ')[2]
+
+
+def _title_lines(check: CheckResult, sign: str = SIGNS[Verdict.FAILED]) -> list[str]:
+    points = f'({points_of(check)})'.replace(' ', _TOGETHER)
+    lines = textwrap.wrap(
+        f'{sign} {_one_line(check.title)} {points}',
+        WIDTH,
+        subsequent_indent=_INDENT,
+        break_on_hyphens=False,
+        max_lines=3,
+        placeholder=_CUT,
+    )
+    return [line.replace(_TOGETHER, ' ') for line in lines]
+
+
+def check_lines(check: CheckResult, titles: Mapping[str, str]) -> list[str]:
+    """
+    Return all that is said about one check, as lines of plain text.
+
+    :param titles: from :func:`titles_of`
+    """
+    lines = _title_lines(check, SIGNS[check.verdict])
+    for name, text in told(check, titles):
+        lines += _wrapped(name, text)
+    return lines
+
+
+# -- an exam, a submission ------------------------------------------------------------------
+
+
+def remarks(result: ExamResult, problems: Iterable[Problem] = ()) -> list[str]:
+    """Return what there is to say beside the checks, a sentence each."""
+    found = [f'Note: {problem.line()}' for problem in problems]
+    if result.note:
+        found.append(f'Note: {result.note}')
+    if result.not_protected:
+        found.append(f'Note: run with weak isolation ({result.mode}).')
+    return [_one_line(remark) for remark in found]
+
+
+def exam_text(result: ExamResult, problems: Iterable[Problem] = ()) -> str:
+    """
+    Return what a learner is told about one exam, as plain text.
+
+    :param problems: what is wrong with the notebook cells of this exam
+    """
+    titles = titles_of(result)
+    lines = [f'{number(result.points)} of {number(result.max_points)} points']
+    for remark in remarks(result, problems):
+        lines += textwrap.wrap(remark, WIDTH, subsequent_indent='  ', break_on_hyphens=False)
+    for check in result.checks:
+        lines += ['', *check_lines(check, titles)]
+    return printable('\n'.join(lines)) + '\n'
+
+
+def headline(result: SubmissionResult) -> str:
+    """
+    Return the one line that says why points are missing, empty if none are.
+
+    Problems that cost nothing (a note about a file name) come last.
+    """
+    if result.fault:
+        return printable(result.fault)
+    for problem in result.problems:
+        if problem.cells:
+            return printable(problem.line())
+    for exam in result.exams:
+        for check in exam.failed:
+            return printable(check.cause or check.observed or check.title)
+    return printable(result.problems[0].line()) if result.problems else ''

@@ -1,0 +1,109 @@
+"""
+The words of :mod:`autograder.explaining.feedback` as HTML, with the pictures that belong to them.
+
+One piece of HTML for the visible checks of a notebook, feedback, formgrader and the report of
+a class.  Everything is escaped; there is no script, and nothing is loaded.  It brings its own
+style, because each of these pages has another, and no colour says anything alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+import html
+from urllib.parse import quote
+
+from autograder.explaining.feedback import number, points_of, printable, remarks, titles_of, told
+from autograder.explaining.picture_svg import picture_html
+from autograder.judging.results import CheckResult, ExamResult, Problem, Verdict
+
+HEADS = {
+    Verdict.PASSED: '\N{CHECK MARK} Passed',
+    Verdict.FAILED: '\N{BALLOT X} Failed',
+    Verdict.NOT_RUN: '\N{EN DASH} Not looked at',
+}
+_EDGES = {Verdict.PASSED: '#2e8b57', Verdict.FAILED: '#d64545', Verdict.NOT_RUN: '#8a8a8a'}
+_BOX = 'border-left: 4px solid {edge}; padding: 1px 0 1px 12px; margin: 10px 0'
+_LIST = (
+    'display: grid; grid-template-columns: max-content minmax(0, 1fr); gap: 2px 12px; '
+    'margin: 4px 0; padding: 0'
+)
+_TERM = 'float: none; width: auto; margin: 0; padding: 0; text-align: left; font-weight: 600'
+_FACT = 'float: none; width: auto; margin: 0; padding: 0; overflow-wrap: anywhere'
+_PLAIN = 'margin: 2px 0; overflow-wrap: anywhere'
+_WHOLE = 'max-width: 800px; line-height: 1.45'
+
+
+def exam_html(
+    result: ExamResult, problems: Iterable[Problem] = (), lesson: str | None = None
+) -> str:
+    """
+    Return what a learner is told about one exam.
+
+    :param problems: what is wrong with the notebook cells of this exam
+    :param lesson: address of the lesson that the sections to read are in, empty for the page
+        itself; None where there is no lesson to link to
+    """
+    points = f'{number(result.points)} of {number(result.max_points)} points'
+    said = [f'<p style="{_PLAIN}"><strong>{points}</strong></p>']
+    said += [paragraph(remark) for remark in remarks(result, problems)]
+    return f'<div style="{_WHOLE}">{"".join(said)}{checks_html(result, lesson)}</div>'
+
+
+def paragraph(text: str) -> str:
+    """Return one sentence as a paragraph."""
+    return f'<p style="{_PLAIN}">{_escaped(text)}</p>'
+
+
+def checks_html(result: ExamResult, lesson: str | None = None) -> str:
+    """
+    Return all checks of an exam, those that failed with a picture where there is one.
+
+    :param lesson: as for :func:`exam_html`
+    """
+    titles = titles_of(result)
+    return ''.join(_check(check, result, titles, lesson) for check in result.checks)
+
+
+def _check(
+    check: CheckResult, result: ExamResult, titles: dict[str, str], lesson: str | None
+) -> str:
+    head = (
+        f'<p style="{_PLAIN}"><strong>{HEADS[check.verdict]}:</strong> '
+        f'{_escaped(" ".join(check.title.split()))} ({_together(points_of(check))})</p>'
+    )
+    facts = ''.join(
+        f'<dt style="{_TERM}">{name}</dt><dd style="{_FACT}">{_fact(name, text, check, lesson)}'
+        '</dd>'
+        for name, text in told(check, titles)
+    )
+    body = f'<dl style="{_LIST}">{facts}</dl>' if facts else ''
+    picture = picture_html(result.pictures.get(check.check, {}))
+    style = _BOX.format(edge=_EDGES[check.verdict])
+    kind = check.verdict.value.lower()
+    return f'<div class="check {kind}" style="{style}">{head}{body}{picture}</div>'
+
+
+def _fact(name: str, text: str, check: CheckResult, lesson: str | None) -> str:
+    elsewhere = check.read.startswith('lesson ')  # a heading of this lesson has a link
+    if name != 'read' or lesson is None or elsewhere:
+        return _escaped(text)
+    address = html.escape(f'{lesson}#{section_id(check.read)}')
+    return f'<a href="{address}">{_escaped(text)}</a>'
+
+
+def section_id(heading: str) -> str:
+    """
+    Return the name that notebooks and their HTML give to a heading.
+
+    :param heading: its text, such as ``Part 2: The publisher``
+    """
+    return quote(' '.join(heading.split()).replace(' ', '-'), safe=":-_.!~*'()")
+
+
+def _together(text: str) -> str:
+    """Return words that no line breaks."""
+    return text.replace(' ', '\N{NO-BREAK SPACE}')
+
+
+def _escaped(text: str) -> str:
+    return html.escape(printable(text))

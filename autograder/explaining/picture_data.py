@@ -1,0 +1,326 @@
+"""
+What the picture of a failed check shows, from the recording and the scenario, as plain JSON types.
+
+Two kinds help: a *timeline* of messages and log lines for what came too seldom, too often or too
+late, and a *graph* of nodes and topics for what does not connect.  They show names, times and
+counts, and never a value that was sent or received.  Of a hidden exam they do not show either what
+came after which input, because the order of the inputs is secret, nor the namespace it chose, and
+times only to a tenth of a second.  Long recordings are thinned, names are cut;
+:mod:`autograder.explaining.picture_svg` draws.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+import json
+import re
+from typing import Any
+
+from autograder.judging.checks import LEVELS
+from autograder.judging.deviation import deviation
+from autograder.judging.exam import Check, Exam, Failed, Run
+from autograder.judging.results import CheckResult, Verdict
+from autograder.runs.recording import Event
+from autograder.runs.scenario import FeedTopic, Join, Offer, Scenario
+
+MOST_TIMES = 400
+MOST_ROWS = 6
+MOST_PERIODS = 24
+"""Of a rhythm that are shown; more are a grey field."""
+MOST_ARROWS = 8
+MOST_EVENTS = 20_000
+"""In a longer recording the first difference is looked for only where the check names it."""
+LONGEST_NAME = 80
+SECOND = 1_000_000_000
+LISTENING, SENDING = 'the checks, listening', 'the checks, sending'
+
+# What is expected begins with an amount of things that come one after the other.
+_AMOUNT = re.compile(
+    r'^(?:at least |at most |exactly |about )?(?:\d+|no|one|two|three|four|five)\b.{0,40}?'
+    r'\b(?:message|reading|line|warning|greeting|answer|text)s?\b',
+    re.IGNORECASE,
+)
+_LEVEL = re.compile(r'\b(DEBUG|INFO|WARN|ERROR|FATAL)')
+_NUMBERS = {word: level for level, word in LEVELS.items()}
+
+
+def pictures(exam: Exam, run: Run, results: Sequence[CheckResult]) -> dict[str, Mapping[str, Any]]:
+    """
+    Return the pictures of the checks that failed, by the check's name; each picture once.
+
+    :param results: of the exam's checks, in their order
+    """
+    found: dict[str, Mapping[str, Any]] = {}
+    shown: set[str] = set()
+    for check, result in zip(exam.checks, results):
+        if result.verdict is not Verdict.FAILED or check.static or not run.recording.nodes:
+            continue
+        try:
+            picture = _connections(exam, run, result) or _timeline(exam, check, run, result)
+            if exam.hidden and picture:
+                picture = _without_secrets(exam.scenario, picture)
+        except Exception:  # noqa: BLE001 - no verdict may be lost for a picture; the words remain
+            continue
+        text = json.dumps(picture, sort_keys=True)
+        if picture and text not in shown:
+            found[check.name] = picture
+            shown.add(text)
+    return found
+
+
+def _without_secrets(scenario: Scenario, picture: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    """
+    Return a picture of a hidden exam without the namespace and the moment that were drawn.
+
+    The order of inputs is secret; real seconds are chance, and a result is to be repeatable.
+    """
+    if picture.get('unit') in ('input', 'real seconds'):
+        return None
+    text = json.dumps(picture, ensure_ascii=False)
+    for argument in scenario.arguments:
+        if argument.startswith('__ns:=/'):
+            text = text.replace(argument.removeprefix('__ns:='), '\N{HORIZONTAL ELLIPSIS}')
+    shown: dict[str, Any] = json.loads(text)
+    for row in shown.get('rows', []):
+        row['times'] = [round(time, 1) for time in row['times']]
+    if shown.get('deviation') is not None:
+        shown['deviation'] = round(shown['deviation'], 1)
+    return shown
+
+
+# -- graph -----------------------------------------------------------------------------------
+
+
+def _wanted(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
+    """
+    Yield which endpoints a scenario asks for: kind, full topic name, type.
+
+    Of several topics with one last part, such as ``/lab/chatter`` and ``/chatter``, the first is
+    the one that is asked for; the others are watched to see a mistake.
+    """
+    seen: set[tuple[str, str]] = set()
+    wanted = [('publisher', topic, kind) for topic, kind in scenario.watch.items()]
+    for topic, feed in scenario.feed.items():
+        kind = feed.type if isinstance(feed, FeedTopic) else feed
+        wanted.append(('subscription', topic, kind))
+    for step in scenario.steps:
+        if isinstance(step, Offer):
+            wanted.append(('subscription', step.topic, step.type))
+        elif isinstance(step, Join):
+            wanted.append(('publisher', step.topic, step.type))
+    for kind, topic, type_name in wanted:
+        key = kind, topic.rpartition('/')[2]
+        if key not in seen:
+            seen.add(key)
+            yield kind, topic, type_name
+
+
+def _connections(exam: Exam, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
+    """Return who is connected with whom, if the check failed because somebody is not."""
+    arrows: list[dict[str, Any]] = []
+    wanted = list(_wanted(exam.scenario))
+    about = ' '.join((result.title, result.expected, result.observed, result.cause))
+    for kind, topic, type_name in wanted:
+        ends = run.recording.endpoints(kind, topic)
+        reason = _reason(run, result, ends, topic, type_name)
+        if not reason or (not _names(about, topic) and not _about_qos(result)):
+            continue
+        node = ends[0]['node'] if ends else run.recording.nodes[0]
+        outward = kind == 'publisher'
+        arrows.append(_arrow(node, topic, type_name, outward, False, reason))
+        us = LISTENING if outward else SENDING
+        arrows.append(_arrow(us, topic, type_name, not outward, bool(ends), ''))
+        arrows += _instead(run, kind, {one for _, one, _ in wanted})
+    if not arrows:
+        return None
+    unique = {json.dumps(arrow, sort_keys=True): arrow for arrow in arrows}
+    return {'kind': 'graph', 'arrows': list(unique.values())[:MOST_ARROWS]}
+
+
+def _reason(
+    run: Run, result: CheckResult, ends: Sequence[Event], topic: str, type_name: str
+) -> str:
+    """Return why an endpoint is not what is asked for, empty if it is."""
+    if not ends:
+        return 'expected here, and nothing is there'
+    if not any(end['type'] == type_name for end in ends):
+        return f'expected {type_name}, but yours is {ends[0]["type"][:LONGEST_NAME]}'
+    refused = [
+        event
+        for event in run.recording.events
+        if event.get('topic') == topic
+        and (event['event'] == 'not_connected' or event.get('refused'))
+    ]
+    if _about_qos(result) or refused:
+        qos = ends[0]['qos']
+        yours = f'yours is {qos["reliability"]}, {qos["durability"]}'
+        if not _about_qos(result) or 'subscription' in result.expected:
+            return f'the quality of service does not fit; {yours}'
+        return f'expected {result.expected}, observed {result.observed}'[:120]
+    return ''
+
+
+def _about_qos(result: CheckResult) -> bool:
+    return result.cause_id.startswith('qos')
+
+
+def _names(text: str, topic: str) -> bool:
+    """Tell whether a text speaks of a topic, in full or by the last part of its name."""
+    return re.search(rf'(?<![\w]){re.escape(topic.rpartition("/")[2])}(?!\w)', text) is not None
+
+
+def _instead(run: Run, kind: str, wanted: set[str]) -> list[dict[str, Any]]:
+    """Return what the program has beside what is asked for."""
+    return [
+        _arrow(end['node'], end['topic'], end['type'], kind == 'publisher', True, 'not asked for')
+        for end in run.recording.endpoints(kind)
+        if end['topic'] not in wanted
+    ][:3]
+
+
+def _arrow(
+    node: str, topic: str, type_name: str, outward: bool, matched: bool, remark: str
+) -> dict[str, Any]:
+    return {
+        'node': node[:LONGEST_NAME],
+        'topic': topic[:LONGEST_NAME],
+        'type': type_name[:LONGEST_NAME],
+        'outward': outward,
+        'matched': matched,
+        'remark': remark,
+    }
+
+
+# -- timeline --------------------------------------------------------------------------------
+
+
+def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
+    """Return what came when, if the check failed because of an amount or a moment."""
+    failure = _failure(check, run)
+    if failure is None or (failure.at is None and not _AMOUNT.match(failure.expected)):
+        return None
+    by_input = bool(run.recording.of('input')) and failure.every_s is None
+    unit = 'input' if by_input else 'real seconds' if run.recording.in_wall_time else 'seconds'
+    rows = _rows(exam, run, result, unit)
+    times = [time for row in rows for time in row['times']]
+    if unit == 'input':
+        begin, end = 1.0, float(max(2, len(run.recording.of('input'))))
+    else:
+        begin = min(times, default=0.0) if unit == 'real seconds' else 0.0
+        end = max([*times, _last(run, unit)], default=0.0)
+    if not rows or end <= begin:
+        return None
+    at = _first_difference(check, run, failure, unit)
+    if failure.every_s:
+        begin, end = _window(begin, end, failure.every_s, at)
+        rows.insert(0, _due(failure.every_s, rows, end))
+    return {
+        'kind': 'timeline',
+        'unit': unit,
+        'begin': round(begin, 3),
+        'end': round(end, 3),
+        'rows': [_within(row, begin, end) for row in rows[:MOST_ROWS]],
+        'deviation': at,
+    }
+
+
+def _window(begin: float, end: float, every_s: float, at: float | None) -> tuple[float, float]:
+    """Return the part that is shown: of a long run, some periods around the difference."""
+    if end - begin <= MOST_PERIODS * every_s:
+        return begin, end
+    first = max(begin, (begin if at is None else at) - MOST_PERIODS / 3 * every_s)
+    first = min(first, end - MOST_PERIODS * every_s)
+    return first, first + MOST_PERIODS * every_s
+
+
+def _within(row: dict[str, Any], begin: float, end: float) -> dict[str, Any]:
+    return {**row, 'times': [time for time in row['times'] if begin <= time <= end][:MOST_TIMES]}
+
+
+def _failure(check: Check, run: Run) -> Failed | None:
+    try:
+        check.judge(run)
+    except Failed as failure:
+        return failure
+    return None
+
+
+def _rows(exam: Exam, run: Run, result: CheckResult, unit: str) -> list[dict[str, Any]]:
+    rows = []
+    recording = run.recording
+    if unit == 'input':
+        for topic in dict.fromkeys(str(event['topic']) for event in recording.of('input')):
+            sent = [event['index'] + 1.0 for event in recording.of('input', topic=topic)]
+            rows.append(_row(f'sent on {topic}', 'sent', sent))
+    about = f'{result.title} {result.expected}'
+    named = [node for node in recording.nodes if _says(result.expected, node)]
+    for level in dict.fromkeys(_LEVEL.findall(about)):
+        entries = recording.logs(level=_NUMBERS[level])
+        for node in named:
+            own = [entry for entry in entries if entry['name'] == node[1:].replace('/', '.')]
+            rows.append(_row(f'{level} lines of {node}', 'observed', _moments(own, unit)))
+        if not named:
+            rows.append(_row(f'{level} lines', 'observed', _moments(entries, unit)))
+    if len(rows) > (unit == 'input'):
+        return rows
+    topics = [topic for topic in exam.scenario.watch if recording.messages(topic)]
+    topics = topics or [topic for topic in exam.scenario.watch if _names(about, topic)][:1]
+    for topic in topics[:3]:
+        rows.append(_row(topic, 'observed', _moments(recording.messages(topic), unit)))
+    return rows
+
+
+def _says(text: str, name: str) -> bool:
+    """Tell whether a text has a full name, and not as the beginning of a longer one."""
+    return re.search(rf'{re.escape(name)}(?![\w/])', text) is not None
+
+
+def _moments(events: Iterable[Event], unit: str) -> list[float]:
+    """Return when something happened, on the axis of the picture."""
+    found = [_moment(event, unit) for event in events]
+    return [moment for moment in found if moment is not None]
+
+
+def _moment(event: Event, unit: str) -> float | None:
+    if unit == 'input':
+        after = event.get('index') if event['event'] == 'input' else event.get('after_input')
+        return None if after is None else after + 1.0
+    if unit == 'real seconds':
+        return event.get('wall_s')
+    clock_ns = event.get('clock_ns')
+    return None if clock_ns is None else clock_ns / SECOND
+
+
+def _row(label: str, what: str, times: Sequence[float]) -> dict[str, Any]:
+    """Return a row; of many times, as many are kept as a picture can show at its width."""
+    step = -(-len(times) // MOST_TIMES) or 1
+    kept = [round(float(time), 3) for time in sorted(times)[::step]]
+    return {'label': label[:LONGEST_NAME], 'what': what, 'count': len(times), 'times': kept}
+
+
+def _due(every_s: float, rows: Sequence[Mapping[str, Any]], end: float) -> dict[str, Any]:
+    """Return the row of what is asked for, in step with the first message that came."""
+    seen = [row['times'][0] for row in rows if row['times']]
+    first = seen[0] % every_s if seen else 0.0
+    first = first or every_s
+    count = int((end - first) / every_s + 1e-6) + 1
+    due = [first + number * every_s for number in range(max(count, 1))][-2 * MOST_PERIODS :]
+    return {**_row('expected', 'expected', due), 'every_s': every_s}
+
+
+def _last(run: Run, unit: str) -> float:
+    moments = _moments(run.recording.events, unit)
+    return max(moments, default=0.0)
+
+
+def _first_difference(check: Check, run: Run, failure: Failed, unit: str) -> float | None:
+    """Return where the check first saw something else, on the axis of the picture."""
+    if failure.at is not None:
+        return round(failure.at / SECOND, 3) if unit == 'seconds' else None
+    if len(run.recording.events) > MOST_EVENTS:
+        return None
+    where = deviation(check, run)
+    if where is None or where.how not in ('named', 'looked_at', 'cut'):
+        return None
+    moment = _moment(run.recording.events[where.index], unit)
+    return None if moment is None else round(moment, 3)

@@ -1,0 +1,242 @@
+"""
+Pictures of a run as SVG: messages against time, and who is connected with whom.
+
+What is drawn is plain data from :mod:`autograder.explaining.picture_data`.  Each picture has a
+name and says the same in words; it takes the colours of the page, and everything in it is escaped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+import textwrap
+from typing import Any
+
+from drawing import svg
+from drawing.graph_layout import arrange, Arrow, Spot
+
+_WIDTH = 760.0
+_ROW = 30.0
+_TOP = 24.0
+_MARGIN = 8.0
+_LEAST_LEFT = 60.0
+_MOST_LEFT = 260.0
+_TICK = 9.0
+_LABEL = 34
+_REMARK = 40
+_LINE = 14.0
+_BOX = 34.0
+AXES = {
+    'seconds': 'seconds',
+    'real seconds': 'real seconds',
+    'input': 'message sent',
+}
+
+
+def picture_html(picture: Mapping[str, Any]) -> str:
+    """
+    Return a picture as HTML, empty if there is none.
+
+    :param picture: from :func:`autograder.explaining.picture_data.pictures`
+    """
+    if picture.get('kind') == 'timeline':
+        return _timeline(picture)
+    return _graph(picture) if picture.get('kind') == 'graph' else ''
+
+
+# -- messages against time -------------------------------------------------------------------
+
+
+def _timeline(picture: Mapping[str, Any]) -> str:
+    rows = picture['rows']
+    begin, end = float(picture['begin']), float(picture['end'])
+    labels = [_short(row['label']) for row in rows]
+    amounts = [_amount(row) for row in rows]
+    wide = max(svg.text_width(label, 12) for label in labels)
+    left = _MARGIN + min(max(wide, _LEAST_LEFT), _MOST_LEFT) + 8
+    texts = [*amounts, AXES[picture['unit']]]
+    right = _WIDTH - _MARGIN - max(svg.text_width(text, 11) for text in texts) - 8
+    span = max(end - begin, 1e-6)
+
+    def place(value: float) -> float:
+        return left + 8 + (value - begin) / span * (right - left - 16)
+
+    bottom = _TOP + _ROW * len(rows)
+    parts = _axis(picture, begin, end, place, bottom, right)
+    for index, row in enumerate(rows):
+        y = _TOP + _ROW * (index + 0.5)
+        expected = row['what'] == 'expected'
+        parts.append(svg.text(left, y + 4, labels[index], anchor='end', italic=expected))
+        parts.append(svg.line(left + 2, y, right - 2, y, faint=True))
+        parts.append(_ticks(row, y, place))
+        parts.append(svg.text(right + 8, y + 4, amounts[index], size=11))
+    at = picture.get('deviation')
+    if at is not None:
+        parts.append(_deviation(place(float(at)), bottom, left, right))
+    return svg.picture(_WIDTH, bottom + 26, _title(picture), timeline_words(picture), parts)
+
+
+def _axis(
+    picture: Mapping[str, Any], begin: float, end: float, place: Any, bottom: float, right: float
+) -> list[str]:
+    parts = []
+    ticks = svg.ticks(begin, end)
+    if picture['unit'] == 'input':
+        ticks = [tick for tick in ticks if tick == int(tick)]
+    for tick in ticks:
+        x = place(tick)
+        parts.append(svg.line(x, _TOP, x, bottom + 3, faint=True))
+        parts.append(svg.text(x, bottom + 16, f'{tick:g}', anchor='middle', size=11))
+    parts.append(svg.text(right + 8, bottom + 16, AXES[picture['unit']], size=11, faint=True))
+    return parts
+
+
+def _ticks(row: Mapping[str, Any], y: float, place: Any) -> str:
+    """Return the ticks of a row as one path: those on the same half pixel look like one."""
+    xs = sorted({round(place(float(time)) * 2) / 2 for time in row['times']})
+    path = ''.join(f'M{x:g} {y - _TICK:g}v{2 * _TICK:g}' for x in xs)
+    look = {
+        'expected': 'stroke="currentColor" stroke-opacity=".65" stroke-dasharray="3 2"',
+        'sent': f'stroke="{svg.GREEN}"',
+    }.get(row['what'], f'stroke="{svg.BLUE}"')
+    return f'<path d="{path}" fill="none" stroke-width="1.8" {look}/>' if path else ''
+
+
+def _deviation(x: float, bottom: float, left: float, right: float) -> str:
+    words = 'first difference'
+    anchor = 'start' if x - left < 60 else 'end' if right - x < 60 else 'middle'
+    return (
+        svg.line(x, _TOP - 6, x, bottom, colour=svg.RED, width=1.6, dashed=True)
+        + svg.shape('triangle', x, _TOP - 5, 4, svg.RED)
+        + svg.text(x, _TOP - 13, words, anchor=anchor, size=11, bold=True)
+    )
+
+
+def _title(picture: Mapping[str, Any]) -> str:
+    what = 'by the messages sent' if picture['unit'] == 'input' else 'against time'
+    return f'What was seen, {what}'
+
+
+def timeline_words(picture: Mapping[str, Any]) -> str:
+    """
+    Return what a timeline shows, in words.
+
+    :param picture: of the kind ``timeline``
+    """
+    unit = '' if picture['unit'] == 'input' else ' s'
+    said = []
+    for row in picture['rows']:
+        times = row['times']
+        where = ''
+        if times:
+            word = 'at numbers' if picture['unit'] == 'input' else 'from'
+            where = f' {word} {times[0]:g} to {times[-1]:g}{unit}'
+        said.append(f'{_short(row["label"])}: {_amount(row)}{where}')
+    at = picture.get('deviation')
+    if at is not None:
+        where = f'message {at:g}' if picture['unit'] == 'input' else f'{at:g} s'
+        said.append(f'first difference at {where}')
+    return '; '.join(said) + '.'
+
+
+def _amount(row: Mapping[str, Any]) -> str:
+    every = row.get('every_s')
+    return f'one every {every:g} s' if every else f'{row["count"]} in all'
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= _LABEL else f'{name[: _LABEL - 1]}\N{HORIZONTAL ELLIPSIS}'
+
+
+# -- who is connected with whom --------------------------------------------------------------
+
+
+def _graph(picture: Mapping[str, Any]) -> str:
+    arrows = picture['arrows']
+    ends: dict[Arrow, Mapping[str, Any]] = {}
+    remarks: dict[str, list[str]] = {}
+    sizes: dict[str, tuple[float, float]] = {}
+    for arrow in arrows:
+        node, topic = f'n{arrow["node"]}', f't{arrow["topic"]}'
+        sizes.setdefault(node, (max(80.0, svg.text_width(_short(arrow['node'])) + 24), _BOX))
+        if arrow['remark']:
+            found = remarks.setdefault(arrow['topic'], [])
+            wrapped = textwrap.wrap(arrow['remark'], _REMARK, break_on_hyphens=False)
+            found += [line for line in wrapped if line not in found][: 4 - len(found)]
+        ends[(node, topic) if arrow['outward'] else (topic, node)] = arrow
+    for arrow in arrows:
+        sizes[f't{arrow["topic"]}'] = _topic_size(arrow, remarks.get(arrow['topic'], []))
+    layout = arrange(sizes, list(ends), frozenset(key for key in sizes if key[0] == 't'))
+    parts = [_edge(layout.routes[pair], arrow) for pair, arrow in ends.items()]
+    types = {arrow['topic']: arrow['type'] for arrow in arrows}
+    for key, spot in layout.spots.items():
+        if key[0] == 'n':
+            parts.append(_node(spot, key[1:]))
+        else:
+            parts.append(_topic(spot, key[1:], types[key[1:]], remarks.get(key[1:], [])))
+    low = layout.height + 2 * _LINE
+    legend = 'rounded: node \u00b7 square: topic \u00b7 dashed with a cross: not as it should be'
+    parts.append(svg.text(0, low - 2, legend, size=11, faint=True))
+    width = max(layout.width, svg.text_width(legend, 11)) + 2 * _MARGIN
+    moved = [f'<g transform="translate({_MARGIN:g} {_MARGIN:g})">', *parts, '</g>']
+    title = 'Nodes and topics, expected and observed'
+    return svg.picture(width, low + 2 * _MARGIN, title, graph_words(picture), moved)
+
+
+def graph_words(picture: Mapping[str, Any]) -> str:
+    """
+    Return what a graph shows, in words.
+
+    :param picture: of the kind ``graph``
+    """
+    said = []
+    for arrow in picture['arrows']:
+        verb = 'publishes' if arrow['outward'] else 'subscribes to'
+        line = f'{_short(arrow["node"])} {verb} {_short(arrow["topic"])}'
+        line += '' if arrow['matched'] else ': not as it should be'
+        line += f' ({arrow["remark"]})' if arrow['remark'] else ''
+        said.append(line)
+    return '; '.join(said) + '.'
+
+
+def _topic_size(arrow: Mapping[str, Any], remarks: Sequence[str]) -> tuple[float, float]:
+    lines = [_short(arrow['topic']), _short(arrow['type']), *remarks]
+    width = max(svg.text_width(line, 12) for line in lines) + 20
+    # The remarks stand below the box; as much room above keeps its lines in the middle.
+    return max(100.0, width), 42.0 + 2 * _LINE * len(remarks)
+
+
+def _node(spot: Spot, name: str) -> str:
+    top = spot.y - spot.height / 2
+    middle = spot.x + spot.width / 2
+    return svg.box(
+        spot.x, top, spot.width, spot.height, colour=svg.BLUE, rounded=spot.height / 2
+    ) + svg.text(middle, spot.y + 4, _short(name), anchor='middle')
+
+
+def _topic(spot: Spot, name: str, type_name: str, remarks: Sequence[str]) -> str:
+    middle = spot.x + spot.width / 2
+    parts = [
+        svg.box(spot.x, spot.y - 21, spot.width, 42, colour=svg.ORANGE),
+        svg.text(middle, spot.y - 3, _short(name), anchor='middle', bold=True),
+        svg.text(middle, spot.y + 12, _short(type_name), anchor='middle', size=11, faint=True),
+    ]
+    for index, remark in enumerate(remarks):
+        y = spot.y + 21 + _LINE * (index + 1)
+        parts.append(svg.text(middle, y, remark, anchor='middle', size=11, italic=True))
+    return ''.join(parts)
+
+
+def _edge(points: Sequence[tuple[float, float]], arrow: Mapping[str, Any]) -> str:
+    colour = 'currentColor' if arrow['matched'] else svg.RED
+    dashes = '' if arrow['matched'] else ' stroke-dasharray="6 4"'
+    path = 'M' + 'L'.join(f'{x:.1f} {y:.1f}' for x, y in points)
+    x, y = points[-1]
+    back = -7 if points[-2][0] < x else 7
+    parts = [
+        f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="1.5"{dashes}/>',
+        f'<path d="M{x:.1f} {y:.1f}l{back} -4.5v9z" fill="{colour}"/>',
+    ]
+    if not arrow['matched']:
+        (x1, y1), (x2, y2) = points[0], points[1]
+        parts.append(svg.shape('cross', (x1 + x2) / 2, (y1 + y2) / 2, 4.5, colour))
+    return ''.join(parts)

@@ -1,0 +1,128 @@
+"""
+nbgrader's own commands run in this process, with the course's own ``nbgrader_config.py``.
+
+A command line costs two seconds of imports each time; here a class is recorded in about the
+time that one command takes to start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+import logging
+from pathlib import Path
+from typing import Any
+import warnings
+
+from nbgrader.converters import Autograde, GenerateAssignment, NbGraderException
+from nbgrader.coursedir import CourseDirectory
+from traitlets.config import Config
+from traitlets.config.loader import PyFileConfigLoader
+
+from autograder.errors import GraderError
+from autograder.judging.results import SubmissionResult
+from autograder.layout import Layout
+
+
+def load_config(layout: Layout) -> Config:
+    """
+    Return the settings in the course's ``nbgrader_config.py``.
+
+    :raises GraderError: if there is none
+    """
+    path = layout.root / 'nbgrader_config.py'
+    if not path.is_file():
+        raise GraderError(f'{path.name} is missing in {layout.root}.', 'Restore it from git.')
+    return PyFileConfigLoader(path.name, path=str(layout.root)).load_config()
+
+
+def generate(layout: Layout, assignment: str, release: Path, database: bool) -> None:
+    """
+    Write the student version of an assignment, as ``nbgrader generate_assignment`` does.
+
+    :param release: folder that receives ``<assignment>/``
+    :param database: whether to enter the assignment in the gradebook; False is deterministic
+    :raises GraderError: with nbgrader's own words
+    """
+    config = load_config(layout)
+    config.CourseDirectory.release_directory = str(release)
+    config.CourseDirectory.assignment_id = assignment
+    if not database:
+        config.SaveCells.enabled = False
+        config.GenerateAssignment.no_database = True
+    with _logged(f'generating {assignment}') as log:
+        coursedir = CourseDirectory(config=config, log=log)
+        GenerateAssignment(coursedir=coursedir, config=config, log=log, force=True).start()
+
+
+def autograde(
+    layout: Layout, assignment: str, submitted: Path, results: Mapping[str, SubmissionResult]
+) -> None:
+    """
+    Enter results in the gradebook, as ``nbgrader autograde`` does.
+
+    :param submitted: folder of rebuilt notebooks, ``<student>/<assignment>/<notebook>.ipynb``
+    :param results: by student; student code is not run again
+    :raises GraderError: with nbgrader's own words; the other students are recorded all the same
+    """
+    config = load_config(layout)
+    config.CourseDirectory.submitted_directory = str(submitted)
+    config.CourseDirectory.assignment_id = assignment
+    # These notebooks were rebuilt from the release: nbgrader need not repair and validate them
+    # after every step, which takes most of its time.
+    config.Autograde.exporter_class = 'nbconvert.exporters.NotebookExporter'
+    config.Autograde.sanitize_preprocessors = ['nbgrader.preprocessors.ClearOutput']
+    config.Exporter.optimistic_validation = True
+    with _logged(f'recording {assignment}') as log:
+        coursedir = CourseDirectory(config=config, log=log)
+        recorder = _Recorder(coursedir=coursedir, config=config, log=log, force=True)
+        recorder.results = dict(results)
+        recorder.start()
+
+
+class _Recorder(Autograde):
+    """nbgrader's Autograde over exactly the students whose results are known."""
+
+    results: dict[str, SubmissionResult]
+
+    def init_notebooks(self) -> None:
+        """List the notebooks by name: students' names may contain what glob acts on."""
+        self.assignments = {}
+        for student in self.results:
+            folder = Path(self._format_source(self.coursedir.assignment_id, student))
+            self.assignments[str(folder)] = sorted(str(path) for path in folder.glob('*.ipynb'))
+
+    def init_single_notebook_resources(self, notebook_filename: str) -> dict[str, Any]:
+        """Send the result along to :class:`autograder.gradebook.nbgrader_plugin.GradeOutside`."""
+        resources: dict[str, Any] = super().init_single_notebook_resources(notebook_filename)
+        resources['nbgrader']['result'] = self.results[resources['nbgrader']['student']]
+        return resources
+
+
+class _Errors(logging.Handler):
+    """Keeps what nbgrader reports as an error."""
+
+    def __init__(self) -> None:
+        """Start with no errors."""
+        super().__init__(logging.ERROR)
+        self.lines: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep the last line of a message: of a traceback, the one with the reason."""
+        lines = record.getMessage().strip().splitlines()
+        self.lines.append(lines[-1] if lines else '')
+
+
+@contextmanager
+def _logged(doing: str) -> Iterator[logging.Logger]:
+    """Give nbgrader a log of its own, and turn its failure into one sentence of ours."""
+    log = logging.Logger('nbgrader', logging.WARNING)  # in no hierarchy: nothing is printed
+    errors = _Errors()
+    log.addHandler(errors)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')  # SQLAlchemy about nbgrader's own queries
+            yield log
+    except (NbGraderException, RuntimeError) as error:
+        said = [line for line in errors.lines if line and 'traceback' not in line]
+        raise GraderError(f'nbgrader failed in {doing}: {" ".join(said) or error}') from error

@@ -1,0 +1,83 @@
+"""
+The one writer of nbgrader's gradebook.
+
+Results go in through nbgrader's own Autograde, one student after the other, so everything an
+instructor knows works on them: formgrader, feedback, export, and grades given by hand survive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import json
+from pathlib import Path
+import tempfile
+
+from autograder.errors import GraderError
+from autograder.layout import Layout
+from autograder.whole_class.inbox import read_file
+from autograder.whole_class.pipeline import Graded, Lesson
+
+
+def enter_assignment(layout: Layout, assignment: str) -> None:
+    """
+    Enter an assignment's cells and points in the gradebook, as they are in the solution.
+
+    :raises GraderError: if nbgrader refuses
+    """
+    from autograder.gradebook import converters  # nbgrader takes seconds to import
+
+    layout.work.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix='release_', dir=layout.work) as folder:
+        try:
+            converters.generate(layout, assignment, Path(folder), database=True)
+        except GraderError as error:
+            raise GraderError(
+                error.what,
+                'If the cells of the assignment changed since it was last graded, start a new '
+                'gradebook: move autograder/_work/gradebook.db away.',
+            ) from error
+
+
+def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
+    """
+    Enter the results of a class in the gradebook, after :func:`enter_assignment`.
+
+    Whoever could not be read gets zeros with the reason; whoever is for review gets no score.
+
+    :raises GraderError: for what nbgrader could not enter; everyone else is entered all the same
+    """
+    from autograder.gradebook import converters
+
+    entered = [one for one in graded if one.submission.recordable]
+    with tempfile.TemporaryDirectory(prefix='staged_', dir=layout.work) as folder:
+        staged = Path(folder)
+        for one in entered:
+            _stage(staged / one.result.student / lesson.assignment, lesson.notebook, one)
+        results = {one.result.student: one.result for one in entered}
+        if results:
+            converters.autograde(layout, lesson.assignment, staged, results)
+
+
+def _stage(folder: Path, notebook: str, graded: Graded) -> None:
+    """Write the notebook that was graded where nbgrader looks for it."""
+    from autograder.gradebook.nbgrader_plugin import to_node
+
+    folder.mkdir(parents=True)
+    text = json.dumps(to_node(graded.opened), indent=1, ensure_ascii=False)
+    (folder / notebook).write_text(text, encoding='utf-8')
+    stamp = _timestamp(graded.submission.folder)
+    if stamp:
+        (folder / 'timestamp.txt').write_text(stamp, encoding='utf-8')
+
+
+def _timestamp(folder: Path) -> str:
+    """Return when the work was handed in, empty if unknown; nbgrader fails on a broken one."""
+    from nbgrader.utils import parse_utc
+
+    data, _ = read_file(folder / 'timestamp.txt', 'timestamp.txt')
+    text = (data or b'')[:100].decode('ascii', 'replace').strip()
+    try:
+        parse_utc(text)
+    except (ValueError, OverflowError, TypeError):
+        return ''
+    return text

@@ -1,0 +1,1 @@
+"""What students hand in, taken apart into files: notebooks, scripts, packages, archives."""

@@ -1,0 +1,336 @@
+"""
+Why a check failed: the likely cause, from what the probe saw and how the program ended.
+
+What a program printed about itself may name a cause; it never decides a verdict.  When nothing
+points anywhere, the answer is None: a misleading cause is worse than none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+import difflib
+import re
+
+from autograder.judging.exam import Cause, Run
+from autograder.judging.raised import exception_cause, traceback_of
+
+_NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
+_EXIT = re.compile(r'\b(?:sys\.|os\._)?(?:exit|quit)\(')
+_PERIOD = re.compile(r'create_timer\(\s*([\w.]{1,60})\s*,')
+
+BUSY_S = 1.5
+"""Processor time [s] that imports and a node's start never reach, four times what they use."""
+
+LONG_S = 50.0
+"""A period [s] that no exercise has; who writes it thinks of milliseconds."""
+
+LIMITS = {
+    'wall_time_limit': ('the run took longer than 60 s', 'a loop that never ends or waits'),
+    'cpu_limit': ('it used more than 20 s of processor time', 'a loop that never waits'),
+    'busy_before_node': (
+        'it computes and computes without making a node',
+        'a loop that never ends before the node is created',
+    ),
+    'memory_limit': ('it used more than 1 GiB of memory', 'a list that grows without bound'),
+    'output_limit': ('it printed more than 8 MB', 'a print in a loop without a pause'),
+    'inode_limit': ('it made more than 20000 files', 'a loop that creates files'),
+    'too_much_recorded': ('it sent more than 32 MB', 'a publish in a loop without a pause'),
+    'too_many_events': ('it sent thousands of messages', 'a publish in a loop without a pause'),
+}
+
+
+def why_it_ended(run: Run) -> Cause | None:
+    """Explain a program that is gone or was ended; empty if it was alive to the end."""
+    recording = run.recording
+    killed = str(recording.process.get('killed', '')) or recording.end_reason
+    if killed == 'no_node' and recording.process.get('cpu_s', 0.0) > BUSY_S:
+        killed = 'busy_before_node'  # on a busy machine the clock strikes before the limit
+    if killed in LIMITS:
+        what, why = LIMITS[killed]
+        return Cause(killed, f'The program was ended: {what}.', f'Look for {why}.')
+    trace = traceback_of(run)
+    if trace is not None and recording.process.get('exit') is not None:
+        return exception_cause(trace)
+    code = recording.process.get('exit')
+    if code == 0 and recording.of('input'):
+        return Cause(
+            'exited_early',
+            f'The program ended by itself after message number {len(recording.of("input"))}.',
+            'A node lives until it is stopped: rclpy.spin(node), and no sys.exit() in a callback.',
+        )
+    if code == 0:
+        return _why_over_at_once('\n'.join(run.files.values()))
+    if code is not None and _EXIT.search('\n'.join(run.files.values())):
+        return Cause(
+            'ends_itself',
+            f'The program ends itself, with exit code {code}.',
+            'Use return to leave a callback; exit() and sys.exit() end the whole program.',
+        )
+    if code is not None:
+        return Cause('died', f'The program died with exit code {code}.', 'Run it in a terminal.')
+    return None
+
+
+def _why_over_at_once(code: str) -> Cause:
+    """Explain a program that came to its end before anything could happen, by what it says."""
+    if 'def main' in code and not re.search(
+        r'^(?!\s*(?:async )?def ).*\bmain\b', code, re.MULTILINE
+    ):
+        return Cause(
+            'main_not_called',
+            'Your program defines main() and never calls it.',
+            "Write as its last lines: if __name__ == '__main__': and below it, indented, main().",
+        )
+    if 'spin_once' in code and not re.search(r'\b(?:while|for)\b', code):
+        return Cause(
+            'spins_once',
+            'spin_once() serves one callback and returns, and then the program ends.',
+            'Call rclpy.spin(node), which goes on until the program is stopped.',
+        )
+    if code.strip() and 'spin' not in code:
+        return Cause(
+            'no_spin',
+            'Nothing in your code spins the node, so the program runs to its end at once.',
+            'Call rclpy.spin(node) in main(); it returns when the program is stopped.',
+        )
+    return Cause(
+        'exited_early',
+        'The program ended by itself before anything could happen.',
+        'Does main() call rclpy.spin(node)? Without it the program runs to its end at once.',
+    )
+
+
+def close_name(wanted: str, names: Iterable[str]) -> str:
+    """Return the name that looks like a slip of the wanted one, or nothing."""
+    found = difflib.get_close_matches(wanted, sorted(set(names)), n=1, cutoff=0.6)
+    return found[0] if found else ''
+
+
+def why_no_node(run: Run, wanted: str) -> Cause:
+    """
+    Explain why a node was not seen.
+
+    :param wanted: full node name, ``/name``
+    """
+    others = [name for name in run.recording.nodes if name != wanted]
+    near = close_name(wanted, others) or (others[0] if others else '')
+    if near:
+        return Cause(
+            'node_name',
+            f'There is a node called {near[1:]}.',
+            f"Give super().__init__() the name '{wanted.rpartition('/')[2]}'.",
+        )
+    return why_it_ended(run) or _why_unseen('\n'.join(run.files.values()))
+
+
+def _why_unseen(code: str) -> Cause:
+    """Explain a program that runs and shows no node, by what it says."""
+    destroyed, spun = code.find('.destroy_node('), code.find('spin(')
+    if 0 <= destroyed < spun:
+        return Cause(
+            'destroyed_early',
+            'Your node is gone before it is spun: destroy_node() stands before spin().',
+            'Destroy it at the very end, in finally.',
+        )
+    if 'super().__init__' in code or 'create_node' in code or 'Node(' in code:
+        return Cause(
+            'no_node',
+            'The program runs, and no node could be seen, although your code has one.',
+            'Does a loop or input() keep main() from making it? Start it, and run nodes().',
+        )
+    return Cause(
+        'no_node',
+        'The program runs but never creates a node.',
+        'Create your node in main(): rclpy.init(), then the class, then rclpy.spin(node).',
+    )
+
+
+def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
+    """
+    Explain why no endpoint of the right name and type was seen.
+
+    :param kind: ``'publisher'`` or ``'subscription'``
+    """
+    recording = run.recording
+    create = f'create_{kind}'
+    for end in recording.endpoints(kind, topic):
+        if end['type'] != type_name:
+            return Cause(
+                'wrong_type',
+                f'Your {kind} on {topic} has the type {end["type"]}.',
+                f'Pass the class {type_name.rpartition("/")[2]} to {create}().',
+            )
+    others = [end['topic'] for end in recording.endpoints(kind)]
+    near = close_name(topic, others) or next(
+        (end['topic'] for end in recording.endpoints(kind) if end['type'] == type_name), ''
+    )
+    if near and topic.endswith(near):
+        return Cause(
+            'absolute_name',
+            f'Your {kind} uses the absolute name {near}, which stays outside the namespace '
+            f'{topic.removesuffix(near)}.',
+            f"Give {create}() the name '{near[1:]}', without a slash in front.",
+        )
+    if near:
+        return Cause(
+            'topic_name',
+            f'Your {kind} uses the topic {near}; did you mean {topic}?',
+            f"Give {create}() the name '{_relative(run, topic)}'.",
+        )
+    other = {'publisher': 'subscription', 'subscription': 'publisher'}[kind]
+    if recording.endpoints(other, topic):
+        return Cause(
+            'wrong_direction',
+            f'Your node has a {other} on {topic}, not a {kind}.',
+            f'Use {create}().',
+        )
+    ended = why_it_ended(run)
+    if ended:
+        return ended
+    if not recording.nodes:
+        return why_no_node(run, '/?')
+    return Cause(
+        'no_endpoint', f'Your node creates no {kind}.', f'Call self.{create}() in __init__().'
+    )
+
+
+def _relative(run: Run, topic: str) -> str:
+    """Return the name that the code gives a topic; the node's namespace is put before it."""
+    homes = [name.rpartition('/')[0] + '/' for name in run.recording.nodes]
+    return topic.removeprefix(max((home for home in homes if topic.startswith(home)), default='/'))
+
+
+def why_no_verdict(run: Run) -> Cause | None:
+    """Explain a lifecycle node that died because a transition callback returned something else."""
+    found = _NO_VERDICT.search(str(run.recording.process.get('stderr', '')))
+    if found is None:
+        return None
+    if found[1] == 'NoneType':
+        return Cause(
+            'no_return',
+            'A transition callback ends without return, so rclpy does not know how it went.',
+            'End each on_...() with return super().on_...(state), or with a '
+            'TransitionCallbackReturn.',
+        )
+    return Cause(
+        'wrong_return',
+        f'A transition callback returns a {found[1]}, which rclpy does not understand.',
+        'Return a TransitionCallbackReturn, or what super().on_...(state) returns.',
+    )
+
+
+def why_silent(run: Run) -> Cause | None:
+    """Explain a node whose endpoints are right and from which nothing comes."""
+    ended = why_it_ended(run)
+    if ended and ended.cause_id not in LIMITS:
+        return ended
+    # A program that waits for a node that nobody spins reaches a limit; the limit explains less.
+    other = _why_other_is_spun(run)
+    if ended or other:
+        return other or ended
+    if run.recording.end_reason == 'unresponsive':
+        return Cause(
+            'blocked',
+            'A callback of your node does not come to an end.',
+            'A callback must return: use a timer instead of a loop or time.sleep().',
+        )
+    barriers = run.recording.of('barrier')
+    if barriers and not any(event['answered'] for event in barriers):
+        return Cause(
+            'never_spun',
+            'Your node exists but nobody spins it, so no callback ever runs.',
+            'Call rclpy.spin(node) in main(), with the node that you created, and let no loop '
+            'stand before it.',
+        )
+    return why_late(run)
+
+
+def _why_other_is_spun(run: Run) -> Cause | None:
+    """Explain a node that never answers while another one of the program does."""
+    barriers = run.recording.of('barrier')
+    asked = {event['node'] for event in barriers}
+    answered = {event['node'] for event in barriers if event['answered']}
+    if not answered:
+        return None
+    silent = sorted(asked - answered, key=lambda node: (not _works(run, node), node))
+    # A helper that nobody spins explains nothing, unless the one that is spun has no work either.
+    if silent and (_works(run, silent[0]) or not any(_works(run, node) for node in answered)):
+        other, mine = (name.rpartition('/')[2][:60] for name in (min(answered), silent[0]))
+        return Cause(
+            'other_node_spun',
+            f'The node {other} is spun and {mine} is not, so the callbacks of {mine} never run.',
+            'Spin the node that has the work, or give both to one executor with add_node().',
+        )
+    return None
+
+
+def _works(run: Run, node: str) -> bool:
+    """Tell whether a node has a publisher or a subscription of its own."""
+    kinds = ('publisher', 'subscription')
+    return any(end['node'] == node for kind in kinds for end in run.recording.endpoints(kind))
+
+
+def why_late(run: Run) -> Cause | None:
+    """Explain a timer whose first call is far away, because its period is in other units."""
+    code = '\n'.join(run.files.values())
+    for written in _PERIOD.findall(code):
+        constant = re.search(
+            rf'^\s*{re.escape(written)}\s*=\s*([\d.]{{1,20}})', code, re.MULTILINE
+        )
+        try:
+            period_s = float(constant[1] if constant else written)
+        except ValueError:
+            continue
+        if period_s >= LONG_S:
+            return Cause(
+                'period_unit',
+                f'create_timer() gets {period_s:g}, and that is seconds: the first call comes '
+                f'after {period_s / 60:.3g} minutes.',
+                'Write the period in seconds: 0.5 for 500 ms.',
+            )
+    return None
+
+
+def why_no_message(run: Run) -> Cause:
+    """Explain a node that lives, whose publisher is right, and from which nothing comes."""
+    if found := why_silent(run):
+        return found
+    code = '\n'.join(run.files.values())
+    if code.strip() and '.publish(' not in code:
+        return Cause(
+            'never_publishes',
+            'Your code never calls publish().',
+            'Call self.publisher.publish(message) in the callback.',
+        )
+    if code.strip() and 'create_timer' not in code and 'create_subscription' not in code:
+        return Cause(
+            'no_timer',
+            'Your code creates no timer, so nothing calls the method that publishes.',
+            'Create a timer in __init__(): self.create_timer(1.0, self.speak).',
+        )
+    return Cause(
+        'silent',
+        'The publisher is there, and no message comes from it: the callback that publishes is '
+        'never called, or it returns too early.',
+        'Which method does the timer or the subscription call? Put a log line first into it, '
+        'start the node, and look at logs().',
+    )
+
+
+def how_to_look(run: Run) -> str:
+    """
+    Return what to try where no cause is sure: how to see with own eyes what was seen here.
+
+    Topics go by their last part, because the namespace of a hidden exam is nobody's business.
+    """
+    topics = {end['topic'].rpartition('/')[2][:60] for end in run.recording.endpoints('publisher')}
+    if not run.recording.nodes:
+        return ''
+    if topics:
+        return (
+            f"Look yourself: start your node and run echo('{min(topics)}') in a cell, or "
+            f'ros2 topic echo in a terminal, and compare with what is expected.'
+        )
+    return (
+        'Look yourself: start your node, run logs() in a cell, and compare with what is expected.'
+    )

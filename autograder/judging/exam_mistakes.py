@@ -1,0 +1,212 @@
+"""
+Mistakes in an exam that would otherwise show when a class is graded: each a line with its place.
+
+What a scenario says of itself is looked at when an exam is made: steps that name a topic nobody
+announced, a malformed type.  Whether the types exist and have the fields that are sent needs an
+installed ROS, and is asked by ``course check`` and ``self-check``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from difflib import get_close_matches
+from functools import lru_cache
+from pathlib import Path
+import re
+from typing import Any, TYPE_CHECKING
+
+from autograder.runs.scenario import Advance, Call, Feed, FeedTopic, Join, Leave, Offer, Scenario
+
+if TYPE_CHECKING:
+    from autograder.judging.exam import Exam
+
+_TYPE = re.compile(r'^[a-z]\w*/(msg|srv)/[A-Z]\w*$')
+MOST_IN_A_BURST = 10
+
+
+def scenario_mistakes(scenario: Scenario) -> Iterator[str]:
+    """
+    Yield what a scenario contradicts in itself, each with its place.
+
+    :param scenario: of an exam
+    """
+    for place, topic, name in types_of(scenario):
+        kind = 'msg' if topic else 'srv'
+        if not _TYPE.match(name) or f'/{kind}/' not in name:
+            yield f'{place}: expected a type such as {_example(kind)}, got {name!r}'
+    for word, topics in (('watch', scenario.watch), ('feed', scenario.feed)):
+        for topic in topics:
+            if not topic.startswith('/'):
+                yield f'{word} {topic!r}: expected a full topic name, got no slash at its start'
+    yield from _step_mistakes(scenario)
+
+
+def _example(kind: str) -> str:
+    return 'std_msgs/msg/String' if kind == 'msg' else 'rcl_interfaces/srv/GetParameters'
+
+
+def _step_mistakes(scenario: Scenario) -> Iterator[str]:
+    """Follow what comes and goes, step by step."""
+    senders, listeners = set(scenario.feed), set()
+    for number, step in enumerate(scenario.steps, 1):
+        place = f'step {number} ({type(step).__name__})'
+        if isinstance(step, Feed):
+            if step.topic not in senders:
+                yield f'{place}: {_not_announced(step.topic, senders)}'
+            if step.burst and len(step.messages) > MOST_IN_A_BURST:
+                count = len(step.messages)
+                yield f'{place}: expected at most {MOST_IN_A_BURST} messages a burst, got {count}'
+        elif isinstance(step, Offer):
+            senders.add(step.name)
+        elif isinstance(step, Join):
+            listeners.add(step.name)
+        elif isinstance(step, Leave):
+            if step.name not in senders | listeners:
+                yield f'{place}: {_not_announced(step.name, senders | listeners)}'
+            senders.discard(step.name)
+            listeners.discard(step.name)
+        elif isinstance(step, Advance) and not (step.seconds > 0 and step.step_s > 0):
+            yield f'{place}: expected time to pass, got {step.seconds} s in steps of {step.step_s}'
+
+
+def _not_announced(name: str, there: set[str]) -> str:
+    close = get_close_matches(name, there, n=1, cutoff=0.6)
+    hint = f'; did you mean {close[0]!r}?' if close else ''
+    known = ', '.join(sorted(map(repr, there))) or 'nothing'
+    return (
+        f'expected what Scenario(feed=...), an Offer or a Join has announced, which is {known}, '
+        f'got {name!r}{hint}'
+    )
+
+
+def types_of(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
+    """Yield every type the probe will load: its place, the topic or no name, and the type."""
+    for topic, name in scenario.watch.items():
+        yield f'watch {topic!r}', topic, name
+    for topic, feed in scenario.feed.items():
+        yield f'feed {topic!r}', topic, feed.type if isinstance(feed, FeedTopic) else feed
+    for number, step in enumerate(scenario.steps, 1):
+        if isinstance(step, Call):
+            yield f'step {number} (Call) {step.service!r}', '', step.type
+        elif isinstance(step, (Join, Offer)):
+            yield f'step {number} ({type(step).__name__}) {step.name!r}', step.name, step.type
+
+
+# -- with an installed ROS ------------------------------------------------------------------
+
+
+def type_mistakes(exam: Exam, prefixes: Sequence[Path]) -> Iterator[str]:
+    """
+    Yield types that are not installed, and fields that their messages do not have.
+
+    :param prefixes: where ROS packages are installed, as in ``AMENT_PREFIX_PATH``
+    """
+    scenario, where = exam.scenario, f'exam {exam.name}'
+    types: dict[str, str] = {}
+    for place, topic, name in types_of(scenario):
+        types[topic] = name
+        if problem := _unknown(name, prefixes):
+            yield f'{where}, {place}: {problem}'
+    for number, step in enumerate(scenario.steps, 1):
+        if isinstance(step, Feed) and (name := types.get(step.topic, '')):
+            for problem in _unknown_fields(name, step.messages, prefixes):
+                yield f'{where}, step {number} (Feed): {problem}'
+
+
+def _unknown(name: str, prefixes: Sequence[Path]) -> str:
+    """Return what is wrong with the name of a type, empty if it is installed."""
+    package, _, rest = name.partition('/')
+    packages = installed(tuple(prefixes))
+    if package not in packages:
+        close = get_close_matches(package, packages, n=1, cutoff=0.6)
+        hint = f'; did you mean {close[0]}?' if close else ''
+        return f'expected a type of an installed package, got {name}{hint}'
+    if rest not in packages[package]:
+        close = get_close_matches(rest, packages[package], n=1, cutoff=0.6)
+        hint = f'; did you mean {package}/{close[0]}?' if close else ''
+        return f'expected a type of {package}, got {name}{hint}'
+    return ''
+
+
+@lru_cache(maxsize=4)
+def installed(prefixes: tuple[Path, ...]) -> Mapping[str, tuple[str, ...]]:
+    """
+    Return the installed interfaces by package, such as ``msg/String``.
+
+    :param prefixes: as in ``AMENT_PREFIX_PATH``
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for prefix in prefixes:
+        index = prefix / 'share' / 'ament_index' / 'resource_index' / 'rosidl_interfaces'
+        for entry in sorted(index.glob('*')) if index.is_dir() else ():
+            lines = entry.read_text(encoding='utf-8').split()
+            names = sorted({line.rpartition('.')[0] for line in lines})
+            found.setdefault(entry.name, tuple(names))
+    return found
+
+
+def _unknown_fields(
+    name: str, messages: Sequence[Mapping[str, Any]], prefixes: Sequence[Path]
+) -> Iterator[str]:
+    fields = _fields(name, prefixes)
+    for number, message in enumerate(messages, 1):
+        for field in message:
+            if fields and field not in fields:
+                close = get_close_matches(field, fields, n=1, cutoff=0.6)
+                hint = f'; did you mean {close[0]!r}?' if close else ''
+                yield f'message {number}: expected a field of {name}, got {field!r}{hint}'
+
+
+def _fields(name: str, prefixes: Sequence[Path]) -> tuple[str, ...]:
+    """Return the fields of a message type, empty if its text is not installed."""
+    package, _, rest = name.partition('/')
+    for prefix in prefixes:
+        path = prefix / 'share' / package / f'{rest}.msg'
+        if path.is_file():
+            lines = (
+                line.partition('#')[0].split() for line in path.read_text('utf-8').split('\n')
+            )
+            return tuple(
+                words[1]
+                for words in lines
+                if len(words) > 1 and '=' not in words[1] and words[2:3] != ['=']
+            )
+    return ()
+
+
+def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:
+    """
+    Yield where the graded exam is not the one that learners see, with other inputs.
+
+    :param visible: what ``check(...)`` runs in their notebook
+    """
+    for what in ('cells', 'requires', 'part', 'assignment'):
+        if getattr(exam, what) != getattr(visible, what):
+            yield (
+                f'exam {exam.name}: expected the same {what} as in the visible exam, '
+                f'{getattr(visible, what)!r}, got {getattr(exam, what)!r}'
+            )
+
+
+def ament_prefixes() -> tuple[Path, ...]:
+    """Return where the ROS packages of the prepared environment are installed."""
+    from environment.ros import ros_environment
+
+    return tuple(map(Path, ros_environment().variables['AMENT_PREFIX_PATH'].split(':')))
+
+
+def mistakes_of(exam: Exam, prefixes: Sequence[Path]) -> list[str]:
+    """
+    Return all that can be said of a graded exam without running it, one line each.
+
+    :param exam: a hidden exam of the course
+    """
+    from autograder import exams
+
+    file = exam.scenario.file
+    needless = exam.scenario.program != 'node' or file in exam.requires
+    return [
+        *([] if needless else [f'exam {exam.name}: runs {file!r}, which it does not require']),
+        *type_mistakes(exam, prefixes),
+        *differs_from_visible(exam, exams.load(exam.name, hidden=False)),
+    ]

@@ -1,0 +1,84 @@
+"""The judge: a pure function from a recording and an exam to verdicts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from autograder.errors import GraderError
+from autograder.judging.causes import how_to_look
+from autograder.judging.exam import Cause, Check, Exam, Failed, Run
+from autograder.judging.results import CheckResult, Verdict
+from autograder.runs.recording import Recording
+
+
+def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
+    """
+    Judge every check of an exam, in order.
+
+    :param exam: its checks
+    :param run: files and recording; nothing is executed
+    :raises GraderError: if a check itself breaks, which says nothing about the student
+    """
+    results: dict[str, CheckResult] = {}
+    for check in exam.checks:
+        results[check.name] = _judge_one(exam, check, run, results)
+    return tuple(results.values())
+
+
+def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
+    """
+    Tell whether a run could change any verdict.
+
+    :param files: the student's files; checks that look at them alone are judged here
+    """
+    nothing = Run(files, Recording({}, ()), exam.facts)
+    results: dict[str, CheckResult] = {}
+    blocked = set()
+    for check in exam.checks:
+        if check.static:
+            results[check.name] = _judge_one(exam, check, nothing, results)
+            if results[check.name].verdict is not Verdict.PASSED:
+                blocked.add(check.name)
+        elif blocked & set(check.needs):
+            blocked.add(check.name)
+        else:
+            return True
+    return False
+
+
+def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResult]) -> CheckResult:
+    read = check.read or exam.read
+    waits = [name for name in check.needs if earlier[name].verdict is not Verdict.PASSED]
+    if waits:
+        return CheckResult(
+            check=check.name,
+            title=check.title,
+            verdict=Verdict.NOT_RUN,
+            points=0.0,
+            max_points=check.points,
+            observed=f'This waits for: {earlier[waits[0]].title}',
+            waits_for=waits[0],
+        )
+    try:
+        check.judge(run)
+    except Failed as failure:
+        why = failure.why or Cause('', '', how_to_look(run))
+        return CheckResult(
+            check=check.name,
+            title=check.title,
+            verdict=Verdict.FAILED,
+            points=round(check.points * failure.share, 2),
+            max_points=check.points,
+            expected=failure.expected,
+            observed=failure.observed,
+            cause=why.text,
+            cause_id=why.cause_id,
+            try_this=why.try_this,
+            read=read,
+        )
+    except Exception as error:  # noqa: BLE001 - any other exception is ours, whatever its type
+        raise GraderError(
+            f'Check {check.name} of exam {exam.name} broke: {type(error).__name__}: {error}.',
+            'This says nothing about the submission; mend the exam and grade again.',
+        ) from error
+    return CheckResult(check.name, check.title, Verdict.PASSED, check.points, check.points)

@@ -1,0 +1,208 @@
+"""
+What explains the failure of a lifecycle node, of which rclpy itself tells next to nothing.
+
+rclpy swallows the exceptions of transition callbacks: no log line, no traceback.  What is left is
+the code, so these functions read it, as text that is matched and never run; like everything that
+explains, they decide no verdict.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import re
+
+from autograder.judging.causes import why_no_verdict, why_silent
+from autograder.judging.exam import Cause, Run
+from autograder.judging.raised import HOMES
+from autograder.runs.recording import Recording
+
+_IMPORT = re.compile(
+    r'^[ \t]*(?:from[ \t]+[\w.]{1,80}[ \t]+)?import[ \t]+(\([^)]{0,2000}\)|[^\n]{0,500})', re.M
+)
+_OWN_CLOCK = re.compile(r'threading\.Timer\(|\bclock=|time\.sleep\(|\bTimer\(')
+_CONFIGURES = re.compile(r"""def on_configure|['"]on_configure|\bon_configure\s*=""")
+_IN_VAIN = 'Failed to trigger lifecycle state machine transition'
+
+READ_ONCE = Cause(
+    'read_once',
+    'The parameter was changed, and on_configure() still goes by an earlier value.',
+    "Read it in on_configure(), each time: self.get_parameter('limit').value.",
+)
+SILENT_REFUSAL = Cause(
+    'silent_refusal',
+    'A refusal comes without an ERROR line: nobody can know what to mend.',
+    "Each time before FAILURE is returned: self.get_logger().error(f'...') with the limit in it, "
+    'without once=.',
+)
+NO_PARAMETER = Cause(
+    'no_parameter',
+    'Your node has no parameter called limit that takes a float.',
+    "In __init__(): self.declare_parameter('limit', -1.0).",
+)
+NO_CONFIGURE = Cause(
+    'method_name',
+    'There is no method on_configure() in your code; rclpy calls the one of exactly this name.',
+    'Write: def on_configure(self, state):',
+)
+WRONG_DEFAULT = Cause(
+    'wrong_default',
+    'The limit has another value than -1.0 before anybody sets it.',
+    "In __init__(): self.declare_parameter('limit', -1.0).",
+)
+
+
+def why_ended(run: Run) -> Cause | None:
+    """
+    Explain a program that is gone or silent.
+
+    A transition that was asked for in vain ends the program: that is the consequence of an
+    earlier refusal and explains nothing.
+    """
+    return why_no_verdict(run) or (None if died_in_vain(run) else why_silent(run))
+
+
+def died_in_vain(run: Run) -> bool:
+    """Tell whether the program died of a request that its state does not allow."""
+    return _IN_VAIN in str(run.recording.process.get('stderr', ''))
+
+
+def without_its_end(run: Run) -> Run:
+    """Return the run without the exception that it died of in vain, see :func:`why_ended`."""
+    if not died_in_vain(run):
+        return run
+    events = [
+        {**event, 'exit': None, 'stderr': ''} if event['event'] == 'process' else event
+        for event in run.recording.events
+    ]
+    return Run(run.files, Recording(run.recording.header, events), run.facts)
+
+
+def why_refused(run: Run, name: str) -> Cause:
+    """
+    Explain a transition that ended with FAILURE or ERROR.
+
+    :param name: of the transition, such as ``configure``
+    """
+    code = _code(run)
+    if _CONFIGURES.search(code) is None:
+        return NO_CONFIGURE
+    if (lone := re.search(rf'def on_{name}\(\s*(\w*)\s*\)', code)) is not None:
+        return Cause(
+            'callback_arguments',
+            f'rclpy calls on_{name}() with the state it comes from, and yours takes none: an '
+            'exception, which rclpy swallows without a word.',
+            f'Write def on_{name}({lone[1] or "self"}, state):',
+        )
+    if missing := _not_imported(code):
+        home = next(module for module, names in HOMES.items() if missing in names.split())
+        return Cause(
+            'missing_import',
+            f'{missing} is used and not imported; rclpy swallows the NameError of on_{name}() '
+            'without a word.',
+            f'Write at the top: from {home} import {missing}',
+        )
+    return Cause(
+        'refused',
+        f'on_{name}() returns FAILURE or ERROR, or it raises an exception, which rclpy '
+        'swallows without a word.',
+        f'Put the lines of on_{name}() into try/except Exception as error, and log error.',
+    )
+
+
+def _not_imported(code: str) -> str:
+    """Return a class of the lessons that the code uses and nothing in it makes, or nothing."""
+    imported = ' '.join(found[1] for found in _IMPORT.finditer(code))
+    if '*' in imported:
+        return ''
+    for name in (name for names in HOMES.values() for name in names.split()):
+        made = re.search(rf'\b{name}\b', imported) or re.search(
+            rf'^[ \t]*(?:class[ \t]+{name}\b|{name}[ \t]*=)', code, re.M
+        )
+        if not made and re.search(rf'[(\s,=]{name}[ \t]*[(,.)]', code):
+            return name
+    return ''
+
+
+def why_mute(run: Run) -> Cause:
+    """Explain an active node that has its publisher and sends nothing."""
+    code = _code(run)
+    if found := why_ended(run) or why_own_clock(run):
+        return found
+    if 'def on_activate' in code and not re.search(r'\.on_activate\(', code):
+        return Cause(
+            'stays_off',
+            'Your on_activate() replaces the inherited one, which switches the publishers on.',
+            'End it with return super().on_activate(state).',
+        )
+    if '.publish' in code and 'create_timer' not in code:
+        return Cause(
+            'no_timer',
+            'Your code creates no timer, so nothing calls the method that publishes.',
+            'In on_configure(): self.create_timer(1.0, self.flash).',
+        )
+    return Cause(
+        'stays_off',
+        'The node is active, but its publisher or its timer is not.',
+        'Does the timer run, and does its callback publish? Log a line in it. An on_activate() of '
+        'your own ends with return super().on_activate(state).',
+    )
+
+
+def why_compared_wrongly(warned: Sequence[tuple[float, int]], limit: float) -> Cause | None:
+    """
+    Explain a comparison that is wrong in itself.
+
+    :param warned: values and how many warnings each has brought
+    :param limit: only values above it deserve one
+    """
+    alarms = [value for value, found in warned if found and value < limit]
+    if alarms and any(not found and value > limit for value, found in warned):
+        return Cause(
+            'comparison_reversed',
+            'It warns below the limit and not above it.',
+            'Above the limit is value > self.limit.',
+        )
+    if alarms and all(-value > limit for value in alarms):
+        return Cause(
+            'sign_ignored',
+            'It warns of a pressure far below zero: its size is compared, not its value.',
+            'Compare without abs(): value > self.limit.',
+        )
+    if alarms:
+        return Cause(
+            'warns_below',
+            'It warns although the pressure is below the limit.',
+            'Compare with the limit of the last configuration: value > self.limit.',
+        )
+    return None
+
+
+def why_own_clock(run: Run) -> Cause | None:
+    """Explain a rhythm that is not the one of the ROS clock although the node is spun."""
+    if _OWN_CLOCK.search(_code(run)) is None:
+        return None
+    return Cause(
+        'other_clock',
+        "What paces your messages follows the computer's own clock, not that of the node.",
+        'Use self.create_timer(1.0, self.flash) of the node, without clock=, time.sleep() or '
+        'threading.Timer.',
+    )
+
+
+def why_no_publisher(run: Run, topic: str) -> Cause:
+    """
+    Explain a lifecycle node that was configured and has no publisher at all.
+
+    :param topic: last part of its name
+    """
+    if _CONFIGURES.search(_code(run)) is None:
+        return NO_CONFIGURE
+    return Cause(
+        'no_endpoint',
+        'Your on_configure() creates no publisher.',
+        f"In on_configure(): self.create_lifecycle_publisher(String, '{topic}', 10).",
+    )
+
+
+def _code(run: Run) -> str:
+    return '\n'.join(run.files.values())

@@ -1,0 +1,93 @@
+"""
+Programs that keep their own time: how long they are watched, and whether they went on to the end.
+
+A program that answers none of the probe's questions, as a loop with ``time.sleep()`` does, cannot
+be led through simulated time.  It is watched in real time instead.  How long is drawn from the
+course secret where it counts, so that a program that works for a while only, and answers nothing
+on purpose, cannot know when to stop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+import math
+import re
+
+from autograder.runs.inputs import generator
+from autograder.runs.recording import Recording
+from autograder.runs.scenario import Advance, Scenario
+
+SHORTEST_S, LONGEST_S = 6.5, 9.5
+SLOWEST, FASTEST = 1.5, 0.65
+"""How many periods may lie between two messages; the room is for a busy machine."""
+LATE_S = 0.5  # from the end of the watch to the end of the recording
+FLOOD = 10
+"""How many times what is due is a flood: how much of it is heard is luck, and not told."""
+_OTHER_CLOCK = re.compile(
+    r'\b(STEADY_TIME|SYSTEM_TIME|use_sim_time|asyncio|threading\.Timer|Timer\()'
+    r'|\btime\.(time|time_ns|monotonic|monotonic_ns|perf_counter|sleep)\b|\bsleep\('
+)
+
+
+def watched_longer(exam: str, scenario: Scenario) -> Scenario:
+    """
+    Return a hidden exam's scenario with a watch that nobody can know beforehand.
+
+    Only the first stretch of time is made longer: an exam may have many, and all of them together
+    have to stay below the limit of a run.
+
+    :param exam: name of the exam
+    """
+    seconds = round(generator(exam, 'watch in real time').uniform(SHORTEST_S, LONGEST_S), 2)
+    steps = list(scenario.steps)
+    for number, step in enumerate(steps):
+        if isinstance(step, Advance):
+            steps[number] = replace(step, watch_s=seconds)
+            break
+    return replace(scenario, steps=tuple(steps))
+
+
+def least_messages(recording: Recording, period_s: float) -> int:
+    """
+    Return how many messages come at least from a program that goes on as long as it is watched.
+
+    :param recording: of a program that keeps its own time
+    :param period_s: of its messages [s]
+    """
+    watched = max(float(event['seconds']) for event in recording.of('wall_time'))
+    return max(3, math.ceil(watched / (SLOWEST * period_s)))
+
+
+def is_regular(recording: Recording, times_s: Sequence[float], period_s: float) -> bool:
+    """
+    Tell whether messages came once a period of real time, until the end of the recording.
+
+    :param times_s: ``wall_s`` of the messages, in order
+    :param period_s: as it should be [s]
+    """
+    gaps = [(later - earlier) / period_s for earlier, later in pairwise(times_s)]
+    if len(times_s) < least_messages(recording, period_s):
+        return False
+    if not all(FASTEST <= gap <= SLOWEST for gap in gaps):
+        return False
+    end_s = max((float(event['wall_s']) for event in recording.of('end')), default=times_s[-1])
+    return end_s - times_s[-1] <= SLOWEST * period_s + LATE_S
+
+
+def names_another_clock(files: Mapping[str, str]) -> bool:
+    """
+    Tell whether a program names a clock that is not the node's.
+
+    How much it then sends in simulated time depends on how fast the machine is, so no text should
+    tell a count.  It decides words only, never a verdict.
+
+    :param files: relative path to text
+    """
+    return any(_OTHER_CLOCK.search(text) for text in files.values())
+
+
+def is_flood(count: int, due: float) -> bool:
+    """Tell whether so many are far more than were due, so that no text should tell the count."""
+    return count > FLOOD * max(due, 1.0)

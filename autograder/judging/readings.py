@@ -1,0 +1,127 @@
+"""
+Readings that an exam sends to a temperature monitor, and the log lines that followed each.
+
+Data and pairing only; what is right and why it is not is in the exam ``temperature_subscriber``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+import re
+from typing import Any
+
+from autograder.judging.exam import Run
+from autograder.runs.recording import Event
+
+THRESHOLD_C = 30.0
+NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
+
+
+@dataclass(frozen=True)
+class Reading:
+    """
+    One message that the probe sends.
+
+    :param kind: what it tries, in words that may be shown; never the value of a hidden one
+    """
+
+    value: float
+    kind: str
+    unit: str = 'Celsius'
+
+    @property
+    def celsius(self) -> float | None:
+        """Return the value in degrees Celsius, None for a unit nobody has heard of."""
+        if self.unit == 'Celsius':
+            return self.value
+        return (self.value - 32.0) / 1.8 if self.unit == 'Fahrenheit' else None
+
+    @property
+    def hot(self) -> bool:
+        """Tell whether a warning is due: strictly above the threshold."""
+        return self.celsius is not None and self.celsius > THRESHOLD_C
+
+    @property
+    def odd(self) -> bool:
+        """Tell whether it is no proper temperature."""
+        return self.celsius is None or math.isnan(self.celsius)
+
+    def message(self, number: int) -> dict[str, Any]:
+        """Return the fields that are sent."""
+        value: float | str = str(self.value) if math.isnan(self.value) else self.value
+        stamp = {'sec': 100 + number, 'nanosec': 250_000_000}
+        return {
+            'temperature_value': value,
+            'unit': self.unit,
+            'timestamp': stamp,
+            'sensor_id': 'temp_sensor_01',
+        }
+
+
+@dataclass(frozen=True)
+class Sent:
+    """
+    Readings that go together, and the log lines that followed them.
+
+    :param sent: False if the run ended before; then nothing followed
+    """
+
+    readings: tuple[Reading, ...]
+    logs: tuple[Event, ...]
+    sent: bool = True
+
+    def count(self, level: int) -> int:
+        """Return how many lines have a level."""
+        return sum(entry['level'] == level for entry in self.logs)
+
+
+def sent(run: Run) -> list[Sent]:
+    """Pair every reading of the exam, sent or not, with what was logged after it."""
+    singles: Sequence[Reading] = run.facts['singles']
+    burst: Sequence[Reading] = run.facts['burst']
+    inputs = len(run.recording.of('input'))
+    groups = [
+        Sent((reading,), tuple(run.recording.logs(after_input=number)), number < inputs)
+        for number, reading in enumerate(singles)
+    ]
+    if burst:
+        logs: list[Event] = []
+        for number in range(len(singles), len(singles) + len(burst)):
+            logs += run.recording.logs(after_input=number)
+        groups.append(Sent(tuple(burst), tuple(logs), inputs == len(singles) + len(burst)))
+    return groups
+
+
+def cool_groups(run: Run) -> list[Sent]:
+    """Return the groups of proper readings in Celsius that deserve no warning."""
+    return [
+        group
+        for group in sent(run)
+        if all(one.unit == 'Celsius' and not one.odd and not one.hot for one in group.readings)
+    ]
+
+
+def share_of(run: Run, right: int, all_of_them: int) -> float:
+    """Return the part of the points for what was right before a program ended in mid-run."""
+    if all(group.sent for group in sent(run)) or not all_of_them:
+        return 0.0
+    return round(right / all_of_them, 2)
+
+
+def shown_in(reading: Reading, logs: Sequence[Event], level: int | None) -> bool:
+    """
+    Tell whether a line shows the reading's value, raw or converted, however rounded.
+
+    :param level: of the lines that count, None for any
+    """
+    wanted = [value for value in (reading.value, reading.celsius) if value is not None]
+    for entry in logs:
+        if level is None or entry['level'] == level:
+            # Half of the last place of one decimal, and a little.
+            for text in NUMBER.findall(entry['text']):
+                number = float(text.replace(',', '.'))
+                if any(abs(number - value) <= 0.051 for value in wanted):
+                    return True
+    return False

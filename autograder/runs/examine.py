@@ -1,0 +1,221 @@
+"""
+One exam on one set of files: run it if nobody has yet, then judge the recording.
+
+A recording depends on the files, the scenario and the environment, and on nothing else.  It is
+kept under a digest of the three, so that equal files (an untouched stub handed in by half a class)
+run once, a rerun runs nothing, and a changed check is judged again in milliseconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+import hashlib
+import json
+from pathlib import Path
+import threading
+import time
+
+from autograder.errors import ProbeFailed, RecordingInvalid, SandboxUnavailable
+from autograder.explaining.picture_data import pictures
+from autograder.judging.exam import Exam, Run
+from autograder.judging.flags import flags_of
+from autograder.judging.judge import judge, worth_running
+from autograder.judging.results import CheckResult, ExamResult, Verdict
+from autograder.runs.observe import observe
+from autograder.runs.recording import Event, header, Recording
+from autograder.runs.version import environment_digest
+from autograder.runs.workers import outcome_of, Place, task_of
+from autograder.sandboxes.isolation import not_protected
+from autograder.sandboxes.sandbox import Sandbox
+
+Outcome = tuple[Recording, dict[str, float]]
+"""A recording, and times of the run [s]."""
+_running: dict[str, threading.Lock] = {}
+_running_guard = threading.Lock()
+
+
+def examine(
+    exam: Exam,
+    files: Mapping[str, str],
+    *,
+    sandbox: Sandbox,
+    recordings: Path | None = None,
+    fresh: bool = False,
+    told: Callable[[Event], None] | None = None,
+    place: Place | None = None,
+) -> ExamResult:
+    """
+    Judge a student's files by an exam.
+
+    :param files: relative path to text, only the files that exist
+    :param sandbox: from :func:`autograder.sandboxes.sandbox.strongest`, or ``plain()`` for visible
+        checks
+    :param recordings: folder that keeps recordings; None keeps nothing
+    :param fresh: run even if a recording is kept
+    :param told: called with each event of a run as it happens, if it takes place here
+    :param place: where to run, None for this thread; judged is always here
+    :raises GraderError: for a fault of ours; then there is no verdict
+    """
+    if exam.hidden and not sandbox.keeps_secrets:
+        raise SandboxUnavailable(
+            f'A hidden exam is never run with isolation {sandbox.mode}: it keeps nothing hidden.'
+        )
+    if result := without_recording(exam, files, sandbox.mode):
+        return result
+
+    def run() -> Outcome:
+        return _run(exam, files, sandbox, _observer(exam, files, sandbox, told, place))
+
+    if recordings is None:
+        return judged(exam, files, *run())
+    path = recordings / exam.name / f'{digest(exam, files, sandbox)}.jsonl'
+    with _one_at_a_time(str(path)):
+        recording, timing = _kept_or_run(path, fresh, run)
+    result = judged(exam, files, recording, timing)
+    return replace(result, recording=path.name if path.exists() else '')
+
+
+def judged(
+    exam: Exam,
+    files: Mapping[str, str],
+    recording: Recording,
+    timing: Mapping[str, float] | None = None,
+) -> ExamResult:
+    """
+    Judge files of which a recording was made; nothing is run.
+
+    :param timing: of the run, if it was just made
+    :raises GraderError: if a check itself breaks
+    """
+    began = time.perf_counter()
+    run = Run(files, recording, exam.facts)
+    checks = judge(exam, run)
+    mode = str(recording.header.get('mode', ''))
+    return ExamResult(
+        exam.name,
+        checks,
+        _note(recording),
+        mode,
+        flags_of(recording, exam.scenario),
+        {**(timing or {}), 'judge_s': time.perf_counter() - began},
+        not_protected=not_protected(mode),
+        pictures=pictures(exam, run, checks),
+    )
+
+
+def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamResult | None:
+    """
+    Judge files that need no run, because one is missing or the files alone decide; else None.
+
+    :param mode: isolation mode to name
+    """
+    missing = [name for name in exam.requires if name not in files]
+    if missing:
+        return _without(exam, missing)
+    if worth_running(exam, files):
+        return None
+    return judged(exam, files, Recording(header(exam.name, mode), ()))
+
+
+def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome:
+    # A file made by this process is as fresh as can be: equal files of a class run once.
+    if path.exists() and (not fresh or path in _made_now):
+        try:
+            return Recording.load(path), {}
+        except RecordingInvalid:
+            pass  # damaged or of an older format: it is made again
+    recording, timing = run()
+    # What a limit of time has ended is told once and tried again the next time.
+    if recording.process.get('killed') != 'wall_time_limit':
+        recording.save(path)
+        _made_now.add(path)
+    return recording, timing
+
+
+_made_now: set[Path] = set()
+
+
+def _observer(
+    exam: Exam,
+    files: Mapping[str, str],
+    sandbox: Sandbox,
+    told: Callable[[Event], None] | None,
+    place: Place | None,
+) -> Callable[[], Outcome]:
+    """Return what runs the files once, here or elsewhere."""
+    if place is None:
+        return lambda: observe(exam.name, exam.scenario, files, sandbox, told)
+    task = task_of(exam.name, exam.scenario.to_json(), files, sandbox.mode)
+    return lambda: outcome_of(place.run(task))
+
+
+def _run(
+    exam: Exam, files: Mapping[str, str], sandbox: Sandbox, once: Callable[[], Outcome]
+) -> Outcome:
+    """Run once; if our own infrastructure hit its limit, once more, and say so."""
+    repeated = {}
+    try:
+        recording, timing = once()
+    except ProbeFailed:
+        recording, timing = once()
+        repeated = {'repeated': 1.0}
+    about = {
+        'scenario': exam.scenario_digest()[:32],
+        'files': files_digest(files),
+        'environment': environment_digest(sandbox.ros.python),
+    }
+    return Recording({**recording.header, **about}, recording.events), {**timing, **repeated}
+
+
+def files_digest(files: Mapping[str, str]) -> str:
+    """Return a digest of a student's files, as it stands in a recording's header."""
+    return _digest(json.dumps(sorted(files.items())))
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode('utf-8', 'replace')).hexdigest()[:32]
+
+
+def _one_at_a_time(key: str) -> threading.Lock:
+    with _running_guard:
+        return _running.setdefault(key, threading.Lock())
+
+
+def digest(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> str:
+    """Return the name under which a run is kept."""
+    environment = environment_digest(sandbox.ros.python)
+    parts = (exam.name, exam.scenario_digest(), sandbox.mode, environment, files_digest(files))
+    return _digest('\0'.join(parts))
+
+
+def _without(exam: Exam, missing: list[str]) -> ExamResult:
+    """Return the result when a file is not there: what needs it fails, and says so."""
+    checks = tuple(
+        CheckResult(
+            check=check.name,
+            title=check.title,
+            verdict=Verdict.FAILED if number == 0 else Verdict.NOT_RUN,
+            points=0.0,
+            max_points=check.points,
+            expected=f'the file {", ".join(missing)}' if number == 0 else '',
+            observed='no such cell in the notebook' if number == 0 else '',
+            cause='The cell is missing, empty, or its first line is not the magic line.'
+            if number == 0
+            else '',
+            cause_id='missing_file' if number == 0 else '',
+            try_this='Put the cell back as it was released and write your answer in it.'
+            if number == 0
+            else '',
+            read=exam.read,
+            waits_for='' if number == 0 else exam.checks[0].name,
+        )
+        for number, check in enumerate(exam.checks)
+    )
+    return ExamResult(exam.name, checks, note='Nothing was run: a file is missing.')
+
+
+def _note(recording: Recording) -> str:
+    if recording.in_wall_time:
+        return 'Your program keeps its own time, so it was watched for a few real seconds.'
+    return ''

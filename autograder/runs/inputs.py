@@ -1,0 +1,54 @@
+"""
+Inputs nobody can know beforehand, equal for the whole class, and repeatable.
+
+A value is HMAC-SHA256(course secret, exam name and purpose) turned into numbers, so a submission
+cannot contain its answers, two students get the same questions, and an appeal can be replayed.
+The secret is made once and kept beside the gradebook; ``COURSE_SECRET`` overrides it.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+import hashlib
+import hmac
+import os
+from pathlib import Path
+import random
+import secrets
+
+SECRET_FILE = Path(__file__).parents[1] / '_work' / 'course_secret'
+
+
+@lru_cache(maxsize=1)
+def course_secret() -> bytes:
+    """
+    Return the course's secret, making it on first use.
+
+    The file is created complete and readable by its owner alone; when two graders start at once,
+    the first to link it wins and both read that one.
+    """
+    if 'COURSE_SECRET' in os.environ:
+        return os.environ['COURSE_SECRET'].encode()
+    if not SECRET_FILE.exists():
+        SECRET_FILE.parent.mkdir(parents=True, exist_ok=True)
+        draft = SECRET_FILE.with_name(f'.course_secret.{secrets.token_hex(8)}')
+        draft.touch(mode=0o600)
+        draft.write_text(secrets.token_hex(32), encoding='ascii')
+        try:
+            os.link(draft, SECRET_FILE)
+        except FileExistsError:
+            pass
+        finally:
+            draft.unlink()
+    return SECRET_FILE.read_bytes()
+
+
+def generator(exam: str, purpose: str) -> random.Random:
+    """
+    Return a random generator that belongs to one purpose of one exam.
+
+    :param exam: name of the exam
+    :param purpose: what the numbers are for, so that two uses are independent
+    """
+    digest = hmac.new(course_secret(), f'{exam}/{purpose}'.encode(), hashlib.sha256).digest()
+    return random.Random(digest)  # noqa: S311 - the seed is the secret, not the generator

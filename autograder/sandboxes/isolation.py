@@ -1,0 +1,163 @@
+"""
+The isolation modes by strength, what each of them lacks, and the repair for each refusal.
+
+Everything here is data and words; :mod:`autograder.sandboxes.sandbox` tries the modes out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import os
+from pathlib import Path
+
+SHARED_NETWORK = (
+    'the network is shared: a program can send to other programs on this machine and, over UDP, '
+    'to others, and whoever finds its ROS domain can talk into its run'
+)
+SHARED_USER = (
+    "the program runs as the grader's own user: it can change modes and dates of that user's "
+    "files, and its processes count together with that user's"
+)
+SIGNALS = 'before Linux 6.12 the program can end processes of the same user, the grader included'
+NAMES = 'names and sizes of files can be asked for, although their content cannot be read'
+EVERYTHING = (
+    'nothing is hidden from the program and nothing is protected from it: files, other programs '
+    'and the network are those of the user; only limits of time and memory hold'
+)
+
+
+@dataclass(frozen=True)
+class Mode:
+    """
+    One way of running a program.
+
+    :param what: what it is, in words
+    :param lacks: what it does not protect, empty for full isolation
+    :param keeps_secrets: whether no program can read hidden exams, so that they may be run
+    :param root: whether the grader of a class has to be root, or must not be
+    """
+
+    what: str
+    lacks: tuple[str, ...] = ()
+    keeps_secrets: bool = True
+    root: bool = False
+
+
+MODES = {
+    'bwrap-user': Mode('bubblewrap as a plain user', root=False),
+    'bwrap-root': Mode('bubblewrap from root, with a throw-away user', root=True),
+    'landlock-uid': Mode('Landlock with a throw-away user', (SHARED_NETWORK, NAMES), root=True),
+    'landlock': Mode('Landlock alone', (SHARED_NETWORK, NAMES, SHARED_USER, SIGNALS), root=False),
+    'none': Mode('no isolation', (EVERYTHING,), keeps_secrets=False, root=False),
+}
+"""By strength, best first."""
+
+WEAK = tuple(name for name, mode in MODES.items() if mode.lacks)
+
+
+def permitted(allow_weak: str, root: bool) -> tuple[str, ...]:
+    """Return the weak modes that may be tried: the one that was named and all better ones."""
+    if not allow_weak:
+        return ()
+    enough = WEAK[: WEAK.index(allow_weak) + 1]
+    return tuple(name for name in enough if MODES[name].root == root)
+
+
+def not_protected(mode: str) -> tuple[str, ...]:
+    """Return what a mode lacks, in words; empty for full isolation and for a mode unknown."""
+    return MODES[mode].lacks if mode in MODES else ()
+
+
+def banner(mode: str) -> str:
+    """Return the warning of a weak mode."""
+    lines = [f'WEAK ISOLATION: {MODES[mode].what} ({mode}). One submission at a time.']
+    lines += [f'  - {lack}.' for lack in MODES[mode].lacks]
+    if not MODES[mode].keeps_secrets:
+        lines.append('  Only visible checks are run, and nothing is entered in the gradebook.')
+    return '\n'.join([*lines, '  Every result of this run says so.'])
+
+
+# -- repairs -------------------------------------------------------------------------------
+
+SECTION = 'See environment.md, section "Grading refuses".'
+FIX_MISSING = (
+    'Install bubblewrap 0.8 or newer: sudo apt-get install -y bubblewrap '
+    '(Fedora: sudo dnf install -y bubblewrap).'
+)
+FIX_OLD = (
+    'This bubblewrap is older than 0.8 (Ubuntu 22.04 has 0.6): grade on Debian 12 or Ubuntu 24.04 '
+    'or put a newer bwrap first on the PATH.'
+)
+FIX_APPARMOR = (
+    'AppArmor forbids user namespaces to bubblewrap here. Until the next start: sudo sysctl -w '
+    'kernel.apparmor_restrict_unprivileged_userns=0. For good, a profile for /usr/bin/bwrap: '
+    "printf 'abi <abi/4.0>,\\ninclude <tunables/global>\\nprofile bwrap /usr/bin/bwrap "
+    "flags=(unconfined) {\\n  userns,\\n}\\n' | sudo tee /etc/apparmor.d/bwrap "
+    '&& sudo systemctl reload apparmor. ' + SECTION
+)
+FIX_CLONE = (
+    'This kernel allows user namespaces to root only: sudo sysctl -w '
+    'kernel.unprivileged_userns_clone=1.'
+)
+FIX_COUNT = 'This system allows no user namespace: sudo sysctl -w user.max_user_namespaces=15000.'
+FIX_CONTAINER = (
+    'This is a container whose profile forbids namespaces: start it with --security-opt '
+    'seccomp=unconfined --security-opt apparmor=unconfined --network none. ' + SECTION
+)
+
+
+@dataclass(frozen=True)
+class System:
+    """
+    What the repair depends on; the numbers are those of the kernel's settings, None if absent.
+
+    :param container: whether this looks like a container
+    """
+
+    apparmor_restricts: int | None = None
+    userns_clone: int | None = None
+    max_user_namespaces: int | None = None
+    container: bool = False
+    root: bool = False
+
+    @classmethod
+    def here(cls) -> System:
+        """Look at the running system."""
+
+        def setting(path: str) -> int | None:
+            try:
+                return int(Path('/proc/sys', path).read_text('ascii'))
+            except (OSError, ValueError):
+                return None
+
+        marks = ('/.dockerenv', '/run/.containerenv')
+        return cls(
+            setting('kernel/apparmor_restrict_unprivileged_userns'),
+            setting('kernel/unprivileged_userns_clone'),
+            setting('user/max_user_namespaces'),
+            any(os.path.exists(mark) for mark in marks),
+            os.geteuid() == 0,
+        )
+
+
+def fix_for(said: str, system: System) -> str:
+    """
+    Return the repair for what bubblewrap printed, on this system.
+
+    :param said: its own words
+    """
+    if 'nknown option' in said:
+        return FIX_OLD
+    refused = ('uid map', 'RTM_NEWADDR', 'namespace', 'pivot_root', 'Operation not permitted')
+    if not any(word in said for word in refused):
+        return SECTION
+    if system.container:
+        return FIX_CONTAINER
+    if not system.root:
+        if system.apparmor_restricts:
+            return FIX_APPARMOR
+        if system.userns_clone == 0:
+            return FIX_CLONE
+        if system.max_user_namespaces == 0:
+            return FIX_COUNT
+    return FIX_APPARMOR if 'uid map' in said or 'RTM_NEWADDR' in said else FIX_CONTAINER

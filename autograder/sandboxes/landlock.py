@@ -1,0 +1,147 @@
+"""
+The weaker way: what a program behind Landlock may read, which domain it talks in, who runs it.
+
+The rules are applied by :mod:`autograder.inside.confine`.  A rule opens a whole folder, so
+whatever has to stay closed below an open folder (the course's own nodes, which would be the
+answer) is left out by opening its neighbours one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+import fcntl
+from glob import glob
+import os
+from pathlib import Path
+import platform
+import secrets
+
+from autograder.errors import SandboxUnavailable
+from autograder.inside import confine
+from environment.ros import RosEnvironment
+
+SYSTEM = ('/usr', '/bin', '/sbin', '/lib', '/lib64', '/etc/ld.so.cache', '/etc/alternatives')
+DEVICES = ('/dev/null', '/dev/zero', '/dev/full', '/dev/random', '/dev/urandom')
+SAME_USER_FROM = 3  # before, a program of the same user could cut the user's files short
+PORTS_A_DOMAIN, FIRST_PORT, DOMAINS = 250, 7400, 101
+
+
+def refusal(root: bool) -> tuple[str, str]:
+    """
+    Ask the kernel for Landlock.
+
+    :param root: whether a uid of its own is possible
+    :returns: why it cannot be used, and what to do; twice empty if it can
+    """
+    try:
+        found = confine.version()
+    except OSError as error:
+        what = f'This kernel has no Landlock ({error.strerror}).'
+        fix = 'Add landlock to the kernel parameter lsm=..., or use a kernel from 6.2 on.'
+        return what, fix
+    if not root and found < SAME_USER_FROM:
+        what = f'Landlock {found} cannot protect files against a program of the same user.'
+        return what, 'Use a kernel from 6.2 on.'
+    if not (filter_file().is_file()):
+        return (
+            f'There is no system-call filter for {platform.machine()}.',
+            'Add it with autograder/sandboxes/seccomp/make_filters.py.',
+        )
+    return '', ''
+
+
+def filter_file() -> Path:
+    """Return the system-call filter for this processor."""
+    return Path(__file__).parent / 'seccomp' / f'{platform.machine()}.bpf'
+
+
+def closed_folder(paths: Iterable[str]) -> str:
+    """Return the first folder on the way to some paths that other users may not pass."""
+    for path in paths:
+        for parent in reversed(Path(path).resolve().parents):
+            if parent.is_dir() and not parent.stat().st_mode & 0o001:
+                return str(parent)
+    return ''
+
+
+def readable(ros: RosEnvironment, course_messages: bool) -> tuple[list[str], list[str]]:
+    """
+    Return what a program may read, and the folders of which it may see the names only.
+
+    :param course_messages: whether the course's own built messages are among it
+    """
+    workspace = Path(ros.workspace).parents[1]
+    closed = {workspace}
+    if course_messages:
+        closed = {workspace / name for name in ('build', 'log', 'src')}
+        closed.add(Path(ros.workspace, 'lib', 'temp_monitor_pkg'))
+        package = f'{ros.workspace}/lib/python3*/site-packages/temp_monitor_pkg'
+        closed |= {
+            Path(module)
+            for module in (*glob(f'{package}/*.py'), *glob(f'{package}/__pycache__'))
+            if not module.endswith('__init__.py')
+        }
+    read = list(SYSTEM)
+    names: list[str] = []
+    for path in map(Path, ros.read_only):
+        for opened, whole in _around(path, closed):
+            (read if whole else names).append(str(opened))
+    return read, names
+
+
+def _around(path: Path, closed: set[Path]) -> Iterator[tuple[Path, bool]]:
+    """Yield what to open so that everything but some paths is open, and whether it is whole."""
+    if path in closed:
+        return
+    if not any(path in one.parents for one in closed):
+        yield path, True
+        return
+    yield path, False
+    for child in sorted(path.iterdir()):
+        yield from _around(child, closed)
+
+
+def free_domain(table: str = '/proc/net/udp') -> int:
+    """
+    Return a random ROS domain id in which nobody on this machine is, as far as its ports tell.
+
+    :raises SandboxUnavailable: if all are taken
+    """
+    used = set()
+    for line in Path(table).read_text('ascii').splitlines()[1:]:
+        port = int(line.split()[1].rpartition(':')[2], 16)
+        used.add((port - FIRST_PORT) // PORTS_A_DOMAIN)
+    free = sorted(set(range(1, DOMAINS + 1)) - used)
+    if not free:
+        raise SandboxUnavailable(
+            'On this machine somebody talks in each of the 101 ROS domains.',
+            'End other ROS programs, or use bubblewrap, which needs no free domain.',
+        )
+    return secrets.choice(free)
+
+
+@contextmanager
+def turn() -> Iterator[None]:
+    """Wait until no other run of this user is under way: without a network each, one at a time."""
+    # All gradings have to agree on the file, whatever folder each has for its own.
+    common = os.environ.get('TMPDIR') or '/tmp'
+    path = Path(common, f'ros2-course-runs-{os.geteuid()}.lock')
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def threads_of_user() -> int:
+    """Return how many threads this user has: a limit on processes counts them too."""
+    count = 0
+    for folder in glob('/proc/[0-9]*'):
+        try:
+            if os.stat(folder).st_uid == os.geteuid():
+                count += len(os.listdir(f'{folder}/task'))
+        except OSError:
+            continue  # it has just ended
+    return count

@@ -1,0 +1,447 @@
+"""
+Where student code runs: bubblewrap with namespaces of its own, or what was named to be weaker.
+
+The modes, by strength, and what each lacks are in :mod:`autograder.sandboxes.isolation`.  The two
+isolated ones give the student's process its own mount, pid, network, ipc and uts namespaces, a
+read-only system, sized temporary folders, resource limits and a system-call filter.  Hidden exams,
+the gradebook and other submissions are not hidden there: they do not exist.  Bubblewrap starts
+with an empty environment, because its own process would show ours as ``/proc/1/environ`` inside.
+
+This module only builds command lines and asks the kernel; the namespaces themselves are
+bubblewrap's work.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+import fcntl
+import functools
+from glob import glob
+import itertools
+import json
+import os
+from pathlib import Path
+import platform
+import shutil
+import subprocess
+import sys
+from typing import Any
+
+from autograder.errors import SandboxUnavailable
+from autograder.sandboxes import isolation, landlock
+from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.isolation import fix_for, System
+from autograder.sandboxes.sandbox_trial import try_out
+from environment.ros import ros_environment, RosEnvironment
+
+HERE = Path(__file__).parents[1]
+NS_GET_USERNS = 0xB701  # ioctl_ns(2)
+# A throw-away uid for each sandbox and probe of each grader: limits on processes are per uid.
+_uids = itertools.count(1_000_000_000 + os.getpid() % 100_000 * 10_000)
+
+
+class Sandbox:
+    """
+    One way of confining programs.
+
+    :param mode: see :data:`autograder.sandboxes.isolation.MODES`
+    """
+
+    def __init__(self, mode: str, ros: RosEnvironment | None = None) -> None:
+        """Look up the ROS environment once."""
+        self.mode = mode
+        self.ros = ros or ros_environment()
+
+    @property
+    def isolated(self) -> bool:
+        """Tell whether a program has file systems and a network of its own."""
+        return self.mode in ('bwrap-user', 'bwrap-root')
+
+    @property
+    def keeps_secrets(self) -> bool:
+        """Tell whether hidden exams may be used with this mode."""
+        return isolation.MODES[self.mode].keeps_secrets
+
+    def turn(self) -> AbstractContextManager[None]:
+        """Return what to hold during a run: where the network is shared, one run at a time."""
+        return nullcontext() if self.isolated else landlock.turn()
+
+    # -- command lines ---------------------------------------------------------------------
+
+    def variables(self, program: Program, home: str, domain: int) -> dict[str, str]:
+        """Return the whole environment of a confined program."""
+        chosen = self.ros.variables if program.course_messages else self.ros.base_variables
+        variables = {
+            **chosen,
+            'HOME': home,
+            'ROS_LOG_DIR': f'{home}/log',
+            'ROS_DOMAIN_ID': str(domain),
+            'RMW_IMPLEMENTATION': 'rmw_fastrtps_cpp',
+            'FASTRTPS_DEFAULT_PROFILES_FILE': self.profile,
+            'RCUTILS_COLORIZED_OUTPUT': '0',
+            'LANG': 'C.UTF-8',
+            'OPENBLAS_NUM_THREADS': '1',
+            'PYTHONDONTWRITEBYTECODE': '1',
+            'PYTHONUNBUFFERED': '1',
+            **program.variables,
+        }
+        # The loopback profile above replaces the rmw's own choice of peers and transports.
+        variables.pop('ROS_AUTOMATIC_DISCOVERY_RANGE', None)
+        return variables
+
+    @property
+    def profile(self) -> str:
+        """Return where a confined program finds the Fast DDS profile."""
+        return '/grader/fastdds.xml' if self.isolated else str(HERE / 'fastdds.xml')
+
+    def bwrap(
+        self, program: Program, limits: Limits, descriptors: Sequence[str], *, own_net: bool = True
+    ) -> list[str]:
+        """
+        Return bubblewrap's options for a program.
+
+        They are handed over through a pipe: its command line can be read inside the sandbox.
+
+        :param descriptors: ``--info-fd N`` and the like
+        :param own_net: False for the probe, which is put into the student's network before
+        """
+        root = self.mode == 'bwrap-root'
+        argv = ['--unshare-ipc', '--unshare-pid', '--unshare-uts', '--unshare-cgroup-try']
+        argv += ['--unshare-net'] if own_net else []
+        argv += ['--cap-drop', 'ALL']
+        if root:
+            for capability in ('CAP_SETUID', 'CAP_SETGID', 'CAP_SETPCAP'):
+                argv += ['--cap-add', capability]
+        else:
+            argv += ['--unshare-user', '--disable-userns']
+        argv += ['--die-with-parent', '--new-session', '--hostname', 'box', '--clearenv']
+        argv += self._mounts(program, limits)
+        for name, value in self.variables(program, '/tmp/home', 0).items():
+            argv += ['--setenv', name, value]
+        argv += [*descriptors, '--chdir', '/tmp', '--remount-ro', '/dev', '--remount-ro', '/']
+        return argv
+
+    def command(self, program: Program, limits: Limits) -> list[str]:
+        """Return what bubblewrap starts: the program behind its limits and, as root, its uid."""
+        drop = []
+        if self.mode == 'bwrap-root':
+            uid = str(next(_uids))
+            drop = ['setpriv', '--reuid', uid, '--regid', uid, '--clear-groups']
+            drop += ['--inh-caps=-all', '--ambient-caps=-all', '--bounding-set=-all']
+            drop += ['--no-new-privs', '--']
+        return [*drop, *limits.argv(), *program.argv]
+
+    def _mounts(self, program: Program, limits: Limits) -> list[str]:
+        size = ['--perms', '1777', '--size', str(limits.folder), '--tmpfs']
+        # /tmp comes before binds below it; the root and /dev are made read-only last.
+        argv = [*size, '/tmp', '--ro-bind', '/usr', '/usr']
+        for link in ('bin', 'lib', 'lib64', 'sbin'):
+            if os.path.islink(f'/{link}'):
+                argv += ['--symlink', os.readlink(f'/{link}'), f'/{link}']
+            elif os.path.isdir(f'/{link}'):
+                argv += ['--ro-bind', f'/{link}', f'/{link}']
+        for file in ('/etc/ld.so.cache', '/etc/ld.so.conf', '/etc/alternatives'):
+            argv += ['--ro-bind-try', file, file]
+        binds = {path: path for path in self.ros.read_only}
+        binds[str(HERE / 'fastdds.xml')] = '/grader/fastdds.xml'
+        binds.update(program.binds)
+        for host, inside in binds.items():
+            argv += [*_parents(inside), '--ro-bind', host, inside]
+        argv += self._masks(program)
+        argv += ['--proc', '/proc', '--dev', '/dev', *size, '/dev/shm']
+        return [*argv, '--perms', '1777', '--dir', '/tmp/home']
+
+    def _masks(self, program: Program) -> list[str]:
+        """
+        Hide the course's own nodes, which would be the answer.
+
+        Their message classes stay importable where the program needs them.
+        """
+
+        def hide(folder: str | Path) -> list[str]:
+            # A mount of its own, so it needs its own size and its own "read-only".
+            size = ['--perms', '0555', '--size', '4096', '--tmpfs', str(folder)]
+            return [*size, '--remount-ro', str(folder)]
+
+        if not program.course_messages:
+            return hide(Path(self.ros.workspace).parents[1])
+        argv = []
+        build = Path(self.ros.workspace).parents[1] / 'build'
+        for folder in (build, Path(self.ros.workspace, 'lib', 'temp_monitor_pkg')):
+            argv += hide(folder) if folder.is_dir() else []
+        for module in glob(f'{self.ros.workspace}/lib/python3*/site-packages/temp_monitor_pkg/*'):
+            if module.endswith('__pycache__'):
+                argv += hide(module)
+            elif module.endswith('.py') and not module.endswith('__init__.py'):
+                argv += ['--ro-bind', '/dev/null', module]
+        return argv
+
+    # -- starting --------------------------------------------------------------------------
+
+    def start(self, program: Program, limits: Limits, home: Path) -> Confined:
+        """
+        Start a program of ours, which waits for :meth:`Confined.release`.
+
+        Call it from a thread that lives longer than the program: the kernel ends the sandbox
+        with the thread that started it.
+
+        :param home: an existing empty folder, for modes without file systems of their own
+        :raises SandboxUnavailable: if bubblewrap refuses
+        """
+        if not self.isolated:
+            return self._start_weak(program, limits, home)
+        info_read, info_write = os.pipe()
+        rules = os.open(HERE / 'sandboxes' / 'seccomp' / f'{platform.machine()}.bpf', os.O_RDONLY)
+        descriptors = ['--info-fd', str(info_write), '--seccomp', str(rules)]
+        try:
+            options = self.bwrap(program, limits, descriptors)
+            process = _popen([], options, self.command(program, limits), (info_write, rules))
+        except OSError as error:
+            os.close(info_read)
+            raise SandboxUnavailable(
+                f'bubblewrap did not start: {error}.', isolation.FIX_MISSING
+            ) from error
+        finally:
+            os.close(info_write)
+            os.close(rules)
+        with os.fdopen(info_read) as info:
+            text = info.read()
+        try:
+            pid = json.loads(text)['child-pid']
+            pidfd = os.pidfd_open(pid)
+            net = os.open(f'/proc/{pid}/ns/net', os.O_RDONLY)
+        except (ValueError, OSError) as error:
+            process.kill()
+            _, said = process.communicate()
+            what = said.decode(errors='replace').strip() or str(error)
+            raise SandboxUnavailable(
+                f'bubblewrap refused: {what}.', fix_for(what, System.here())
+            ) from error
+        namespaces = {'net': net}
+        if self.mode == 'bwrap-user':
+            # Not nsenter -t PID: bubblewrap moves on to a nested user namespace.
+            namespaces['user'] = fcntl.ioctl(net, NS_GET_USERNS)
+        return Confined(process, pid, pidfd, namespaces)
+
+    def _start_weak(self, program: Program, limits: Limits, home: Path) -> Confined:
+        domain = landlock.free_domain()
+        argv, variables = self._outside(program, limits, home, domain)
+        if self.mode != 'none':
+            argv = [*self._confine(program, home), *argv]
+        process = subprocess.Popen(argv, env=variables, cwd=home, **_PIPES)
+        confined = Confined(process, process.pid, os.pidfd_open(process.pid), home=home)
+        confined.supervised, confined.domain = self.mode != 'none', domain
+        return confined
+
+    def _outside(
+        self, program: Program, limits: Limits, home: Path, domain: int
+    ) -> tuple[list[str], dict[str, str]]:
+        """Return a program's command line behind its limits, and variables, in host paths."""
+        inside = {guest: host for host, guest in program.binds.items()}
+        variables = {
+            name: _outside(value, inside)
+            for name, value in self.variables(program, str(home), domain).items()
+        }
+        prefix = limits.argv(0 if self.mode == 'landlock-uid' else landlock.threads_of_user())
+        argv = [*prefix, *(_outside(word, inside) for word in program.argv)]
+        return argv, {**variables, 'TMPDIR': str(home)}
+
+    def _confine(self, program: Program, home: Path) -> list[str]:
+        """Return the launcher that puts a program behind Landlock."""
+        uid = next(_uids) if self.mode == 'landlock-uid' else 0
+        if uid:
+            os.chown(home, uid, uid)
+        read, names = landlock.readable(self.ros, program.course_messages)
+        rules = {
+            'uid': uid,
+            'read': [*read, *program.binds, str(HERE / 'fastdds.xml')],
+            'list': names,
+            'write': [str(home), *landlock.DEVICES],
+            'filter': str(landlock.filter_file()),
+        }
+        launcher = str(HERE / 'inside' / 'confine.py')
+        return [self.ros.python, '-I', '-S', launcher, json.dumps(rules)]
+
+    def start_probe(self, student: Confined, home: Path) -> subprocess.Popen[bytes]:
+        """
+        Start the probe in the student's network, apart from the student.
+
+        As root it is confined by a sandbox of its own.  A plain user's probe joins the user
+        namespace, in which no further one can be made; there, Landlock confines it where the
+        kernel has it, and limits and a bare environment are all it has where not.
+
+        :param student: the held program
+        :param home: the student's; the probe's is made beside it
+        """
+        # It works for as long as the program is watched, so the wall clock's limit comes first.
+        limits = Limits(cpu_s=120)
+        argv = (self.ros.python, '/grader/probe.py')
+        fds = tuple(student.namespaces.values())
+        if self.mode == 'bwrap-root':
+            enter = ['nsenter', f'--net=/proc/self/fd/{student.namespaces["net"]}', '--']
+            program = Program(
+                argv, {str(HERE / name): f'/grader/{Path(name).name}' for name in PROBE}
+            )
+            options = self.bwrap(program, limits, (), own_net=False)
+            return _popen(enter, options, self.command(program, limits), fds)
+        own, code = home.parent / 'probe', home.parent / 'code'
+        for folder in (own, code):
+            folder.mkdir(mode=0o755)
+        for name in PROBE:  # Python lists the folder, whose neighbours are no business of it
+            shutil.copy(HERE / name, code)
+        program = Program(argv, {str(code): '/grader'})
+        run, variables = self._outside(program, limits, own, student.domain)
+        variables['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(HERE / 'fastdds.xml')
+        if self.mode != 'none' and not landlock.refusal(root=os.geteuid() == 0)[0]:
+            run = [*self._confine(program, own), *run]
+        if self.mode == 'bwrap-user':
+            enter = ['nsenter', f'--net=/proc/self/fd/{student.namespaces["net"]}']
+            enter += [f'--user=/proc/self/fd/{student.namespaces["user"]}']
+            assign = [f'{name}={value}' for name, value in variables.items()]
+            run = [*enter, '--preserve-credentials', '--', 'env', '-i', *assign, *run]
+            variables = BARE
+        return subprocess.Popen(run, pass_fds=fds, env=variables, cwd=own, **_PIPES)
+
+
+PROBE = (
+    'probe/probe.py',
+    'probe/probe_graph.py',
+    'probe/probe_steps.py',
+    'probe/probe_wire.py',
+    'inside/lean_start.py',
+)
+"""What the probe consists of."""
+BARE = {'PATH': '/usr/bin:/bin'}
+_PIPES: dict[str, Any] = {
+    'stdin': subprocess.PIPE,
+    'stdout': subprocess.PIPE,
+    'stderr': subprocess.PIPE,
+    # A process group of its own, so that it can be ended with all that is just being set up.
+    'start_new_session': True,
+}
+
+
+def _popen(
+    enter: Sequence[str],
+    options: Sequence[str],
+    command: Sequence[str],
+    fds: Sequence[int],
+) -> subprocess.Popen[bytes]:
+    """
+    Start bubblewrap with its options in a pipe.
+
+    :param enter: what comes before it on the command line
+    :param fds: descriptors it inherits
+    """
+    listed, writing = os.pipe()
+    try:
+        # Some 8 KB; a pipe takes 64 KB without a reader.
+        os.write(writing, b'\0'.join(option.encode() for option in options) + b'\0')
+        os.close(writing)
+        argv = [*enter, 'bwrap', '--args', str(listed), '--', *command]
+        return subprocess.Popen(argv, pass_fds=(*fds, listed), env=BARE, **_PIPES)
+    finally:
+        os.close(listed)
+
+
+def _parents(path: str) -> list[str]:
+    """Return options that make a path's parents readable; bubblewrap's own are root's alone."""
+    argv = []
+    for parent in reversed(Path(path).parents):
+        if str(parent) not in ('/', '/tmp', '/usr'):
+            argv += ['--perms', '0755', '--dir', str(parent)]
+    return argv
+
+
+def _outside(text: str, inside: Mapping[str, str]) -> str:
+    """Translate sandbox paths to host paths, for plain mode."""
+    for guest, host in inside.items():
+        if text == guest or text.startswith(f'{guest}/'):
+            return host + text[len(guest) :]
+    return text
+
+
+# -- choosing ------------------------------------------------------------------------------
+
+
+@functools.lru_cache(maxsize=4)
+def strongest(allow_weak: str = '') -> Sandbox:
+    """
+    Return the strongest way that works here, found out by using it.
+
+    :param allow_weak: the weakest mode of :data:`autograder.sandboxes.isolation.WEAK` that is
+        accepted; empty for nothing but isolation
+    :raises SandboxUnavailable: with the exact fix, and the weaker modes that would work
+    """
+    try:
+        return isolated()
+    except SandboxUnavailable as error:
+        refusal = error
+    root = os.geteuid() == 0
+    reasons = []
+    for mode in isolation.permitted(allow_weak, root):
+        try:
+            return weak(mode)
+        except SandboxUnavailable as error:
+            reasons.append(f'{mode}: {error}')
+    offers = isolation.permitted(isolation.WEAK[-1], root) if not allow_weak else ()
+    if offers:
+        reasons.append(
+            f'To accept less, name it: --allow-weak={" or --allow-weak=".join(offers)}.'
+        )
+    raise SandboxUnavailable(refusal.what, ' '.join([refusal.fix, *reasons])) from refusal
+
+
+def isolated() -> Sandbox:
+    """
+    Return the isolated sandbox that works here.
+
+    :raises SandboxUnavailable: with the exact fix
+    """
+    if shutil.which('bwrap') is None:
+        raise SandboxUnavailable('bubblewrap is not installed.', isolation.FIX_MISSING)
+    if not landlock.filter_file().is_file():
+        raise SandboxUnavailable(
+            f'There is no system-call filter for {platform.machine()}.',
+            'Add it with autograder/sandboxes/seccomp/make_filters.py.',
+        )
+    # Never bubblewrap's user namespace as root: the kernel would still see uid 0 inside.
+    sandbox = Sandbox('bwrap-root' if os.geteuid() == 0 else 'bwrap-user')
+    try_out(sandbox)
+    return sandbox
+
+
+def weak(mode: str) -> Sandbox:
+    """
+    Return a weaker sandbox.
+
+    :raises SandboxUnavailable: if it does not work here
+    """
+    sandbox = Sandbox(mode)
+    if mode == 'none':
+        return sandbox
+    what, fix = landlock.refusal(root=mode == 'landlock-uid')
+    if what:
+        raise SandboxUnavailable(what, fix)
+    if mode == 'landlock-uid':
+        needed = (*sandbox.ros.read_only, str(HERE / 'inside'))
+        if folder := landlock.closed_folder(needed):
+            raise SandboxUnavailable(
+                f'{folder} is closed to other users, and Python or the course is below it.',
+                f'Move them, or open the way: chmod o+x {folder}',
+            )
+    try_out(sandbox)
+    return sandbox
+
+
+def plain() -> Sandbox:
+    """Return the way without isolation, for visible checks on one's own code."""
+    return Sandbox('none')
+
+
+if __name__ == '__main__':
+    try:
+        print(f'sandbox: {strongest().mode} works')
+    except SandboxUnavailable as refusal:
+        sys.exit(f'sandbox: {refusal}')

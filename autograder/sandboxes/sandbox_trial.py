@@ -1,0 +1,85 @@
+"""
+Try a sandbox out by using it: a mode counts as working here only if it does what a run needs.
+
+What is tried: inside, rclpy can be imported and the grader cannot be read; from outside, the probe
+finds its way into the sandbox's network.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+import subprocess
+import tempfile
+from typing import TYPE_CHECKING
+
+from autograder.errors import SandboxUnavailable
+from autograder.sandboxes import isolation
+from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.isolation import fix_for, System
+
+if TYPE_CHECKING:
+    from autograder.sandboxes.sandbox import Sandbox
+
+TRIAL = """
+import rclpy, sys
+try:
+    open(sys.argv[1]).close()
+except OSError:
+    print('in')
+else:
+    print('open')
+"""
+
+
+def try_out(sandbox: Sandbox) -> None:
+    """
+    Run a Python that imports rclpy and finds nothing of ours; join its network.
+
+    :raises SandboxUnavailable: if one of these does not work
+    """
+    program = Program((sandbox.ros.python, '-c', TRIAL, __file__))
+    with sandbox.turn(), tempfile.TemporaryDirectory(prefix='trial-') as folder:
+        Path(folder).chmod(0o755)
+        home = Path(folder, 'home')
+        home.mkdir()
+        confined = sandbox.start(program, Limits(wall_s=20), home)
+        try:
+            if sandbox.isolated:
+                _try_to_join(confined)
+            confined.release()
+            try:
+                said, error = confined.process.communicate(timeout=20)
+            except subprocess.TimeoutExpired as late:
+                what = 'rclpy did not import within 20 s.'
+                raise SandboxUnavailable(what, 'Try: make doctor') from late
+        finally:
+            confined.kill()
+    if said.strip() == b'open':
+        raise SandboxUnavailable(
+            f'Isolation {sandbox.mode} lets a program read the grader.', isolation.SECTION
+        )
+    if said.strip() != b'in':
+        tail = ' '.join(error.decode(errors='replace').strip().splitlines()[-1:])
+        raise SandboxUnavailable(
+            f'rclpy does not run with isolation {sandbox.mode}: {tail}.', 'Try: make doctor'
+        )
+
+
+def _try_to_join(confined: Confined) -> None:
+    """Join a sandbox's network as the probe will."""
+    fds = confined.namespaces
+    enter = ['nsenter', f'--net=/proc/self/fd/{fds["net"]}']
+    if 'user' in fds:
+        enter += [f'--user=/proc/self/fd/{fds["user"]}', '--preserve-credentials']
+    joined = subprocess.run(
+        [*enter, '--', 'true'],
+        pass_fds=tuple(fds.values()),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if joined.returncode != 0:
+        raise SandboxUnavailable(
+            f'The probe cannot join the sandbox network: {joined.stderr.strip()}.',
+            fix_for('namespace', System.here()),
+        )

@@ -1,0 +1,1 @@
+"""A class from its inbox to its reports: grading, judging again, statistics, similarity."""

@@ -1,0 +1,122 @@
+"""
+The page of a class: how the marks lie, which checks failed and why, what to look at first.
+
+One HTML file beside the students' pages.  It opens from the disk, loads nothing and needs no
+script; the picture of the marks has its numbers as a table.  Names and causes come from students,
+so everything is escaped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from urllib.parse import quote
+
+from autograder.explaining.feedback import headline, number
+from autograder.exports.files import write_file
+from autograder.judging.results import SubmissionResult
+from autograder.layout import Layout
+from autograder.whole_class.class_results import ClassResults, one_graded
+from autograder.whole_class.class_statistics import (
+    BINS,
+    CheckNumbers,
+    class_numbers,
+    ClassNumbers,
+    Marks,
+)
+from autograder.whole_class.report import _templates, page_name
+from drawing import svg
+
+PAGE = 'class.html'
+WIDTH, HEIGHT = 640, 200
+BASE, TOP, GAP = 160, 28, 8
+"""Lines of the picture [px]: where bars stand, where the highest ends, between two of them."""
+
+
+def write_class_report(layout: Layout, assignment: str, summary: str = '') -> Path:
+    """
+    Write the page of a class from its last results.
+
+    :param assignment: full name
+    :param summary: one sentence about the run
+    :returns: its path
+    :raises GraderError: if the assignment was not graded yet
+    """
+    graded = one_graded(layout, assignment)
+    path = layout.reports / graded.assignment / PAGE
+    page = class_page(graded, class_numbers(layout, graded), summary)
+    write_file(path, page.encode('utf-8', 'replace'), force=True)
+    return path
+
+
+def class_page(graded: ClassResults, numbers: ClassNumbers, summary: str = '') -> str:
+    """Return the page."""
+    from markupsafe import Markup
+
+    marks = numbers.marks
+    return (
+        _templates()
+        .get_template('class_report.html.j2')
+        .render(
+            numbers=numbers,
+            picture=Markup(histogram(marks)) if marks else '',  # noqa: S704 - made of numbers
+            bins=[(_label(marks, place), count) for place, count in enumerate(marks.bins)]
+            if marks
+            else [],
+            exams=_by_exam(numbers.checks),
+            links={one.student: quote(page_name(one.student)) for one in graded.results},
+            flagged=[(one.student, one.flags) for one in graded.results if one.flags],
+            rows=_rows(graded.results),
+            summary=summary,
+        )
+    )
+
+
+def _by_exam(checks: Sequence[CheckNumbers]) -> list[tuple[str, list[CheckNumbers]]]:
+    """Return the checks of each exam, in the order of the exams."""
+    found: dict[str, list[CheckNumbers]] = {}
+    for check in checks:
+        found.setdefault(check.exam, []).append(check)
+    return list(found.items())
+
+
+def histogram(marks: Marks) -> str:
+    """Return the picture of the marks as SVG; the page says the same as a table."""
+    most = max(marks.bins)
+    step = WIDTH / BINS
+    parts = [svg.line(0, BASE, WIDTH, BASE)]
+    for place, count in enumerate(marks.bins):
+        height = (BASE - TOP) * count / most
+        middle = (place + 0.5) * step
+        if count:
+            top = BASE - height
+            parts.append(svg.box(place * step + GAP / 2, top, step - GAP, height, colour=svg.BLUE))
+            parts.append(svg.text(middle, top - 6, str(count), anchor='middle', bold=True))
+        low, high = (number(marks.max_points * edge / BINS) for edge in (place, place + 1))
+        parts.append(svg.text(middle, BASE + 16, f'{low}–{high}', anchor='middle', size=11))
+    parts.append(svg.text(WIDTH / 2, BASE + 34, 'points', anchor='middle', faint=True))
+    words = ', '.join(f'{_label(marks, place)}: {n}' for place, n in enumerate(marks.bins) if n)
+    title = f'How the points of {marks.count} submissions are distributed'
+    return svg.picture(WIDTH, HEIGHT, title, f'Points and how many have them. {words}.', parts)
+
+
+def _label(marks: Marks, place: int) -> str:
+    """Return the points of a bar in words."""
+    low, high = (marks.max_points * edge / BINS for edge in (place, place + 1))
+    if place == BINS - 1:
+        return f'{number(low)} to {number(high)}'
+    return f'{number(low)} to below {number(high)}'
+
+
+def _rows(results: Sequence[SubmissionResult]) -> list[dict[str, object]]:
+    """Return a line a student: for review first, then those with the fewest points."""
+    ordered = sorted(results, key=lambda one: (not one.fault, one.points, one.student))
+    return [
+        {
+            'student': one.student,
+            'points': None if one.fault else one.points,
+            'max_points': one.max_points,
+            'why': headline(one),
+        }
+        for one in ordered
+    ]

@@ -1,0 +1,70 @@
+"""
+What was graded last, for everything that looks at a class as a whole.
+
+Reports, statistics and exports begin here and run nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from autograder.errors import GraderError
+from autograder.judging.results import ExamResult, SubmissionResult
+from autograder.layout import Layout
+from autograder.whole_class.rejudge import last_results, results_file
+
+
+@dataclass(frozen=True)
+class ClassResults:
+    """The last results of one assignment, in the order of the grading."""
+
+    assignment: str
+    results: tuple[SubmissionResult, ...]
+
+
+def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
+    """
+    Return what was graded last.
+
+    :param name: only this assignment; None for every one that was graded
+    :raises GraderError: if it is unknown, or was not graded yet
+    """
+    wanted = layout.assignments() if name is None else (layout.assignment_named(name),)
+    there = [one for one in wanted if results_file(layout, one).is_file()]
+    if not there:
+        raise GraderError(
+            f'{layout.reports}: expected results of {name or "any assignment"}, got none.',
+            'Try: grade the class first, with make grade',
+        )
+    return tuple(ClassResults(one, last_results(layout, one)) for one in there)
+
+
+def one_graded(layout: Layout, name: str) -> ClassResults:
+    """
+    Return what was graded last of one assignment.
+
+    :raises GraderError: if it is unknown, or was not graded yet
+    """
+    (found,) = graded(layout, name)
+    return found
+
+
+def seconds_of(result: SubmissionResult) -> float:
+    """Return how long a submission was run and judged [s]; nearly nothing if it was recorded."""
+    return sum(seconds_of_exam(exam) for exam in result.exams)
+
+
+def seconds_of_exam(exam: ExamResult) -> float:
+    """Return how long an exam was run and judged [s]."""
+    return exam.timing.get('run_s', 0.0) + exam.timing.get('judge_s', 0.0)
+
+
+def was_run(result: SubmissionResult) -> bool:
+    """Tell whether anything was run for it in the last grading, not only read from recordings."""
+    return any(exam.timing.get('run_s') for exam in result.exams)
+
+
+def max_points(results: Sequence[SubmissionResult]) -> float:
+    """Return what the automatic checks of an assignment can give, 0.0 if nobody has a verdict."""
+    return max((result.max_points for result in results if not result.fault), default=0.0)

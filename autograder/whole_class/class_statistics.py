@@ -1,0 +1,236 @@
+"""
+A class in numbers: marks, checks, what took long, what to look at; computed from results alone.
+
+Submissions for review have no mark and count nowhere but in their own list.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from importlib.metadata import PackageNotFoundError, version
+import json
+import math
+from pathlib import Path
+import platform
+import statistics
+from typing import Any
+
+from autograder.explaining.explain import ROS_PACKAGES
+from autograder.judging.results import CheckResult, SubmissionResult, Verdict
+from autograder.layout import Layout
+from autograder.whole_class.class_results import ClassResults, max_points, seconds_of, was_run
+
+BINS = 10
+SLOWEST = 5
+CAUSES = 3
+PACKAGES = ('nbgrader', *ROS_PACKAGES)
+DIGEST_CHARS = 12
+HEADER_BYTES = 4096
+"""Read of a recording, whose first line names what it was made of."""
+
+
+@dataclass(frozen=True)
+class Marks:
+    """
+    How the points are distributed.
+
+    :param bins: how many got 0 to below 10 % of the points, 10 to below 20 %, ..., 90 to 100 %
+    """
+
+    count: int
+    max_points: float
+    mean: float
+    median: float
+    lower_quartile: float
+    upper_quartile: float
+    lowest: float
+    highest: float
+    full: int
+    bins: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class CheckNumbers:
+    """
+    How a class did in one check.
+
+    :param causes: why it failed, the commonest first: words and how often
+    """
+
+    exam: str
+    check: str
+    title: str
+    passed: int
+    failed: int
+    not_run: int
+    max_points: float
+    mean_points: float
+    causes: tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True)
+class ClassNumbers:
+    """
+    Everything about one assignment.
+
+    :param marks: None if nobody has a mark
+    :param review: student, and the grader's fault in words
+    :param flagged: student, and what an instructor should look at
+    :param slowest: student, and how long the runs took [s]
+    :param recorded: how many needed no run in the last grading
+    :param modes: isolation modes
+    :param lacks: what they do not protect
+    :param exams: exam, and digests of its scenario (the seeded inputs) and of the environment
+    :param versions: of what graded, here and now
+    """
+
+    assignment: str
+    submissions: int
+    marks: Marks | None
+    checks: tuple[CheckNumbers, ...]
+    review: tuple[tuple[str, str], ...]
+    flagged: tuple[tuple[str, str], ...]
+    slowest: tuple[tuple[str, float], ...]
+    recorded: int
+    modes: tuple[str, ...]
+    lacks: tuple[str, ...]
+    exams: dict[str, dict[str, tuple[str, ...]]]
+    versions: dict[str, str]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return JSON types only."""
+        return asdict(self)
+
+
+def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
+    """
+    Return a class in numbers.
+
+    :param layout: where the recordings are, whose headers name digests
+    """
+    results = graded.results
+    marked = [result for result in results if not result.fault]
+    exams = [exam for result in results for exam in result.exams]
+    run = sorted(filter(was_run, results), key=seconds_of, reverse=True)
+    return ClassNumbers(
+        assignment=graded.assignment,
+        submissions=len(results),
+        marks=_marks(marked),
+        checks=_checks(marked),
+        review=tuple((one.student, one.fault) for one in results if one.fault),
+        flagged=tuple((one.student, flag) for one in results for flag in one.flags),
+        slowest=tuple((one.student, seconds_of(one)) for one in run[:SLOWEST]),
+        recorded=len(results) - len(run),
+        modes=tuple(sorted({exam.mode for exam in exams if exam.mode})),
+        lacks=tuple(dict.fromkeys(lack for exam in exams for lack in exam.not_protected)),
+        exams=_origins(layout, results),
+        versions=versions(),
+    )
+
+
+def _marks(results: Sequence[SubmissionResult]) -> Marks | None:
+    most = max_points(results)
+    if not results or most <= 0:
+        return None
+    points = sorted(result.points for result in results)
+    bins = [0] * BINS
+    for one in points:
+        # Sums of floats: 40 points in thirds are 39.99999 and still full marks.
+        bins[max(0, min(BINS - 1, math.floor(one / most * BINS + 1e-6)))] += 1
+    low, middle, high = (
+        statistics.quantiles(points, n=4, method='inclusive') if len(points) > 1 else points * 3
+    )
+    return Marks(
+        count=len(points),
+        max_points=most,
+        mean=statistics.fmean(points),
+        median=middle,
+        lower_quartile=low,
+        upper_quartile=high,
+        lowest=points[0],
+        highest=points[-1],
+        full=sum(one >= most - 1e-6 for one in points),
+        bins=tuple(bins),
+    )
+
+
+def _checks(results: Sequence[SubmissionResult]) -> tuple[CheckNumbers, ...]:
+    """Return the numbers of every check, in the order of the exams."""
+    found: dict[tuple[str, str], list[CheckResult]] = {}
+    for result in results:
+        for exam in result.exams:
+            for check in exam.checks:
+                found.setdefault((exam.exam, check.check), []).append(check)
+    return tuple(_check(exam, checks) for (exam, _), checks in found.items())
+
+
+def _check(exam: str, checks: Sequence[CheckResult]) -> CheckNumbers:
+    verdicts = Counter(check.verdict for check in checks)
+    return CheckNumbers(
+        exam=exam,
+        check=checks[0].check,
+        title=checks[0].title,
+        passed=verdicts[Verdict.PASSED],
+        failed=verdicts[Verdict.FAILED],
+        not_run=verdicts[Verdict.NOT_RUN],
+        max_points=max(check.max_points for check in checks),
+        mean_points=statistics.fmean(check.points for check in checks),
+        causes=_causes([check for check in checks if check.verdict is Verdict.FAILED]),
+    )
+
+
+def _causes(failed: Sequence[CheckResult]) -> tuple[tuple[str, int], ...]:
+    """
+    Return the commonest causes in words.
+
+    Causes are counted by their stable name, as the words name lines and values of one student; of
+    the words, the commonest stand for all.
+    """
+    words: dict[str, Counter[str]] = {}
+    for check in failed:
+        text = check.cause or check.observed or 'no cause was found'
+        words.setdefault(check.cause_id or text, Counter())[text] += 1
+    counted = sorted(words.values(), key=lambda texts: -texts.total())
+    return tuple((texts.most_common(1)[0][0], texts.total()) for texts in counted[:CAUSES])
+
+
+def _origins(
+    layout: Layout, results: Sequence[SubmissionResult]
+) -> dict[str, dict[str, tuple[str, ...]]]:
+    """Return for each exam what its recordings were made with; more than one digest is odd."""
+    found: dict[str, dict[str, dict[str, None]]] = {}
+    for result in results:
+        for exam in result.exams:
+            digests = found.setdefault(exam.exam, {'scenario': {}, 'environment': {}})
+            if exam.recording:
+                header = _header(layout.recordings / exam.exam / exam.recording)
+                for name, seen in digests.items():
+                    if name in header:
+                        seen[str(header[name])[:DIGEST_CHARS]] = None
+    return {
+        exam: {name: tuple(seen) for name, seen in digests.items()}
+        for exam, digests in found.items()
+    }
+
+
+def _header(path: Path) -> dict[str, Any]:
+    """Return the first line of a recording, empty if it is not there any more."""
+    try:
+        with path.open('rb') as file:
+            data = json.loads(file.readline(HEADER_BYTES))
+    except (OSError, ValueError):
+        return {}
+    return data if isinstance(data, dict) else {}
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of what grades here."""
+    found = {'python': platform.python_version(), 'kernel': platform.release()}
+    for name in PACKAGES:
+        try:
+            found.setdefault('rclpy' if name in ROS_PACKAGES else name, version(name))
+        except PackageNotFoundError:
+            continue
+    return found

@@ -1,0 +1,152 @@
+"""
+Results for people: one HTML page per student, an index of the class, a table in the terminal.
+
+Names, messages and log lines come from students.  The pages escape everything, allow no script
+and load nothing; the terminal gets no control characters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import json
+from pathlib import Path
+import shutil
+from typing import Any, TYPE_CHECKING
+from urllib.parse import quote
+
+from autograder.explaining.feedback import headline, number, printable
+from autograder.explaining.feedback_html import checks_html
+from autograder.judging.results import ExamResult, SubmissionResult
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+    from rich.console import Console
+
+WHY_CHARS = 160
+
+
+def write_reports(
+    folder: Path, assignment: str, results: Sequence[SubmissionResult], summary: str = ''
+) -> Path:
+    """
+    Write the pages of a class, in place of older ones.
+
+    :param folder: receives ``<assignment>/index.html`` and ``<assignment>/students/``
+    :param summary: one sentence about the whole run
+    :returns: path of the index
+    """
+    pages = folder / assignment
+    if pages.exists():
+        shutil.rmtree(pages)
+    (pages / 'students').mkdir(parents=True)
+    templates = _templates()
+    for result in results:
+        page = templates.get_template('student.html.j2').render(
+            result=result,
+            modes=_modes([result]),
+            lacks=_lacks([result]),
+        )
+        (pages / page_name(result.student)).write_text(page, encoding='utf-8')
+    index = pages / 'index.html'
+    index.write_text(_index(templates, assignment, results, summary), encoding='utf-8')
+    data = json.dumps([result.to_json() for result in results], indent=1)
+    (pages / 'results.json').write_text(data + '\n', encoding='utf-8')
+    return index
+
+
+def _index(
+    templates: Environment, assignment: str, results: Sequence[SubmissionResult], summary: str
+) -> str:
+    """Return the page with all students."""
+    rows = [
+        {
+            'student': result.student,
+            'link': quote(page_name(result.student)),
+            'fault': result.fault,
+            'points': result.points,
+            'max_points': result.max_points,
+            'why': headline(result),
+        }
+        for result in results
+    ]
+    return templates.get_template('index.html.j2').render(
+        assignment=assignment,
+        rows=rows,
+        reviews=sum(bool(result.fault) for result in results),
+        flagged=[(result.student, flag) for result in results for flag in result.flags],
+        modes=_modes(results),
+        lacks=_lacks(results),
+        summary=summary,
+    )
+
+
+def page_name(student: str) -> str:
+    """Return the file of a student's page below the index; any name is safe."""
+    return f'students/{quote(student, safe="").replace("%", "~")}.html'
+
+
+def _modes(results: Sequence[SubmissionResult]) -> list[str]:
+    """Return the isolation modes that were used."""
+    return sorted({exam.mode for result in results for exam in result.exams if exam.mode})
+
+
+def _lacks(results: Sequence[SubmissionResult]) -> list[str]:
+    """Return what the isolation of some runs did not protect, empty where it was whole."""
+    exams = [exam for result in results for exam in result.exams]
+    return list(dict.fromkeys(lack for exam in exams for lack in exam.not_protected))
+
+
+def _templates() -> Environment:
+    """Return our templates, with escaping on for every file name."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    templates = Environment(
+        loader=FileSystemLoader(Path(__file__).parents[1] / 'templates'),
+        autoescape=True,
+        trim_blocks=True,
+        undefined=StrictUndefined,
+        finalize=lambda value: printable(value) if type(value) is str else value,
+    )
+    templates.filters.update(
+        number=number,
+        words=lambda name: str(name).replace('_', ' ').capitalize(),
+        checks=_checks,
+    )
+    return templates
+
+
+def _checks(exam: ExamResult) -> Any:
+    """Return the checks of an exam as HTML, which has escaped all that came from a student."""
+    from markupsafe import Markup
+
+    return Markup(checks_html(exam))  # noqa: S704
+
+
+def print_table(console: Console, assignment: str, results: Sequence[SubmissionResult]) -> None:
+    """Print student, points and first cause; below them what an instructor should look at."""
+    from rich.table import Table
+    from rich.text import Text
+
+    weak = ', '.join(
+        sorted({exam.mode for one in results for exam in one.exams if exam.not_protected})
+    )
+    title = f'{assignment} (WEAK ISOLATION: {weak})' if weak else assignment
+    table = Table(title=title, title_justify='left')
+    table.add_column('Student', overflow='fold')
+    table.add_column('Points', justify='right', no_wrap=True)
+    table.add_column('First cause', overflow='fold')
+    for result in results:
+        points = f'{number(result.points)} of {number(result.max_points)}'
+        why = headline(result).replace('\n', ' ')
+        if len(why) > WHY_CHARS:
+            why = f'{why[: WHY_CHARS - 1]}\N{HORIZONTAL ELLIPSIS}'
+        # Text objects: square brackets in a student's words are no markup here.
+        table.add_row(
+            Text(printable(result.student)),
+            Text('for review', style='bold red') if result.fault else Text(points),
+            Text(why),
+        )
+    console.print(table)
+    for result in results:
+        for flag in result.flags:
+            console.print(Text(printable(f'flag: {result.student}: {flag}')))
