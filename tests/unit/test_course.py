@@ -139,7 +139,7 @@ class TestThisCourse:
         names = list(course.bundled_files(Layout.here()))
 
         assert any(name.startswith('autograder/exams/visible/') for name in names)
-        for part in ('hidden', 'solutions', 'submissions', '_work', 'gradebook'):
+        for part in ('hidden', 'solutions', 'submissions', '_work', 'gradebook.db'):
             assert not [name for name in names if part in name], part
 
     def test_nbgrader_is_told_the_same_folders(self):
