@@ -299,13 +299,15 @@ class Probe:
     def call(self, name: str, patience_s: float) -> bool:
         """Do one round trip to a node's get_parameters service; False if it does not answer."""
         deadline = self.patience_s + patience_s
+        waited = False
         while self.patience_s <= deadline:
             client = self.client_of(name)
             ready = client is not None and client.service_is_ready()
             future = client.call_async(client.srv_type.Request()) if ready else None
             # Always the same time: with another one, rclpy forgets what else it found ready, and
-            # asks for all of it again.
-            pause_s = 0.05 if future else 0.02
+            # asks for all of it again. Longer after a while: who wants the processor often is
+            # often found waiting for it, and that time counts for nobody.
+            pause_s = (RESEND_S if waited else 0.05) if future else 0.02
             resend = time.monotonic() + (RESEND_S if future else pause_s)
             while time.monotonic() < resend:
                 self.spin(pause_s)
@@ -315,6 +317,7 @@ class Probe:
                     raise Stop('student_exited')
             if future is not None:
                 client.remove_pending_request(future)
+                waited = True
         return False
 
     def barrier(self, rounds: int) -> None:

@@ -31,6 +31,7 @@ from autograder.sandboxes.sandbox import HERE, Sandbox
 KEPT_OUTPUT = 64 * 1024
 LARGEST_RECORDING = 32 << 20
 WATCH_EVERY_S = 0.05
+MOST_SLEPT_S = 0.25  # that one look can find; the shortest wait that decides anything takes four
 # What the probe is told, see probe.py.
 TICK, QUIET, EXITED = b't', b'q', b'e'
 BUSY_S = 3.0  # processor time without a node: imports take 0.3 s, and a slow machine thrice that
@@ -276,8 +277,9 @@ class _Watched:
         passed, self.looked = now - self.looked, now
         resident, seconds = usage(self.student.pid) if self.exit is None else (0, self.cpu_s)
         used, self.cpu_s = max(0.0, seconds - self.cpu_s), max(self.cpu_s, seconds)
-        # If it was this process that did not look for long, nobody else is to blame.
-        passed = min(passed, 2 * WATCH_EVERY_S)
+        # If it was this process that did not look for long, nobody else is to blame; only of a
+        # program that used nothing meanwhile is it known that it slept.
+        passed = min(passed, 2 * WATCH_EVERY_S if used else MOST_SLEPT_S)
         before = int(self.own_s / WATCH_EVERY_S)
         # A program's time is what it computes and what it sleeps. While it, or our probe, wants a
         # processor and does not get it, the machine is busy and nobody is late.

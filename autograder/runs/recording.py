@@ -96,10 +96,33 @@ class Recording:
         return list(found)
 
     @cached_property
+    def _proven(self) -> Sequence[Event]:
+        """
+        Return the events that are evidence: all, if the program answered to the end.
+
+        What came in the step at which it stopped answering is left out.  It was not waited for
+        to the end, so how much of it there is, is luck.
+        """
+        after, stopped = None, False
+        for event in self.events:
+            if event['event'] == 'unresponsive':
+                clock_ns, stopped = event['clock_ns'], True
+                break
+            after = event['index'] if event['event'] == 'input' else after
+        if not stopped:
+            return self.events
+        return [
+            event
+            for event in self.events
+            if event['event'] not in ('message', 'log')
+            or (event['clock_ns'], event.get('after_input')) != (clock_ns, after)
+        ]
+
+    @cached_property
     def _by_kind(self) -> dict[str, list[Event]]:
         """Return the events by their kind: checks ask a hundred times."""
         kinds: dict[str, list[Event]] = {}
-        for event in self.events:
+        for event in self._proven:
             kinds.setdefault(event['event'], []).append(event)
         return kinds
 
@@ -119,7 +142,7 @@ class Recording:
         :param name: see :class:`autograder.runs.scenario.Mark`
         """
         inside, events = False, []
-        for event in self.events:
+        for event in self._proven:
             if event['event'] == 'mark':
                 inside = event['name'] == name
             if inside:

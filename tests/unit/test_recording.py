@@ -150,3 +150,28 @@ class TestFile:
         with pytest.raises(OSError, match='No space'):
             SAMPLE.save(tmp_path / 'r.jsonl')
         assert list(tmp_path.iterdir()) == []
+
+
+def test_what_came_as_the_program_stopped_answering_is_no_evidence():
+    """How many lines an endless callback writes before the grader gives up is luck."""
+
+    def line(clock_ns, after_input):
+        return {'event': 'log', 'clock_ns': clock_ns, 'after_input': after_input, 'level': 20}
+
+    events = (
+        {'event': 'mark', 'clock_ns': 1, 'name': 'whole'},
+        {'event': 'input', 'clock_ns': 1, 'index': 0},
+        line(1, 0),
+        {'event': 'input', 'clock_ns': 1, 'index': 1},
+        line(1, 1),
+        line(1, 1),
+        {'event': 'unresponsive', 'clock_ns': 1, 'node': '/n'},
+        {'event': 'end', 'clock_ns': 1, 'reason': 'unresponsive'},
+    )
+    stopped = Recording({}, events)
+    answered = Recording({}, events[:-2])
+
+    assert [entry['after_input'] for entry in stopped.logs()] == [0]
+    assert [entry['after_input'] for entry in stopped.phase('whole').logs()] == [0]
+    assert len(stopped.events) == len(events)
+    assert len(answered.logs()) == 3

@@ -10,6 +10,7 @@ two listeners of ours join, one at the start and one after the surveys: both ask
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 
 from autograder.judging.causes import why_no_endpoint, why_silent
 from autograder.judging.checks import require_endpoint, require_node, require_qos, SECOND
@@ -222,7 +223,10 @@ def _why_many(run: Run, found: Sequence[str]) -> Cause | None:
 
 
 def _shown(texts: Sequence[str]) -> str:
-    return ', '.join(repr(text[:40]) for text in texts[:6]) or 'no map'
+    # How often a loop repeats one before we leave is luck.
+    found = [(repr(text[:40]), len(list(same))) for text, same in groupby(texts)]
+    shown = [text if count == 1 else f'{text} again and again' for text, count in found]
+    return ', '.join(shown[:6]) or 'no map'
 
 
 def build(surveys: Sequence[str]) -> Exam:

@@ -9,13 +9,11 @@ Deserves: 0
 import os
 
 for folder, _, names in os.walk('/'):
-    if folder.startswith(('/proc', '/sys', '/usr')):
+    if folder.startswith(('/proc', '/sys', '/usr')) or 'site-packages' in folder:
         continue
     for name in names:
         path = os.path.join(folder, name)
-        if 'site-packages' not in folder and (
-            '/exams/' in path or name in ('gradebook.db', 'course_secret')
-        ):
+        if '/exams/' in path or name in ('gradebook.db', 'course_secret'):
             print('FOUND', path)
         if name.endswith(('.py', '.json', '.db', '.ipynb', '.xml')):
             try:
