@@ -159,7 +159,7 @@ def _rejudge(chosen: argparse.Namespace) -> int:
 
 def _explain(chosen: argparse.Namespace) -> int:
     """Show the evidence."""
-    from autograder.explaining.explain import evidence, evidence_text
+    from autograder.whole_class.explain import evidence, evidence_text
 
     found = evidence(
         Layout.here(), chosen.student, chosen.check, chosen.assignment, chosen.submitted

@@ -26,6 +26,8 @@ AROUND = (
     'sandboxes/sandbox.py',
 )
 """What runs programs, beside what runs in the sandbox."""
+ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')
+"""Names under which rclpy may be installed."""
 TASKS = 1
 """Format of what :mod:`autograder.runs.workers` sends and gets."""
 

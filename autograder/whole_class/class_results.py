@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+import json
+from pathlib import Path
 
 from autograder.errors import GraderError
 from autograder.judging.results import ExamResult, SubmissionResult
 from autograder.layout import Layout
-from autograder.whole_class.rejudge import last_results, results_file
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,28 @@ class ClassResults:
 
     assignment: str
     results: tuple[SubmissionResult, ...]
+
+
+def results_file(layout: Layout, assignment: str) -> Path:
+    """Return where the last results of an assignment are."""
+    return layout.reports / assignment / 'results.json'
+
+
+def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...]:
+    """
+    Return what was graded last.
+
+    :raises GraderError: if the file is not what a report wrote
+    """
+    path = results_file(layout, assignment)
+    try:
+        data = json.loads(path.read_text(encoding='utf-8'))
+        return tuple(SubmissionResult.from_json(one) for one in data)
+    except (ValueError, KeyError, TypeError) as error:
+        raise GraderError(
+            f'{path}: expected results as a report writes them, got {type(error).__name__}.',
+            'Try: grade again',
+        ) from error
 
 
 def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:

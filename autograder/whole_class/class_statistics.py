@@ -17,9 +17,9 @@ import platform
 import statistics
 from typing import Any
 
-from autograder.explaining.explain import ROS_PACKAGES
 from autograder.judging.results import CheckResult, SubmissionResult, Verdict
 from autograder.layout import Layout
+from autograder.runs.version import ROS_PACKAGES
 from autograder.whole_class.class_results import ClassResults, max_points, seconds_of, was_run
 
 BINS = 10

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-import json
 from pathlib import Path
 import time
 from typing import Any
@@ -24,6 +23,7 @@ from autograder.layout import Layout
 from autograder.runs.examine import files_digest, judged, without_recording
 from autograder.runs.recording import Recording
 from autograder.sandboxes.isolation import MODES
+from autograder.whole_class.class_results import last_results, results_file
 from autograder.whole_class.inbox import discover
 from autograder.whole_class.pipeline import Engine, Graded, Lesson, load_lesson, open_one
 
@@ -169,28 +169,6 @@ def rejudge_command(
             account = replace(account, written=_write(layout, lesson, account))
         accounts.append(account)
     return accounts, FOR_REVIEW if any(one.incomplete for one in accounts) else OK
-
-
-def results_file(layout: Layout, assignment: str) -> Path:
-    """Return where the last results of an assignment are."""
-    return layout.reports / assignment / 'results.json'
-
-
-def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...]:
-    """
-    Return what was graded last.
-
-    :raises GraderError: if the file is not what a report wrote
-    """
-    path = results_file(layout, assignment)
-    try:
-        data = json.loads(path.read_text(encoding='utf-8'))
-        return tuple(SubmissionResult.from_json(one) for one in data)
-    except (ValueError, KeyError, TypeError) as error:
-        raise GraderError(
-            f'{path}: expected results as a report writes them, got {type(error).__name__}.',
-            'Try: grade again',
-        ) from error
 
 
 def rejudge(layout: Layout, lesson: Lesson, submitted: Path) -> Account:

@@ -15,10 +15,10 @@ from autograder import __main__ as command
 from autograder import exams, sample_class
 from autograder.errors import GraderError
 from autograder.exams.visible.temperature_publisher import build
-from autograder.explaining.explain import evidence, evidence_text, MOST_LINES, WIDEST
 from autograder.judging.exam import Exam, Failed
 from autograder.layout import Layout
 from autograder.sandboxes.sandbox import strongest
+from autograder.whole_class.explain import evidence, evidence_text, MOST_LINES, WIDEST
 from autograder.whole_class.inbox import discover
 from autograder.whole_class.pipeline import grade_class, load_lesson, SandboxEngine
 from autograder.whole_class.rejudge import NothingRuns, rejudge, rejudge_command

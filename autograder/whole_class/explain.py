@@ -25,15 +25,16 @@ from autograder.layout import Layout
 from autograder.live import live_line
 from autograder.runs.examine import files_digest
 from autograder.runs.recording import Event, Recording
+from autograder.runs.version import ROS_PACKAGES
+from autograder.whole_class.class_results import last_results, results_file
 from autograder.whole_class.inbox import discover
 from autograder.whole_class.pipeline import Lesson, load_lesson, open_one
-from autograder.whole_class.rejudge import again, last_results, NothingRuns, results_file
+from autograder.whole_class.rejudge import again, NothingRuns
 
 BEFORE, AFTER, INPUTS = 6, 4, 3
 LAST_WORDS = 4
 MOST_LINES = 40
 WIDEST = 120
-ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')
 HOW = {
     'named': 'the check names this moment',
     'looked_at': 'the check gave up at this event',
