@@ -69,8 +69,13 @@ c.HTMLExporter.filters = {
     'clean_html': 'autograder.gradebook.nbgrader_plugin.safe_output',
 }
 # Our own page for students: nothing is loaded from elsewhere, and it is readable in the dark.
-# Formgrader names its own template.
-c.HTMLExporter.template_name = 'feedback_page'
-c.HTMLExporter.extra_template_basedirs = [
+# HTMLExporter itself is left alone: formgrader uses it, with a template of its own.
+c.GenerateFeedback.exporter_class = 'autograder.gradebook.nbgrader_plugin.FeedbackExporter'
+c.GenerateFeedback.preprocessors = [
+    'autograder.gradebook.nbgrader_plugin.GradesToShow',
+    'nbconvert.preprocessors.CSSHTMLHeaderPreprocessor',
+]
+c.FeedbackExporter.template_name = 'feedback_page'
+c.FeedbackExporter.extra_template_basedirs = [
     str(Path(find_spec('autograder').origin).parent / 'templates')
 ]

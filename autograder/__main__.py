@@ -1,5 +1,5 @@
 """
-The grader on the command line: ``python -m autograder grade | check | sample-class``.
+The grader on the command line; COMMAND --help says more about each.
 
 Exit codes: 0 everything has a verdict, 1 some submissions are for review, 2 the command cannot
 be done (its arguments, or our own fault), 130 stopped by Ctrl-C.

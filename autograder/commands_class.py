@@ -17,6 +17,7 @@ from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.exports.gradescope import VISIBILITIES
 from autograder.exports.marks import AUTOMATIC, GRADEBOOK, Mark, marks, SOURCES
+from autograder.judging.results import shortened
 from autograder.layout import Layout
 from autograder.sandboxes.isolation import MODES, WEAK
 from autograder.whole_class.class_results import ClassResults, graded, one_graded
@@ -171,7 +172,7 @@ def stats_text(numbers: ClassNumbers) -> str:
             f'  {check.failed:6}  {check.not_run:7}  {mean:>11}  {check.exam}/{check.check}'
         )
         for words, count in check.causes[:1]:
-            words = ' '.join(words.split())[:CAUSE_CHARS]
+            words = shortened(' '.join(words.split()), CAUSE_CHARS)
             lines.append(f'{"":33}{count} of {check.failed}: {words}')
     lines += [f'  flag: {student}: {flag}' for student, flag in numbers.flagged]
     lines += [f'  slowest: {student}: {seconds:.1f} s' for student, seconds in numbers.slowest]

@@ -16,7 +16,7 @@ from typing import Any
 
 from autograder.errors import GraderError
 from autograder.explaining.feedback import printable
-from autograder.judging.results import ExamResult
+from autograder.judging.results import ExamResult, shortened
 
 NAME_CHARS = 30
 
@@ -75,7 +75,9 @@ class Totals:
     def slowest_text(self) -> str:
         """Return who took longest in a few words, empty if nothing was run."""
         student, took = self.slowest
-        return f'slowest {printable(student)[:NAME_CHARS]} {took:.1f} s' if student else ''
+        if not student:
+            return ''
+        return f'longest in runs {shortened(printable(student), NAME_CHARS)}, {took:.1f} s'
 
 
 @contextmanager

@@ -145,12 +145,12 @@ def _reason(
         return 'expected here, and nothing is there'
     if not any(end['type'] == type_name for end in ends):
         return f'expected {type_name}, but yours is {ends[0]["type"][:LONGEST_NAME]}'
+    about = [event for event in run.recording.events if event.get('topic') == topic]
     refused = [
-        event
-        for event in run.recording.events
-        if event.get('topic') == topic
-        and (event['event'] == 'not_connected' or event.get('refused'))
+        event for event in about if event['event'] == 'not_connected' or event.get('refused')
     ]
+    if any(event['event'] == 'offered' and event['matched'] for event in about):
+        refused = []  # of several publishers of ours, one that offers too little on purpose
     if _about_qos(result) or refused:
         qos = ends[0]['qos']
         yours = f'yours is {qos["reliability"]}, {qos["durability"]}'

@@ -130,6 +130,8 @@ def timeline_words(picture: Mapping[str, Any]) -> str:
         if times:
             word = 'at numbers' if picture['unit'] == 'input' else 'from'
             where = f' {word} {times[0]:g} to {times[-1]:g}{unit}'
+            if not row.get('every_s') and len(times) < row['count']:
+                where = f', {len(times)} of them shown,{where}'
         said.append(f'{_short(row["label"])}: {_amount(row)}{where}')
     at = picture.get('deviation')
     if at is not None:

@@ -22,12 +22,17 @@ from typing import Any
 
 import bleach
 from bleach.css_sanitizer import CSSSanitizer
-from nbconvert.exporters import NotebookExporter
+from nbconvert.exporters import HTMLExporter, NotebookExporter
 from nbconvert.filters import markdown2html
 from nbformat import from_dict, NotebookNode
 from nbformat.v4 import new_output
 from nbgrader import utils
-from nbgrader.preprocessors import ClearSolutions, NbGraderPreprocessor, SaveAutoGrades
+from nbgrader.preprocessors import (
+    ClearSolutions,
+    GetGrades,
+    NbGraderPreprocessor,
+    SaveAutoGrades,
+)
 from traitlets import Unicode
 from traitlets.utils.importstring import import_item
 
@@ -41,6 +46,8 @@ from autograder.layout import Layout
 from autograder.whole_class.inbox import read_file
 from autograder.whole_class.pipeline import Engine, grade_opened, Lesson, load_lesson
 
+NO_RESPONSE = 'No response.'  # what nbgrader itself says of an untouched answer
+LOST = 'What you wrote here could not be found in what was handed in; a note below says why.'
 _STUBS = {
     'node': f'# {UNSOLVED}\nraise NotImplementedError()',
     'rosmsg': f'# {UNSOLVED}',
@@ -169,6 +176,37 @@ def from_node(notebook: NotebookNode) -> Opened:
     """Undo :func:`to_node`."""
     noted = notebook.metadata.get('autograder', {}).get('problems', [])
     return Opened(notebook, tuple(Problem.from_json(problem) for problem in noted))
+
+
+class FeedbackExporter(HTMLExporter):
+    """Makes our page for students; formgrader has HTMLExporter and its own template."""
+
+
+class GradesToShow(GetGrades):
+    """nbgrader's GetGrades, which also says what a person has yet to look at."""
+
+    _lost: frozenset[str] = frozenset()
+
+    def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
+        """Put scores and comments into a notebook."""
+        problems = from_node(nb).problems
+        self._lost = frozenset(cell for problem in problems for cell in problem.cells)
+        nb, resources = super().preprocess(nb, resources)
+        return nb, resources
+
+    def _get_score(self, cell: NotebookNode, resources: Resources) -> None:
+        super()._get_score(cell, resources)
+        marks = cell.metadata.nbgrader
+        grade = self.gradebook.find_grade(
+            marks['grade_id'], self.notebook_id, self.assignment_id, self.student_id
+        )
+        marks['waits'] = bool(grade.needs_manual_grade)
+
+    def _get_comment(self, cell: NotebookNode, resources: Resources) -> None:
+        super()._get_comment(cell, resources)
+        marks = cell.metadata.nbgrader
+        if marks['grade_id'] in self._lost and marks['comment'] == NO_RESPONSE:
+            marks['comment'] = LOST
 
 
 class GradeOutside(NbGraderPreprocessor):

@@ -8,12 +8,12 @@ says which file each cell has to be, so a learner who edits the magic line is to
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from autograder.handed_in.cells import CellFile, CellSyntaxError, first_line, parse_cell
 from autograder.handed_in.submission import marks_of, Notebook, Opened
-from autograder.judging.results import Problem
+from autograder.judging.results import ExamResult, Problem, SubmissionResult
 
 CHECK_PREFIX = 'check_'
 """The check cell of an exam has this and the exam's name as its grade id."""
@@ -89,6 +89,33 @@ def extract(
                 files[found.path] = found.body
         result[exam.name] = ExamFiles(files, tuple(problems))
     return result
+
+
+def with_reasons(result: SubmissionResult, exams: Iterable[ExamCells]) -> SubmissionResult:
+    """
+    Say of answers that are not there that a note has the reason, where one has.
+
+    :param result: with the problems that were found in what was handed in
+    """
+    cells = {exam.name: set(exam.cells) for exam in exams}
+    return replace(
+        result, exams=tuple(_with_reason(one, cells[one.exam], result) for one in result.exams)
+    )
+
+
+def _with_reason(exam: ExamResult, cells: set[str], result: SubmissionResult) -> ExamResult:
+    reasons = [one for one in result.problems if cells & set(one.cells)]
+    checks = tuple(
+        replace(
+            check,
+            cause='The answer could not be found in what was handed in; the note says why.',
+            try_this=f'{reasons[0].try_this[:1].upper()}{reasons[0].try_this[1:]}.',
+        )
+        if reasons and check.cause_id == 'missing_file'
+        else check
+        for check in exam.checks
+    )
+    return replace(exam, checks=checks)
 
 
 def _read(

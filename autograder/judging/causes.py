@@ -61,6 +61,13 @@ def why_it_ended(run: Run) -> Cause | None:
     if code == 0:
         return _why_over_at_once('\n'.join(run.files.values()))
     if code is not None and _EXIT.search('\n'.join(run.files.values())):
+        if not recording.nodes:
+            return Cause(
+                'ends_itself',
+                f'The program ends itself, with exit code {code}, before it has a node.',
+                'Take out the exit() that comes first; a node is also started with arguments of '
+                'ROS, such as --ros-args, so how many there are is no mistake.',
+            )
         return Cause(
             'ends_itself',
             f'The program ends itself, with exit code {code}.',

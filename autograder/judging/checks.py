@@ -353,7 +353,7 @@ def why_not_logged(run: Run, found: Sequence[Event], level: int) -> Cause | None
     if words and not run.recording.logs(level=level):
         return Cause(
             'print_instead_of_logger',
-            'Something is printed; print() reaches this terminal and nobody else.',
+            'Something is printed; print() reaches its own terminal and nobody else.',
             f'Use self.get_logger().{CALLS[level]}(...): it also goes to the topic /rosout.',
         )
     return None

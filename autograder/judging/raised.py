@@ -403,13 +403,18 @@ def _field_cause(trace: Traceback) -> Cause | None:
             'ros2 interface show PACKAGE/msg/TYPE lists the fields.',
         )
     found = MESSAGE_FIELD.match(trace.error)
-    messages = (names.split() for home, names in HOMES.items() if home.endswith('.msg'))
-    known = {name for names in messages for name in names} - trace.own
+    homes = {
+        name: home.removesuffix('.msg')
+        for home, names in HOMES.items()
+        if home.endswith('.msg')
+        for name in names.split()
+    }
+    known = homes.keys() - trace.own
     # No field begins with an underscore: rclpy took the message for something else.
     if found and found[1] in known and not found[2].startswith('_'):
         return Cause(
             'no_field',
             f'A {found[1]} has no field {found[2]}, which is used{trace.where}.',
-            'ros2 interface show PACKAGE/msg/TYPE lists the fields.',
+            f'ros2 interface show {homes[found[1]]}/msg/{found[1]} lists the fields.',
         )
     return None

@@ -20,6 +20,15 @@ class Verdict(str, Enum):
     NOT_RUN = 'NOT_RUN'
 
 
+def shortened(text: str, most: int = 60) -> str:
+    """
+    Return a text, or its beginning and a sign that there is more.
+
+    :param most: length of what is returned [characters]
+    """
+    return text if len(text) <= most else f'{text[: most - 1]}\N{HORIZONTAL ELLIPSIS}'
+
+
 @dataclass(frozen=True)
 class Problem:
     """

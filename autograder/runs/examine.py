@@ -198,7 +198,9 @@ def _without(exam: Exam, missing: list[str]) -> ExamResult:
             verdict=Verdict.FAILED if number == 0 else Verdict.NOT_RUN,
             points=0.0,
             max_points=check.points,
-            expected=f'the file {", ".join(missing)}' if number == 0 else '',
+            expected=f'{"the files" if len(missing) > 1 else "the file"} {", ".join(missing)}'
+            if number == 0
+            else '',
             observed='no such cell in the notebook' if number == 0 else '',
             cause='The cell is missing, empty, or its first line is not the magic line.'
             if number == 0

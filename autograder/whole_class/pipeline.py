@@ -20,7 +20,7 @@ import time
 from typing import Protocol, TYPE_CHECKING
 
 from autograder.errors import defect, ExamInvalid, GraderError
-from autograder.handed_in.extract import answer_files, ExamFiles, extract
+from autograder.handed_in.extract import answer_files, ExamFiles, extract, with_reasons
 from autograder.handed_in.submission import Notebook, open_submission, Opened, read_release
 from autograder.judging.results import ExamResult, SubmissionResult
 from autograder.layout import Layout
@@ -293,7 +293,7 @@ def _assemble(
     problems = [*opened.problems]
     for exam in lesson.exams:
         problems += files[exam.name].problems
-    return SubmissionResult(
+    result = SubmissionResult(
         student=student,
         assignment=lesson.assignment,
         exams=tuple(done),
@@ -301,3 +301,4 @@ def _assemble(
         fault=' '.join(dict.fromkeys(faults)),
         noticed=opened.flags,
     )
+    return with_reasons(result, lesson.exams)

@@ -16,7 +16,7 @@ from typing import Any
 
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.explaining.feedback import number, printable
-from autograder.handed_in.extract import ExamFiles, extract
+from autograder.handed_in.extract import ExamFiles, extract, with_reasons
 from autograder.judging.exam import Exam
 from autograder.judging.results import CheckResult, ExamResult, SubmissionResult
 from autograder.layout import Layout
@@ -217,7 +217,7 @@ def _judge_again(
         if result is None:
             return Rejudged(before.student, before, before, kept=f'{exam.name}: {kept}')
         results.append(result)
-    after = replace(before, exams=tuple(results), fault='')
+    after = with_reasons(replace(before, exams=tuple(results), fault=''), lesson.exams)
     changed = [change for result in results for change in changes(old.get(result.exam), result)]
     return Rejudged(before.student, before, after, tuple(changed))
 

@@ -16,7 +16,7 @@ from urllib.parse import quote
 
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html
-from autograder.judging.results import ExamResult, SubmissionResult
+from autograder.judging.results import ExamResult, shortened, SubmissionResult
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -137,9 +137,7 @@ def print_table(console: Console, assignment: str, results: Sequence[SubmissionR
     table.add_column('First cause', overflow='fold')
     for result in results:
         points = f'{number(result.points)} of {number(result.max_points)}'
-        why = headline(result).replace('\n', ' ')
-        if len(why) > WHY_CHARS:
-            why = f'{why[: WHY_CHARS - 1]}\N{HORIZONTAL ELLIPSIS}'
+        why = shortened(headline(result).replace('\n', ' '), WHY_CHARS)
         # Text objects: square brackets in a student's words are no markup here.
         table.add_row(
             Text(printable(result.student)),

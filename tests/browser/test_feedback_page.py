@@ -80,10 +80,8 @@ def failing(name: str) -> CheckResult:
 @pytest.fixture(scope='module')
 def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a page of feedback as nbgrader writes it for this course."""
-    from nbconvert.exporters import HTMLExporter
-
     from autograder.gradebook.converters import load_config
-    from autograder.gradebook.nbgrader_plugin import _score, _told
+    from autograder.gradebook.nbgrader_plugin import _score, _told, FeedbackExporter
     from autograder.layout import Layout
 
     result = ExamResult(
@@ -109,7 +107,7 @@ def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
     notebook = new_notebook(cells=[heading, node, check])
     nbformat.validate(notebook)
     told = {'notebook': 'topics', 'score': 1.0, 'max_score': 6.0, 'late_penalty': 0.5}
-    exporter = HTMLExporter(config=load_config(Layout(ROOT)))
+    exporter = FeedbackExporter(config=load_config(Layout(ROOT)))
     page, _ = exporter.from_notebook_node(notebook, resources={'nbgrader': told})
     path = tmp_path_factory.mktemp('feedback') / 'topics.html'
     path.write_text(page, encoding='utf-8')

@@ -118,3 +118,33 @@ def test_autograde_button_of_formgrader_gives_the_score(lab: Lab, page: Any, sho
     expect(row.locator('.score')).to_have_text('37 / 45')
     page.screenshot(path=shots / 'scores.png')
     assert page.errors == []
+
+
+def test_formgrader_shows_a_submission_takes_a_mark_and_makes_feedback(
+    lab: Lab, page: Any, shots: Path
+) -> None:
+    """The instructor's evening after grading: read, mark what is written, give it back."""
+    from playwright.sync_api import expect
+
+    student = 'to_be_marked'
+    hand_in(lab, student)
+    page.goto(lab.url())
+    page.goto(f'{lab.address}formgrader/manage_submissions/{ASSIGNMENT}')
+    row = page.locator('tr', has_text=student)
+    row.locator('.autograde a').click(timeout=OPEN_MS)
+    answer = page.locator('.modal:visible')
+    expect(answer).to_contain_text('Successfully autograded', timeout=CELL_MS)
+    answer.get_by_role('button', name='OK').click()
+    expect(answer).to_be_hidden()
+
+    name = NOTEBOOK.removesuffix('.ipynb')
+    page.goto(f'{lab.address}formgrader/gradebook/{ASSIGNMENT}/{name}')
+    page.locator('tbody tr .name a').last.click(timeout=OPEN_MS)
+    expect(page.locator('body')).to_contain_text('publishes exactly once per second')
+    page.screenshot(path=shots / 'submission.png', full_page=True)
+
+    page.goto(f'{lab.address}formgrader/manage_submissions/{ASSIGNMENT}')
+    row.locator('.generate-feedback a').click(timeout=OPEN_MS)
+    expect(answer).to_contain_text('Successfully generated feedback', timeout=CELL_MS)
+    folder = lab.course / 'autograder' / '_work' / 'feedback' / student / ASSIGNMENT
+    assert 'Checks: temperature publisher' in (folder / f'{name}.html').read_text('utf-8')

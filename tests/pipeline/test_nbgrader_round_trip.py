@@ -234,6 +234,27 @@ def test_the_autograde_button_of_formgrader_grades_outside_too(course):
     assert grades(course) == wanted
 
 
+def test_formgraders_buttons_show_a_submission_and_make_feedback(graded_by_command):
+    """Its own template is found beside ours, and ours is used for students."""
+    from nbconvert.exporters import HTMLExporter
+    from nbgrader.apps.api import NbGraderAPI
+    from nbgrader.coursedir import CourseDirectory
+
+    from autograder.gradebook.converters import load_config
+
+    course, _ = graded_by_command
+    config = load_config(course)
+    api = NbGraderAPI(CourseDirectory(config=config), config=config)
+    page = course.work / 'feedback' / 'bob' / ASSIGNMENT / NOTEBOOK.replace('.ipynb', '.html')
+    page.unlink()
+
+    made = api.generate_feedback(ASSIGNMENT, 'bob', force=True)
+
+    assert made['success'], made
+    assert '>likely cause</dt>' in page.read_text(encoding='utf-8')
+    assert HTMLExporter(config=config).template_name != 'feedback_page'
+
+
 class TestRecord:
     """What ``python -m autograder grade`` writes."""
 

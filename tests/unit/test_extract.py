@@ -6,8 +6,15 @@ from dataclasses import dataclass
 
 import pytest
 
-from autograder.handed_in.extract import answer_files, extract
+from autograder.handed_in.extract import answer_files, extract, with_reasons
 from autograder.handed_in.submission import Opened, rebuild, StudentCell
+from autograder.judging.results import (
+    CheckResult,
+    ExamResult,
+    Problem,
+    SubmissionResult,
+    Verdict,
+)
 
 
 @dataclass(frozen=True)
@@ -105,3 +112,20 @@ def test_a_wrong_first_line_is_told_with_the_right_one(source, got):
 def test_blank_lines_above_the_magic_line_are_fine():
     """They are easy to add and mean nothing."""
     assert files_of(talker='\n\n%%node talker\nx = 1')['talker'].files == {'talker.py': 'x = 1\n'}
+
+
+def test_an_answer_that_is_not_there_points_to_the_note_that_says_why():
+    """A file that ends in the middle has no cell to put back."""
+
+    def result(exam):
+        missing = {'cause': 'The cell is missing.', 'cause_id': 'missing_file'}
+        check = CheckResult('runs', 'It runs.', Verdict.FAILED, 0, 1, **missing)
+        return ExamResult(exam, (check,))
+
+    cut = Problem('x.ipynb', 'a whole file', 'one that ends', 'hand in again', ('talker',))
+    before = SubmissionResult('ann', 'a', (result('message'), result('talker')), (cut,))
+    message, talker = with_reasons(before, EXAMS).exams
+
+    assert message.checks[0].cause == 'The cell is missing.'
+    assert 'the note says why' in talker.checks[0].cause
+    assert talker.checks[0].try_this == 'Hand in again.'

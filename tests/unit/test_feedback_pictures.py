@@ -11,12 +11,12 @@ import pytest
 from autograder.explaining import picture_data
 from autograder.explaining.feedback_html import exam_html
 from autograder.explaining.picture_data import MOST_TIMES, pictures
-from autograder.explaining.picture_svg import picture_html
+from autograder.explaining.picture_svg import picture_html, timeline_words
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.judge import judge
 from autograder.judging.results import ExamResult
 from autograder.runs.recording import Recording
-from autograder.runs.scenario import Advance, Feed, Scenario
+from autograder.runs.scenario import Advance, Feed, Offer, Qos, Scenario
 
 TOPIC, TYPE = '/lab/chatter', 'std_msgs/msg/String'
 SECOND = 1_000_000_000
@@ -132,6 +132,23 @@ class TestGraph:
             'expected reliability RELIABLE, observed reliability BEST_EFFORT'
         )
 
+    @pytest.mark.parametrize('matched', [True, False])
+    def test_a_publisher_that_is_meant_to_be_refused_is_no_mistake(self, matched):
+        """Where another one of ours is heard, the subscription asks for the right thing."""
+        facts = {'event': 'offered', 'clock_ns': 0, 'topic': '/scan'}
+        lazy = {**facts, 'publisher': 'lazy', 'matched': False, 'refused': ['DEADLINE']}
+        right = {**facts, 'publisher': 'right', 'matched': matched, 'refused': []}
+        failure = Failed(expected='a WARN line for a missed deadline of scan', observed='none')
+        offers = tuple(Offer(name, '/scan', TYPE, Qos()) for name in ('lazy', 'right'))
+        picture = drawn(
+            recorded(lazy, right, ends=[end(), end('/scan', kind='subscription')]),
+            failure,
+            steps=(*offers, Advance(1.0)),
+        )
+        arrows = picture['arrows'] if picture and picture['kind'] == 'graph' else []
+
+        assert any('does not fit' in arrow['remark'] for arrow in arrows) is not matched
+
     def test_a_value_in_a_message_needs_no_picture(self):
         """All is connected, and nothing was late."""
         failure = Failed(expected="unit 'Celsius' in every message", observed='others')
@@ -155,6 +172,15 @@ class TestTimeline:
         assert (picture['unit'], picture['deviation']) == ('seconds', 3.0)
         assert (due['what'], due['times'][:3]) == ('expected', [0.1, 1.1, 2.1])
         assert (came['label'], came['times'], came['count']) == (TOPIC, [1.1, 2.1, 4.1], 3)
+
+    def test_words_tell_the_part_that_is_shown_from_the_whole(self):
+        """A hundred messages of which few are in the picture are not a hundred in its seconds."""
+        failure = Failed(**RATE, at=30 * SECOND, every_s=1.0)
+        picture = drawn(recorded(*(said(one) for one in range(1, 60))), failure)
+        words = timeline_words(picture)
+        shown = len(picture['rows'][1]['times'])
+
+        assert f'59 in all, {shown} of them shown, from' in words
 
     def test_silence_is_a_row_too(self):
         """The expected ticks above nothing."""

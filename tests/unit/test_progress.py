@@ -38,7 +38,7 @@ class TestTotals:
             totals.add(one)
 
         assert totals.slowest == ('ann', 2.5)
-        assert totals.slowest_text() == 'slowest ann 2.5 s'
+        assert totals.slowest_text() == 'longest in runs ann, 2.5 s'
 
     def test_nobody_is_slow_where_nothing_was_run(self):
         """A rerun has no slowest."""

@@ -91,7 +91,7 @@ class TestPages:
         text = read(tmp_path / '01_talker' / page_name('ann')).text
         about = text.partition('About the grading')[2]
         assert 'bwrap-user' in about
-        assert 'run_s 0.50' in about
+        assert 'run for 0.5 s' in about
         assert 'Flag: odd' in about
 
     @pytest.mark.parametrize('place', ['student', 'observed', 'problem', 'fault', 'flag'])

@@ -27,6 +27,7 @@ from autograder.judging.checks import (
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.own_time import is_flood
+from autograder.judging.results import shortened
 from autograder.runs.recording import Event, INFO, WARN
 from autograder.runs.scenario import Advance, Await, Scenario
 
@@ -123,7 +124,7 @@ def lines_are_numbered(run: Run) -> None:
         if number not in numbers_in(entry):
             raise Failed(
                 expected=f'the number {number} in line {number}',
-                observed=f'{entry["text"][:60]!r}',
+                observed=repr(shortened(entry['text'])),
                 why=_why_not_one_line(run.facts['simulated_s'], found)
                 or _why_misnumbered(number, found),
             )

@@ -28,6 +28,7 @@ from autograder.judging.checks import (
     why_not_logged,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.results import shortened
 from autograder.runs.recording import ERROR, Event, INFO, Recording, WARN
 from autograder.runs.scenario import Await, Feed, Leave, Look, Mark, Offer, Qos, Scenario
 
@@ -118,7 +119,7 @@ def _why_not_shown(run: Run, index: int) -> Cause | None:
     if other:
         return Cause(
             'number_not_shown',
-            f'The INFO line is {other[:60]!r}: the number is not in it, or it is rounded.',
+            f'The INFO line is {shortened(other)!r}: the number is not in it, or it is rounded.',
             "Log the number as it came: self.get_logger().info(f'{message.data} m').",
         )
     return why_not_logged(run, then, INFO)
@@ -147,7 +148,7 @@ def warns_of_silence(run: Run) -> None:
     if early:
         raise Failed(
             expected='no WARN line before the sensor has fallen silent',
-            observed=repr(str(early[0]['text'])[:80]),
+            observed=repr(shortened(str(early[0]['text']), 80)),
             why=_why_default(early)
             or Cause(
                 'warns_of_something_else',
@@ -232,7 +233,7 @@ def names_the_policy(run: Run) -> None:
     if not any(policy in errors[0].upper() for policy in policies):
         raise Failed(
             expected=f'the name {" or ".join(policies)} in the ERROR line',
-            observed=repr(errors[0][:80]),
+            observed=repr(shortened(errors[0], 80)),
             why=Cause(
                 'policy_not_named',
                 'The line does not say which policy failed.',

@@ -16,6 +16,7 @@ from autograder.judging.causes import close_name, why_no_endpoint, why_no_node, 
 from autograder.judging.checks import require_messages, require_period, require_qos
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.own_time import names_another_clock
+from autograder.judging.results import shortened
 from autograder.runs.recording import Event
 from autograder.runs.scenario import Advance, Scenario
 
@@ -178,7 +179,7 @@ def counts_its_greetings(run: Run) -> None:
         if text != f'hello {number}':
             raise Failed(
                 expected=f'the text {f"hello {number}"!r} in message {number - first + 1}',
-                observed=repr(text[:60]),
+                observed=repr(shortened(text)),
                 why=_why_text(texts, text, number),
             )
 

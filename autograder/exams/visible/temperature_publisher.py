@@ -107,7 +107,7 @@ def publishes_once_per_second(run: Run) -> None:
         expected=expected,
         observed=observed,
         why=why,
-        at=wrong * SECOND,
+        at=_moment_of(found, wrong),
         every_s=1.0,
     )
 
@@ -147,11 +147,22 @@ def _first_wrong_second(clocks_ns: list[int], seconds: int) -> int | None:
     The timer fires on the first clock step at or after each whole second; a step is a quarter
     second, and a message may be taken one step late.
     """
-    nearest = [round(clock / SECOND - 0.25) for clock in clocks_ns]
+    nearest = _seconds_of(clocks_ns)
     for second in range(1, seconds + 1):
         if nearest.count(second) != 1:
             return second
     return 0 if any(not 1 <= second <= seconds for second in nearest) else None
+
+
+def _seconds_of(clocks_ns: list[int]) -> list[int]:
+    """Return the whole second that each message is nearest to, after it."""
+    return [round(clock / SECOND - 0.25) for clock in clocks_ns]
+
+
+def _moment_of(clocks_ns: list[int], second: int) -> int:
+    """Return when a wrong second shows [ns]: at its second message, or when its first was due."""
+    own = [clock for clock, near in zip(clocks_ns, _seconds_of(clocks_ns)) if near == second]
+    return own[1] if len(own) > 1 else second * SECOND
 
 
 def _once_per_second_in_wall_time(run: Run) -> None:

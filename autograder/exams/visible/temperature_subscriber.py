@@ -10,6 +10,7 @@ warning; does not warn for NaN; uses the node's logger.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 import math
 
 from autograder.judging.causes import why_silent
@@ -109,7 +110,7 @@ def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Ca
     ):
         return Cause(
             'print_instead_of_logger',
-            'The readings are printed; print() reaches this terminal and nobody else.',
+            'The readings are printed; print() reaches its own terminal and nobody else.',
             'Use self.get_logger().info(...): it also goes to the topic /rosout.',
         )
     if group is not None and len(group.readings) > 1:
@@ -185,7 +186,7 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
     if 'WARN' in printed and 'WARN' not in logged and not run.recording.logs(level=WARN):
         return Cause(
             'print_instead_of_logger',
-            'The warning is printed; print() reaches this terminal and nobody else.',
+            'The warning is printed; print() reaches its own terminal and nobody else.',
             'Use self.get_logger().warning(...).',
         )
     if run.recording.logs(level=WARN):
@@ -287,6 +288,14 @@ def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
     )
 
 
+def _why_no_error(run: Run) -> Cause | None:
+    """Explain that nothing at all is logged, in words about a line that says what is wrong."""
+    why = _why_not_logged(run, None, None)
+    if why is None or why.cause_id != 'print_instead_of_logger':
+        return why
+    return replace(why, try_this='Use self.get_logger().error(...) for a unit you do not know.')
+
+
 def reports_an_unknown_unit(run: Run) -> None:
     """An unknown unit gives an ERROR line, no warning, and the node goes on."""
     groups = [group for group in sent(run) if group.readings[0].celsius is None]
@@ -297,7 +306,7 @@ def reports_an_unknown_unit(run: Run) -> None:
                 observed=f'{_lines(group.count(ERROR), "ERROR")}, '
                 f'{_lines(group.count(WARN), "WARN")}',
                 why=(
-                    (why_silent(run) if run.recording.logs() else _why_not_logged(run, None, None))
+                    (why_silent(run) if run.recording.logs() else _why_no_error(run))
                     or Cause(
                         'unknown_unit',
                         'A number without a known unit cannot be compared with 30 °C.',
