@@ -187,6 +187,7 @@ class TestCommands:
         assert set(pages) == {'ann', 'bob', 'cut', 'fay', 'mal'}
         assert '>likely cause</dt>' in pages['bob']
         assert '>right failed</dd>' in pages['bob']
+        assert 'not yet graded, 5 points at most' in pages['ann']
         assert 'ends in the middle' in pages['cut']
         assert 'For review' in pages['fay']
         assert SCRIPT not in pages['mal']
