@@ -181,7 +181,7 @@ class TestPool:
         """A pool of the standard library would wait for ever."""
         code = (
             'import sys; sys.path[:0] = sys.argv[2:]; '
-            'import test_places; from autograder import workers; '
+            'import test_places; from autograder.runs import workers; '
             'workers.run_task = test_places.hangs; '
             'workers.Pool(1).run(sys.argv[1].encode())'
         )

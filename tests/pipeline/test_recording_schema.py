@@ -41,7 +41,7 @@ def test_the_schema_is_one():
 def test_it_has_the_events_that_the_probe_writes_and_the_words_that_describe_them():
     """A new event is in all three places."""
     source = ''.join(
-        path.read_text(encoding='utf-8') for path in sorted(ROOT.glob('autograder/probe*.py'))
+        path.read_text(encoding='utf-8') for path in sorted(ROOT.glob('autograder/probe/*.py'))
     )
     written = set(re.findall(r"\.emit\(\s*'(\w+)'", source))
 
