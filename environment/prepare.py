@@ -218,7 +218,6 @@ def install_packages(plan: Plan, job: Job) -> None:
         env,
         'compileall',
     )
-    install_files.copy_cmake_files(places)
     install_files.silence_colcon(places)
     stamps.write_stamp(places, 'packages', digest)
 
@@ -229,6 +228,7 @@ def build_workspace(plan: Plan, job: Job) -> None:
     if not (places.package / 'package.xml').is_file():
         raise StepError(f'{places.package}: expected the ROS package, found no package.xml')
     digest = plan.digest('workspace')
+    install_files.copy_cmake_files(places)
     if places.workspace.exists():
         shutil.rmtree(places.workspace)
     places.workspace.mkdir(parents=True)

@@ -55,8 +55,11 @@ def digest_of_files(paths: Iterable[Path], root: Path) -> str:
 
 
 def package_digest(places: Places) -> str:
-    """Return the digest of the sources of the course's ROS package."""
-    return digest_of_files(files_below(places.package), places.project)
+    """Return the digest of the sources of the course's ROS package, and of what builds it."""
+    return digest_of(
+        digest_of_files(files_below(places.package), places.project),
+        digest_of_files(files_below(PROJECT / 'environment' / 'cmake'), PROJECT),
+    )
 
 
 def whole_digest(places: Places) -> str:

@@ -36,6 +36,8 @@ GROUPS = {
 }
 ELSEWHERE = ('action', 'bag', 'component', 'control', 'doctor', 'launch', 'multicast', 'security')
 """Commands of a full installation that are not here, to be told from typing mistakes."""
+SHUT_DOWN = 'the given context is not valid'
+"""What rcl says of anything that is made after Ctrl-C; we shut no context down before the end."""
 
 
 def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
@@ -96,11 +98,13 @@ def main(arguments: Sequence[str]) -> Outcome:
         return verb(parsed)
     except KeyboardInterrupt:
         return int(signal.SIGINT)
-    except RuntimeError as problem:
+    except Exception as problem:
         # What rclpy raises when Ctrl-C has shut its context down is no error of the user's.
-        if type(problem).__name__ == 'ExternalShutdownException':
+        if type(problem).__name__ == 'ExternalShutdownException' or SHUT_DOWN in str(problem):
             return int(signal.SIGINT)
-        return str(problem)
+        if isinstance(problem, RuntimeError):
+            return str(problem)
+        raise
 
 
 def run_command(arguments: Sequence[str]) -> NoReturn:

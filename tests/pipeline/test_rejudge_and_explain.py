@@ -233,7 +233,7 @@ class TestExplain:
         found = evidence(layout, 'fail__two_hertz', 'publishes_once_per_second')
 
         assert found['deviation']['how'] == 'the check names this moment'
-        assert found['deviation']['clock_ns'] == 1_100_000_000
+        assert found['deviation']['clock_ns'] == 1_600_000_000  # the second of that second
 
     def test_a_program_that_died_is_shown_with_its_last_words(self, layout, now):
         """They explain, and the end of the run is the moment."""
