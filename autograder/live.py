@@ -13,6 +13,7 @@ from typing import Any
 
 from autograder.explaining.feedback import printable
 from autograder.judging.checks import LEVELS
+from autograder.judging.results import shortened
 from autograder.runs.recording import Event
 
 WIDEST = 110
@@ -30,7 +31,7 @@ def live_line(event: Event) -> str:
     if not what:
         return ''
     line = printable(' '.join(f'{clock(event)}  {what}'.split('\n')))
-    return line if len(line) <= WIDEST else f'{line[: WIDEST - 1]}\N{HORIZONTAL ELLIPSIS}'
+    return shortened(line, WIDEST)
 
 
 def clock(event: Event) -> str:

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 import textwrap
 from typing import Any
 
+from autograder.judging.results import shortened
 from drawing import svg
 from drawing.graph_layout import arrange, Arrow, Spot
 
@@ -146,7 +147,7 @@ def _amount(row: Mapping[str, Any]) -> str:
 
 
 def _short(name: str) -> str:
-    return name if len(name) <= _LABEL else f'{name[: _LABEL - 1]}\N{HORIZONTAL ELLIPSIS}'
+    return shortened(name, _LABEL)
 
 
 # -- who is connected with whom --------------------------------------------------------------

@@ -189,10 +189,9 @@ class GradesToShow(GetGrades):
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
         """Put scores and comments into a notebook."""
-        problems = from_node(nb).problems
-        self._lost = frozenset(cell for problem in problems for cell in problem.cells)
-        nb, resources = super().preprocess(nb, resources)
-        return nb, resources
+        self._lost = from_node(nb).missing
+        found: Step = super().preprocess(nb, resources)
+        return found
 
     def _get_score(self, cell: NotebookNode, resources: Resources) -> None:
         super()._get_score(cell, resources)

@@ -20,7 +20,7 @@ from autograder.explaining.feedback import number, printable
 from autograder.handed_in.extract import extract
 from autograder.judging.deviation import Deviation, deviation
 from autograder.judging.exam import Check, Exam, Run
-from autograder.judging.results import CheckResult, ExamResult, SubmissionResult
+from autograder.judging.results import CheckResult, ExamResult, shortened, SubmissionResult
 from autograder.layout import Layout
 from autograder.live import live_line
 from autograder.runs.examine import files_digest
@@ -261,10 +261,7 @@ def evidence_text(found: Mapping[str, Any]) -> str:
     :param found: from :func:`evidence`
     """
     lines = [*_verdict_lines(found), '', *_seen_lines(found), '', *_origin_lines(found)]
-    short = [
-        line if len(line) <= WIDEST else f'{line[: WIDEST - 1]}\N{HORIZONTAL ELLIPSIS}'
-        for line in printable('\n'.join(lines)).split('\n')
-    ]
+    short = [shortened(line, WIDEST) for line in printable('\n'.join(lines)).split('\n')]
     return '\n'.join(short[:MOST_LINES])
 
 
