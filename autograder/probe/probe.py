@@ -37,18 +37,17 @@ lean()  # before anything of ROS
 
 from builtin_interfaces.msg import Time
 from probe_graph import Graph  # type: ignore[import-not-found]  # beside this file
+from probe_round_trips import RoundTrips  # type: ignore[import-not-found]
 from probe_steps import STEPS, Stop  # type: ignore[import-not-found]
 from probe_wire import load_type, qos_profile, to_json  # type: ignore[import-not-found]
 from rcl_interfaces.msg import Log
-from rcl_interfaces.srv import GetParameters
 import rclpy
 from rclpy.context import Context
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node, NodeNameNonExistentError
+from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
-from type_description_interfaces.srv import GetTypeDescription
 
 NANOSECONDS = 1_000_000_000
 # What the grader says while the scenario runs, one byte each: the program had another TICK_S of
@@ -57,11 +56,9 @@ NANOSECONDS = 1_000_000_000
 TICK, QUIET, EXITED = b't', b'q', b'e'
 TICK_S = 0.05
 LEAVE_S = 2.0
-RESEND_S = 0.5  # a request lost while endpoints still match; about one run in a hundred
 LONGEST_EVENT = 65536  # characters of one message's JSON; longer ones are recorded by their size
 MOST_EVENTS = 20000
 MOST_AT_ONCE = 200  # of a topic; of those we watch, a reader holds a hundred
-DESCRIBE = (GetTypeDescription, 'get_type_description')
 # rclpy's own warnings about endpoints that do not fit are read by nobody here; without them there
 # is a third of the entities to wait for.
 SILENT_PUBLISHER = PublisherEventCallbacks(use_default_callbacks=False)
@@ -89,7 +86,7 @@ class Probe:
         self.student_exited = False
         self.quiet = False
         self.patience_s = 0.0
-        self.clients: dict[str, Any] = {}
+        self.trips = RoundTrips(self)
         self.asked: set[str] = set()
         self.late_s = scenario['first_answer_s']  # for all nodes together that come later
         self.unreachable: set[str] = set()
@@ -202,9 +199,9 @@ class Probe:
     def spin(self, seconds: float) -> None:
         """Handle what has arrived; wait at most this long for something to arrive."""
         self.executor.spin_once(timeout_sec=seconds)
-        self._hear_grader(0)
+        self.hear_grader(0)
 
-    def _hear_grader(self, seconds: float) -> None:
+    def hear_grader(self, seconds: float) -> None:
         """Read what the grader says, if it says something: see TICK, QUIET and EXITED."""
         if not select.select([0], [], [], seconds)[0]:
             return
@@ -221,7 +218,7 @@ class Probe:
         self.quiet = False
         self.write({'event': 'is_it_quiet'})
         while not self.quiet and not self.student_exited:
-            self._hear_grader(1.0)
+            self.hear_grader(1.0)
 
     def drain(self) -> None:
         """
@@ -272,53 +269,9 @@ class Probe:
     def ask_first(self, name: str, patience_s: float) -> None:
         """Ask a node for a first answer; one that gives none is not asked again."""
         self.asked.add(name)
-        if not self.call(name, patience_s):
+        if not self.trips.ask(name, 1, patience_s):
             self.unreachable.add(name)
         self.emit('barrier', node=name, answered=name not in self.unreachable)
-
-    def client_of(self, name: str) -> Any:
-        """
-        Return our client of a service that every node has, or None while none is known.
-
-        A node made without parameter services still describes its types (REP 2016); both are
-        answered by the node's own executor, which is what a barrier needs.
-        """
-        if name not in self.clients:
-            namespace, _, base = name.rpartition('/')
-            try:
-                known = self.node.get_service_names_and_types_by_node(base, namespace or '/')
-            except NodeNameNonExistentError:
-                return None
-            names = {service for service, _ in known}
-            for kind, service in ((GetParameters, 'get_parameters'), DESCRIBE):
-                if f'{name}/{service}' in names:
-                    self.clients[name] = self.node.create_client(kind, f'{name}/{service}')
-                    break
-        return self.clients.get(name)
-
-    def call(self, name: str, patience_s: float) -> bool:
-        """Do one round trip to a node's get_parameters service; False if it does not answer."""
-        deadline = self.patience_s + patience_s
-        waited = False
-        while self.patience_s <= deadline:
-            client = self.client_of(name)
-            ready = client is not None and client.service_is_ready()
-            future = client.call_async(client.srv_type.Request()) if ready else None
-            # Always the same time: with another one, rclpy forgets what else it found ready, and
-            # asks for all of it again. Longer after a while: who wants the processor often is
-            # often found waiting for it, and that time counts for nobody.
-            pause_s = (RESEND_S if waited else 0.05) if future else 0.02
-            resend = time.monotonic() + (RESEND_S if future else pause_s)
-            while time.monotonic() < resend:
-                self.spin(pause_s)
-                if future is not None and future.done():
-                    return True
-                if self.student_exited:
-                    raise Stop('student_exited')
-            if future is not None:
-                client.remove_pending_request(future)
-                waited = True
-        return False
 
     def barrier(self, rounds: int) -> None:
         """
@@ -339,10 +292,9 @@ class Probe:
                 self.late_s -= self.patience_s - before
             if name in self.unreachable:
                 continue
-            for _ in range(rounds):
-                if not self.call(name, self.scenario['answer_s']):
-                    self.emit('unresponsive', node=name)
-                    raise Stop('unresponsive')
+            if not self.trips.ask(name, rounds, self.scenario['answer_s']):
+                self.emit('unresponsive', node=name)
+                raise Stop('unresponsive')
 
     def settle(self, in_flight: int) -> None:
         """Run barriers until a round brings no further log or message."""
@@ -362,9 +314,7 @@ class Probe:
 
         Announcements are in order, so the answer to a client made last proves all earlier ones.
         """
-        for client in self.clients.values():
-            self.node.destroy_client(client)
-        self.clients.clear()
+        self.trips.forget()
         self.barrier(1)
         self.drain()
 

@@ -55,9 +55,11 @@ class Threads:
     def run(self) -> bool:
         """Tell whether a thread runs or waits for a processor."""
         for file in self.files.values():
-            with suppress(OSError):  # it has ended
+            try:
                 if os.pread(file, 512, 0).rpartition(b')')[2][1:2] == b'R':
                     return True
+            except OSError:
+                continue  # it has ended
         return False
 
     def wait_until_quiet(self, patience_s: float = 0.05) -> bool:
@@ -137,10 +139,18 @@ def _family(pid: int) -> Iterator[int]:
         yield current
         try:
             for task in os.listdir(f'/proc/{current}/task'):
-                children = Path(f'/proc/{current}/task/{task}/children').read_text('ascii')
-                pids += map(int, children.split())
+                pids += map(int, _read(f'/proc/{current}/task/{task}/children').split())
         except (OSError, ValueError):
             continue
+
+
+def _read(path: str) -> bytes:
+    """Read a small file of /proc; some twenty a look, and a text file takes five times as long."""
+    file = os.open(path, os.O_RDONLY)
+    try:
+        return os.read(file, 1 << 16)
+    finally:
+        os.close(file)
 
 
 def usage(pid: int) -> tuple[int, float]:
@@ -155,10 +165,10 @@ def usage(pid: int) -> tuple[int, float]:
     resident, ticks = 0, 0
     for current in _family(pid):
         try:
-            stat = Path(f'/proc/{current}/stat').read_text('ascii', 'replace')
+            stat = _read(f'/proc/{current}/stat')
         except OSError:
             continue  # it ended while we looked
-        fields = stat.rpartition(')')[2].split()
+        fields = stat.rpartition(b')')[2].split()
         # utime, stime and those of waited-for children, then the resident pages: proc(5)
         ticks += sum(int(fields[number]) for number in (11, 12, 13, 14))
         resident += int(fields[21]) * PAGE

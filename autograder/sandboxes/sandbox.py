@@ -307,6 +307,7 @@ class Sandbox:
 PROBE = (
     'probe/probe.py',
     'probe/probe_graph.py',
+    'probe/probe_round_trips.py',
     'probe/probe_steps.py',
     'probe/probe_wire.py',
     'inside/lean_start.py',
