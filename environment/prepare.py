@@ -16,7 +16,7 @@ import os
 import shutil
 import sys
 
-from environment import install_files, interpreters, stamps, system
+from environment import cmake_notes, install_files, interpreters, stamps, system
 from environment.pins import pins_for
 from environment.places import COURSE_PACKAGE, LOCK_FILE, Places
 from environment.plan import make_plan, Plan
@@ -250,6 +250,10 @@ def build_workspace(plan: Plan, job: Job) -> None:
         'colcon build',
         cwd=places.workspace,
     )
+    if not cmake_notes.keep(places):
+        print(
+            'CMake has notes of another form here: builds look for all themselves.', file=job.log
+        )
     stamps.write_stamp(places, 'workspace', digest)
 
 

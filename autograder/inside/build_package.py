@@ -10,6 +10,7 @@ from __future__ import annotations
 from glob import glob
 import os
 from pathlib import Path
+import re
 import shutil
 import subprocess
 import sys
@@ -34,6 +35,7 @@ def build(source: str, package: str) -> Path:
     command += ['--event-handlers', 'console_direct+']
     # Only whether it builds is asked: neither how fast the result runs nor how to debug it.
     command += ['--cmake-args', '-DCMAKE_BUILD_TYPE=None', '-DBUILD_TESTING=OFF']
+    command += compilers_known(workspace / 'build' / package)
     if shutil.which('ninja'):
         command += ['-GNinja']  # runs more steps of a message build at a time than Make
     # Four compilers at a time stay below the sandbox's limit of processes on any machine. No
@@ -44,6 +46,27 @@ def build(source: str, package: str) -> Path:
     if built.returncode != 0:
         sys.exit(built.returncode)
     return workspace / 'install'
+
+
+def compilers_known(build: Path) -> list[str]:
+    """
+    Give a build what the set-up's CMake found out about the compilers, if they are still the same.
+
+    :param build: the build folder of the package, which is made
+    :returns: arguments that make CMake read it; another version of CMake looks for itself
+    """
+    toolchain = Path(os.environ.get('CMAKE_TOOLCHAIN_FILE', ''))
+    for notes in toolchain.parent.glob('known/*/CMakeCCompiler.cmake'):
+        said = dict(re.findall(r'set\((\w+) "(.+)"\)', notes.read_text('utf-8')))
+        compiler = [said.get('CMAKE_C_COMPILER', ''), '-dumpfullversion']
+        try:
+            now = subprocess.run(compiler, check=True, capture_output=True, text=True).stdout
+        except (OSError, subprocess.CalledProcessError):
+            continue
+        if now.strip() == said.get('CMAKE_C_COMPILER_VERSION'):
+            shutil.copytree(notes.parent, build / 'CMakeFiles' / notes.parent.name)
+            return ['-C', str(toolchain.parent / 'known' / 'compilers.cmake')]
+    return []
 
 
 def site(workspace: Path) -> dict[str, str]:

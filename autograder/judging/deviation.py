@@ -49,14 +49,18 @@ def deviation(check: Check, run: Run) -> Deviation | None:
         return None
     if failure.at is not None:
         return Deviation(_index_at(events, failure.at), 'named')
-    if looked and _gave_up_at(events, looked[-1]):
-        return Deviation(looked[-1], 'looked_at')
+    graphs = [number for number in looked if events[number]['event'] == 'graph']
+    others = [number for number in looked if events[number]['event'] != 'graph']
+    if others and _gave_up_at(events, others[-1]):
+        return Deviation(others[-1], 'looked_at')
     if run.recording.end_reason != 'complete':
         ends = [n for n, event in enumerate(events) if event['event'] == 'end']
         return Deviation(ends[-1] if ends else len(events) - 1, 'ended')
     index = _shortest(check, run, _words(failure))
     last = max((n for n, event in enumerate(events) if event['event'] not in TAIL), default=0)
-    return Deviation(min(index, last), 'cut' if index < last else 'end')
+    if index < last:
+        return Deviation(index, 'cut')
+    return Deviation(graphs[-1], 'looked_at') if graphs else Deviation(last, 'end')
 
 
 class _Noting(dict[str, Any]):
@@ -67,16 +71,18 @@ class _Noting(dict[str, Any]):
         self.number, self.looked = number, looked
 
     def __getitem__(self, key: str) -> Any:
-        self._note()
+        self._note(key)
         return super().__getitem__(key)
 
     def get(self, key: str, default: Any = None) -> Any:
-        self._note()
+        self._note(key)
         return super().get(key, default)
 
-    def _note(self) -> None:
+    def _note(self, key: str) -> None:
         frame = sys._getframe(2)  # who asks: the check, or what helps it
-        if frame.f_globals.get('__name__') == Recording.__module__:
+        # A recording's filters look at every event, but into a graph only for a check.
+        filters = frame.f_globals.get('__name__') == Recording.__module__
+        if filters and key not in ('nodes', 'endpoints'):
             return
         walked: Any = frame
         while walked is not None and walked.f_globals.get('__name__') != __name__:

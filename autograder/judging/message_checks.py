@@ -9,7 +9,7 @@ it reads text that may come from anybody.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import re
 import xml.etree.ElementTree as ElementTree
 
@@ -71,9 +71,11 @@ def require_fields(text: str, wanted: Fields) -> None:
 
 def _why_fields(found: Fields, wanted: Fields, text: str) -> Cause:
     types = {name: kind for kind, name in wanted}
-    for kind, name in found:
-        if (kind, name) not in wanted:
-            return _why_line(kind, name, types) or _why_type(kind, name, types)
+    wrong = [field for field in found if field not in wanted]
+    if wrong:
+        cause = _why_line(*wrong[0], types) or _why_type(*wrong[0], types)
+        more = '; '.join(' '.join(field).strip()[:40] for field in wrong[1:4])
+        return replace(cause, text=f'{cause.text} Also to mend: {more}' if more else cause.text)
     names = [name for _, name in found]
     missing = [name for name in types if name not in names]
     for line in map(str.strip, text.splitlines()):

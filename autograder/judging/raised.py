@@ -187,6 +187,7 @@ FIELD = re.compile(r"The '(\w{1,60})' field must be ([^:]{1,80})")
 MESSAGE_FIELD = re.compile(
     r"^AttributeError: '([A-Z]\w{0,40})' object has no attribute '(\w{1,60})'"
 )
+CALLED = re.compile(r'\b([A-Z]\w{0,40})\(')
 
 
 @dataclass(frozen=True)
@@ -396,13 +397,6 @@ def _field_cause(trace: Traceback) -> Cause | None:
             f'it must be {typed[2].strip()}.',
             'A number is no text, and 25 is no float: write 25.0, or float(value).',
         )
-    if 'Invalid arguments passed to constructor' in trace.error:
-        return Cause(
-            'no_field',
-            f'A message is made with a field that it does not have{trace.where}.',
-            'ros2 interface show PACKAGE/msg/TYPE lists the fields.',
-        )
-    found = MESSAGE_FIELD.match(trace.error)
     homes = {
         name: home.removesuffix('.msg')
         for home, names in HOMES.items()
@@ -410,6 +404,17 @@ def _field_cause(trace: Traceback) -> Cause | None:
         for name in names.split()
     }
     known = homes.keys() - trace.own
+    if 'Invalid arguments passed to constructor' in trace.error:
+        made = [name for name in CALLED.findall(trace.code) if name in known]
+        name, shown = 'message', "with the type's name"
+        if made:
+            name, shown = made[0], f'{homes[made[0]]}/msg/{made[0]}'
+        return Cause(
+            'no_field',
+            f'A {name} is made with a field that it does not have{trace.where}.',
+            f'ros2 interface show {shown} lists the fields.',
+        )
+    found = MESSAGE_FIELD.match(trace.error)
     # No field begins with an underscore: rclpy took the message for something else.
     if found and found[1] in known and not found[2].startswith('_'):
         return Cause(

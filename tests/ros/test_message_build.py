@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+import shutil
 import subprocess
 import sys
 
@@ -34,6 +35,7 @@ ament_package()
 """,
     'msg/Speed.msg': 'std_msgs/Header header\nfloat32 knots\n',
 }
+TOOLCHAIN = Path(os.environ.get('CMAKE_TOOLCHAIN_FILE', ''))
 BUILD = f"""
 import sys
 sys.path.insert(0, {str(HERE / 'inside')!r})
@@ -42,24 +44,87 @@ build_package.build(sys.argv[1], 'knots')
 """
 
 
-def test_messages_are_built_for_python_and_not_for_cpp(tmp_path):
-    """C++ is two fifths of the work, and nothing that is graded uses it."""
-    source = tmp_path / 'source'
+@pytest.fixture
+def source(tmp_path):
+    """Return the folder of a package."""
+    folder = tmp_path / 'source'
     for name, text in PACKAGE.items():
-        (source / name).parent.mkdir(parents=True, exist_ok=True)
-        (source / name).write_text(text, encoding='utf-8')
-    subprocess.run(
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding='utf-8')
+    return folder
+
+
+def built(source: Path, place: Path, toolchain: Path) -> str:
+    """Build the package as the grader does and return what the build said."""
+    place.mkdir(exist_ok=True)
+    settings = {'TMPDIR': str(place), 'CMAKE_TOOLCHAIN_FILE': str(toolchain)}
+    return subprocess.run(
         [sys.executable, '-c', BUILD, str(source)],
-        env={**os.environ, 'TMPDIR': str(tmp_path)},
+        env={**os.environ, **settings},
         check=True,
         capture_output=True,
-    )
+        text=True,
+    ).stdout
+
+
+def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
+    """C++ is two fifths of the work, and nothing that is graded uses it."""
+    said = built(source, tmp_path, TOOLCHAIN)
     libraries = {path.name for path in (tmp_path / 'install' / 'lib').glob('lib*.so')}
     [modules] = (tmp_path / 'install').glob('lib/python3*/site-packages')
 
     assert 'libknots__rosidl_typesupport_fastrtps_c.so' in libraries
     assert not [name for name in libraries if name.endswith('_cpp.so')]
     assert told(modules, libraries_in=tmp_path / 'install' / 'lib') == 'knots/msg/Speed 3.5'
+    # What the set-up's CMake found out is not asked again.
+    assert 'compiler identification' not in said
+    assert 'Found Python3' not in said
+
+
+def test_without_notes_cmake_looks_for_itself_and_the_result_is_the_same(source, tmp_path):
+    """The notes are a short cut and no more."""
+    bare = tmp_path / 'bare'
+    shutil.copytree(TOOLCHAIN.parent, bare, ignore=shutil.ignore_patterns('known'))
+    for file in bare.glob('*.cmake'):
+        text = file.read_text('utf-8').replace(str(TOOLCHAIN.parent), str(bare))
+        file.write_text(text, encoding='utf-8')
+    built(source, tmp_path / 'with', TOOLCHAIN)
+
+    said = built(source, tmp_path / 'without', bare / TOOLCHAIN.name)
+
+    assert 'compiler identification' in said
+    assert 'Found Python3' in said
+    assert symbols(tmp_path / 'with') == symbols(tmp_path / 'without')
+
+
+def symbols(place: Path) -> dict[str, str]:
+    """Return what each installed library offers and needs, and the other files."""
+    found = {}
+    for path in sorted((place / 'install').rglob('*')):
+        name = str(path.relative_to(place))
+        if path.suffix == '.so':
+            asked = ['readelf', '--dyn-syms', '--dynamic', '--wide', str(path)]
+            ran = subprocess.run(asked, check=True, capture_output=True, text=True)
+            names = sorted({line.split()[-1] for line in ran.stdout.splitlines() if line.split()})
+            found[name] = '\n'.join(names)
+        elif path.is_file():
+            found[name] = ''
+    return found
+
+
+def test_notes_about_another_compiler_are_left_alone(tmp_path, monkeypatch):
+    """A compiler that has been replaced since the set-up is looked at anew."""
+    monkeypatch.syspath_prepend(str(HERE / 'inside'))
+    import build_package
+
+    notes = tmp_path / 'cmake' / 'known' / '4.0.0'
+    notes.mkdir(parents=True)
+    text = 'set(CMAKE_C_COMPILER "/usr/bin/cc")\nset(CMAKE_C_COMPILER_VERSION "0.1")\n'
+    (notes / 'CMakeCCompiler.cmake').write_text(text, encoding='utf-8')
+    monkeypatch.setenv('CMAKE_TOOLCHAIN_FILE', str(tmp_path / 'cmake' / 'toolchain.cmake'))
+
+    assert build_package.compilers_known(tmp_path / 'build') == []
+    assert not (tmp_path / 'build').exists()
 
 
 def told(modules: Path, libraries_in: Path) -> str:

@@ -78,6 +78,19 @@ def test_what_is_missing_is_shown_by_the_whole_run_only():
     assert (found.index, found.how) == (1, 'end')
 
 
+def test_what_a_graph_shows_is_shown_by_the_graph():
+    """Nothing that came later decides, though only the whole run brings these words."""
+
+    def by_graph(run):
+        count = len(run.recording.messages('/t'))
+        raise Failed(expected='/a', observed=f'{run.recording.nodes} {count}')
+
+    graph = {'event': 'graph', 'when': 'start', 'clock_ns': None, 'nodes': ['/b'], 'endpoints': []}
+    found = where(by_graph, graph, message(1, 1), message(2, 1))
+
+    assert (found.index, found.how) == (0, 'looked_at')
+
+
 def test_a_run_that_broke_off_deviates_where_it_ended():
     """Words about what was never sent would be found at the very beginning."""
 

@@ -95,6 +95,13 @@ class TestFields:
 
         assert failed.why.try_this == '[<=4] is at most 4: float64[<=4] values'
 
+    def test_further_wrong_lines_are_named_too(self):
+        """Else a learner mends one and builds again for the next."""
+        text = RIGHT.replace('string', 'str').replace('float64[<=4] values', 'float values')
+        failed = failure(require_fields, text, WANTED)
+
+        assert failed.why.text.endswith('Also to mend: str unit')
+
     def test_many_lines_earn_nothing(self):
         """Who writes down everything that could be asked for has answered nothing."""
         assert failure(require_fields, RIGHT + 'bool b\n' * 9, WANTED).share == 0.0

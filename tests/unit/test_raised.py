@@ -18,7 +18,7 @@ rclpy.spin(node)
 """
 
 
-def trace(error, line=5):
+def trace(error, line=5, code=CODE):
     """Return what is read off a program that died of an error in a line of CODE."""
     stderr = (
         'Traceback (most recent call last):\n'
@@ -26,7 +26,7 @@ def trace(error, line=5):
         f'  File "/submission/talker.py", line {line}, in speak\n    x\n{error}\n'
     )
     process = {'event': 'process', 'exit': 1, 'killed': '', 'stdout': '', 'stderr': stderr}
-    return raised.traceback_of(Run({'talker.py': CODE}, Recording({}, (process,))))
+    return raised.traceback_of(Run({'talker.py': code}, Recording({}, (process,))))
 
 
 def cause(error, line=5):
@@ -195,6 +195,19 @@ def test_a_method_that_is_called_is_told_from_one_with_the_wrong_arguments():
     assert 'self.speak' in called.try_this
     assert handed.cause_id == 'callback_arguments'
     assert 'hear() gets another number' in handed.text
+
+
+def test_a_message_made_with_a_wrong_field_is_named_if_the_line_shows_it():
+    """So that the line to type is a whole one."""
+    error = 'AssertionError: Invalid arguments passed to constructor: temp'
+    code = CODE.replace('self.create_timer(1.0, self.speak())', 'text = String(temp=1)')
+
+    told = raised.exception_cause(trace(error, code=code))
+    unknown = cause(error)
+
+    assert told.text.startswith('A String is made with a field that it does not have')
+    assert told.try_this == 'ros2 interface show std_msgs/msg/String lists the fields.'
+    assert "with the type's name" in unknown.try_this
 
 
 def test_what_is_found_out_while_spinning_names_no_line():

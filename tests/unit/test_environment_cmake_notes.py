@@ -1,0 +1,59 @@
+"""What CMake found out in the set-up is kept for later builds, if it has the form that we know."""
+
+from __future__ import annotations
+
+import pytest
+
+from environment.cmake_notes import keep
+from environment.places import COURSE_PACKAGE, Places
+
+CACHE = """# comment
+CMAKE_PLATFORM_INFO_INITIALIZED:INTERNAL=1
+CMAKE_EXECUTABLE_FORMAT:INTERNAL=ELF
+Python3_EXECUTABLE:UNINITIALIZED=/other/python
+_Python3_EXECUTABLE:INTERNAL=/venv/bin/python
+_Python3_INCLUDE_DIR:INTERNAL=/include/python3.12
+_Python3_INTERPRETER_PROPERTIES:INTERNAL=Python;3;12;1;64;<none>;cpython-312-x86_64;abi3;/lib
+_Python3_NumPy_INCLUDE_DIR:INTERNAL=/venv/numpy/include
+"""
+
+
+@pytest.fixture
+def places(tmp_path):
+    """Return a set-up whose workspace has been built."""
+    found = Places(tmp_path)
+    build = found.workspace / 'build' / COURSE_PACKAGE
+    notes = build / 'CMakeFiles' / '4.1.0'
+    notes.mkdir(parents=True)
+    (build / 'CMakeFiles' / 'package.dir').mkdir()
+    (build / 'CMakeCache.txt').write_text(CACHE, encoding='utf-8')
+    for name in ('CMakeSystem.cmake', 'CMakeCCompiler.cmake', 'CMakeCXXCompiler.cmake'):
+        (notes / name).write_text(name, encoding='utf-8')
+    return found
+
+
+def test_python_and_compilers_are_kept(places):
+    """Under CMake's own version: another one has notes of another form."""
+    assert keep(places)
+
+    known = places.cmake / 'known'
+    assert (known / '4.1.0' / 'CMakeCCompiler.cmake').read_text() == 'CMakeCCompiler.cmake'
+    lines = (known / 'python.cmake').read_text().splitlines()
+    assert 'set(Python3_EXECUTABLE "/venv/bin/python")' in lines
+    assert 'set(Python3_VERSION_MINOR "12")' in lines
+    assert 'set(Python3_SOABI "cpython-312-x86_64")' in lines
+    assert 'FORMAT "ELF" CACHE INTERNAL' in (known / 'compilers.cmake').read_text()
+
+
+@pytest.mark.parametrize('gone', ['_Python3_INCLUDE_DIR', 'CMAKE_EXECUTABLE_FORMAT', 'all'])
+def test_a_cache_of_another_form_leaves_nothing(places, gone):
+    """Half a note would be worse than none."""
+    keep(places)
+    cache = places.workspace / 'build' / COURSE_PACKAGE / 'CMakeCache.txt'
+    if gone == 'all':
+        cache.unlink()
+    else:
+        cache.write_text(CACHE.replace(gone, 'renamed'), encoding='utf-8')
+
+    assert not keep(places)
+    assert not (places.cmake / 'known').exists()
