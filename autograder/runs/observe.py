@@ -247,6 +247,9 @@ class _Watched:
                 continue
             if event['event'] == 'is_it_quiet':
                 self.threads.wait_until_quiet()
+                # What it sent has arrived when the probe's own threads have taken it in: a
+                # datagram on the loopback interface wakes its reader before its writer goes on.
+                self.probe_threads.wait_until_quiet()
                 self._tell_probe(QUIET)
                 continue
             self._keep_event(event)

@@ -17,6 +17,8 @@ import time
 FIRST_PORT, PORTS_A_DOMAIN, OWN_PORTS, MOST_DOMAIN = 7400, 250, range(10, 240), 232
 CPU_TICKS = os.sysconf('SC_CLK_TCK')
 PAGE = os.sysconf('SC_PAGESIZE')
+BUSY_S = 0.05  # processor time after which a program is taken for one that always computes
+STARVED_S = 5.0  # wall time without so much of it: the machine is too busy to say
 
 
 class Threads:
@@ -62,22 +64,32 @@ class Threads:
                 continue  # it has ended
         return False
 
-    def wait_until_quiet(self, patience_s: float = 0.05) -> bool:
+    def used_s(self) -> float:
+        """Return the processor time of all threads that there are [s]."""
+        ticks = 0
+        for file in self.files.values():
+            with suppress(OSError):  # it has ended
+                fields = os.pread(file, 512, 0).rpartition(b')')[2].split()
+                ticks += int(fields[11]) + int(fields[12])  # utime and stime: proc(5)
+        return ticks / CPU_TICKS
+
+    def wait_until_quiet(self) -> bool:
         """
         Wait until no thread runs.
 
         A thread in a callback runs, or waits for another thread that runs; so when all of them
-        sleep, every callback is over or sleeps too.
+        sleep, every callback is over or sleeps too.  A program that always computes is left alone
+        when it has computed for long enough; how long it waits for a processor does not count.
 
-        :param patience_s: wall seconds after which a program that always computes is left alone
         :returns: whether it was quiet
         """
-        deadline = time.monotonic() + patience_s
+        deadline, used_s = time.monotonic() + STARVED_S, None
         while True:
             self.look_at_threads()
             if not self.run():
                 return True
-            if time.monotonic() > deadline:
+            used_s = self.used_s() if used_s is None else used_s
+            if self.used_s() >= used_s + BUSY_S or time.monotonic() > deadline:
                 return False
             # There is no event for it; a tenth of a millisecond is short beside a round trip.
             select.select((), (), (), 0.0001)

@@ -105,8 +105,11 @@ def symbols(place: Path) -> dict[str, str]:
         if path.suffix == '.so':
             asked = ['readelf', '--dyn-syms', '--dynamic', '--wide', str(path)]
             ran = subprocess.run(asked, check=True, capture_output=True, text=True)
-            names = sorted({line.split()[-1] for line in ran.stdout.splitlines() if line.split()})
-            found[name] = '\n'.join(names)
+            lines = [line for line in ran.stdout.splitlines() if ': ' in line]
+            symbols_and_libraries = [
+                line for line in lines if 'NEEDED' in line or 'GLOBAL' in line
+            ]
+            found[name] = '\n'.join(sorted(line.split()[-1] for line in symbols_and_libraries))
         elif path.is_file():
             found[name] = ''
     return found
