@@ -34,6 +34,8 @@ _TOGETHER = '\N{NO-BREAK SPACE}'
 
 def printable(text: str) -> str:
     """Replace everything a terminal would act on, except line ends and tabs."""
+    if text.isprintable():
+        return text
     return ''.join(
         char if char in '\n\t' or char.isprintable() else '\N{REPLACEMENT CHARACTER}'
         for char in text

@@ -76,7 +76,7 @@ def from_gradebook(
     """
     from nbgrader.api import Gradebook, MissingEntry
 
-    from autograder.gradebook.converters import load_config
+    from autograder.gradebook.settings import load_config
 
     url = str(load_config(layout).CourseDirectory.db_url)
     missing = GraderError(

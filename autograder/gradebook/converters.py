@@ -16,24 +16,11 @@ import warnings
 
 from nbgrader.converters import Autograde, GenerateAssignment, NbGraderException
 from nbgrader.coursedir import CourseDirectory
-from traitlets.config import Config
-from traitlets.config.loader import PyFileConfigLoader
 
 from autograder.errors import GraderError
+from autograder.gradebook.settings import load_config
 from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
-
-
-def load_config(layout: Layout) -> Config:
-    """
-    Return the settings in the course's ``nbgrader_config.py``.
-
-    :raises GraderError: if there is none
-    """
-    path = layout.root / 'nbgrader_config.py'
-    if not path.is_file():
-        raise GraderError(f'{path.name} is missing in {layout.root}.', 'Restore it from git.')
-    return PyFileConfigLoader(path.name, path=str(layout.root)).load_config()
 
 
 def generate(layout: Layout, assignment: str, release: Path, database: bool) -> None:

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 import zlib
 
+from autograder.gradebook.settings import gradebook_file, load_config
 from autograder.layout import Layout
 from autograder.whole_class.inbox import read_file
 from autograder.whole_class.pipeline import Graded, Lesson
@@ -47,16 +48,14 @@ def make_gradebook(layout: Layout) -> None:
     """
     from nbgrader.api import Gradebook
 
-    from autograder.gradebook.converters import load_config
-
-    settings = load_config(layout).CourseDirectory
-    place, found, path = str(settings.db_url).partition('sqlite:///')
-    if place or not found or Path(path).exists():
+    path = gradebook_file(layout)
+    if path is None or path.exists():
         return
     unfinished = Path(f'{path}.{os.getpid()}')
     unfinished.parent.mkdir(parents=True, exist_ok=True)
     unfinished.unlink(missing_ok=True)
-    with Gradebook(f'sqlite:///{unfinished}', str(settings.course_id)):
+    course = str(load_config(layout).CourseDirectory.course_id)
+    with Gradebook(f'sqlite:///{unfinished}', course):
         pass
     unfinished.replace(path)
 
@@ -119,15 +118,23 @@ def noted(path: Path) -> dict[str, dict[str, Any]]:
 
 
 def shown(layout: Layout, assignment: str) -> Rows:
-    """Return what the gradebook shows of an assignment, without what people entered by hand."""
-    from nbgrader.api import Gradebook
-    from sqlalchemy import text
+    """
+    Return what the gradebook shows of an assignment, without what people entered by hand.
 
-    from autograder.gradebook.converters import load_config
+    It is asked directly: to import nbgrader would be most of a rerun that finds nothing new.
+    """
+    from sqlalchemy import create_engine, inspect, text
+    from sqlalchemy.pool import NullPool
 
+    path = gradebook_file(layout)
+    if path is not None and not path.is_file():
+        return {}  # and none is made by looking
     rows: Rows = {}
-    with Gradebook(str(load_config(layout).CourseDirectory.db_url)) as gradebook:
-        for student, cell, *facts in gradebook.db.execute(text(SHOWN), {'assignment': assignment}):
+    engine = create_engine(str(load_config(layout).CourseDirectory.db_url), poolclass=NullPool)
+    with engine.connect() as gradebook:
+        if not inspect(gradebook).has_table('grade'):
+            return {}
+        for student, cell, *facts in gradebook.execute(text(SHOWN), {'assignment': assignment}):
             score, *times = facts
             rows.setdefault(str(student), {})[str(cell)] = [score, *map(str, times)]
     return rows

@@ -13,7 +13,8 @@ Four rules keep the recording the same from run to run, however slow the machine
 2. *Processing barrier.*  An executor takes one message a subscription and pass, and answers
    services last, so after K messages K + 1 round trips prove that all were handled.
 3. *Quiet.*  Callbacks on several threads may be at work when the service answers.  After a round
-   the grader, who sees the program's threads from outside, is asked until none of them runs.
+   the grader, who sees the program's threads from outside, is asked until none of them runs,
+   and none of ours: what was sent has arrived then.
 4. *Log barrier.*  A first log line can be late while a reader fetches the history; the first input
    of a scenario is waited for until its log arrives, or a bound is reached.
 

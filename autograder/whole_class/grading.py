@@ -11,6 +11,7 @@ import argparse
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cache
 import json
 from pathlib import Path
 import signal
@@ -213,6 +214,7 @@ def _grade_assignment(
     if not submissions:
         return []
     graded_in_full = getattr(engine, 'hidden', True)  # visible checks alone make no grade
+    begin = cache(lambda: begin_to_enter(layout, assignment) if graded_in_full else None)
     began = time.monotonic()
     totals = Totals()
     with progress(len(submissions) * len(lesson.exams), assignment) as show:
@@ -222,10 +224,10 @@ def _grade_assignment(
             engine,
             jobs,
             _both(totals.add, show),
-            meanwhile=lambda: begin_to_enter(layout, assignment) if graded_in_full else None,
+            meanwhile=begin,
         )
     graded_s = time.monotonic() - began
-    new, refused = enter(layout, lesson, graded) if graded_in_full else (0, '')
+    new, refused = enter(layout, lesson, graded, begin) if graded_in_full else (0, '')
     results = [one.result for one in graded]
     summary = _summary(graded, graded_s, time.monotonic() - began, totals)
     if graded_in_full and new < len(graded):
@@ -257,14 +259,24 @@ def begin_to_enter(layout: Layout, assignment: str) -> None:
     enter_assignment(layout, assignment)
 
 
-def enter(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> tuple[int, str]:
-    """Enter what is new in the gradebook; return how many were, and what it refused."""
+def enter(
+    layout: Layout,
+    lesson: Lesson,
+    graded: Sequence[Graded],
+    begin: Callable[[], None] = lambda: None,
+) -> tuple[int, str]:
+    """
+    Enter what is new in the gradebook; return how many were, and what it refused.
+
+    :param begin: prepares the gradebook, which is not needed if nothing is new
+    """
     from autograder.gradebook import entered
     from autograder.gradebook.record import record
 
     new = entered.to_enter(layout, lesson, graded)
     if not new:
         return 0, ''
+    begin()
     try:
         record(layout, lesson, new)
     except GraderError as error:

@@ -8,7 +8,7 @@ stops the others.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ import os
 from pathlib import Path
 import threading
 import time
-from typing import Protocol, TYPE_CHECKING
+from typing import Any, Protocol, TYPE_CHECKING
 
 from autograder.errors import defect, ExamInvalid, GraderError
 from autograder.handed_in.extract import answer_files, ExamFiles, extract, with_reasons
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from autograder.sandboxes.sandbox import Sandbox
 
 
+LIKE_A_RUN_S = 0.3  # the start of Python and of a node takes more
 THREADS = 'grading'
 """How the names of the pool's threads begin."""
 
@@ -188,7 +189,7 @@ def grade_class(
 
     :param jobs: how many runs at a time
     :param on_done: called for each exam of each submission, in any thread
-    :param meanwhile: called in this thread while the pool works
+    :param meanwhile: called in this thread while the pool works, if anything has to be run
     :returns: in the order of the submissions
     """
     opened = [open_one(submission, lesson) for submission in submissions]
@@ -206,7 +207,8 @@ def grade_class(
                 tell = partial(_tell, on_done, submissions[index].student, exam.name)
                 runs[run].add_done_callback(tell)
                 tasks[index, exam.name] = runs[run]
-        meanwhile()
+        if _somebody_runs(runs.values()):
+            meanwhile()
         wait(tasks.values())
     finally:
         # After Ctrl-C nothing new starts; what runs is ended by its sandbox's own limits.
@@ -217,6 +219,15 @@ def grade_class(
         result = _assemble(opened[index], submission.student, lesson, files[index], outcomes)
         graded.append(Graded(submission, opened[index], result))
     return tuple(graded)
+
+
+def _somebody_runs(tasks: Iterable[Future[Any]]) -> bool:
+    """
+    Tell whether one of the tasks takes as long as a run.
+
+    The pool takes them in order, and a recording that is kept is read in a hundredth of the time.
+    """
+    return any(wait([task], timeout=LIKE_A_RUN_S).not_done for task in tasks)
 
 
 def _tell(

@@ -80,8 +80,8 @@ def failing(name: str) -> CheckResult:
 @pytest.fixture(scope='module')
 def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a page of feedback as nbgrader writes it for this course."""
-    from autograder.gradebook.converters import load_config
     from autograder.gradebook.nbgrader_plugin import _score, _told, FeedbackExporter
+    from autograder.gradebook.settings import load_config
     from autograder.layout import Layout
 
     result = ExamResult(

@@ -7,7 +7,7 @@ from fake_engine import FakeEngine
 from nbgrader.api import Gradebook
 
 from autograder.gradebook import entered
-from autograder.gradebook.converters import load_config
+from autograder.gradebook.settings import gradebook_file, load_config
 from autograder.layout import Layout
 from autograder.whole_class.grading import begin_to_enter, enter
 from autograder.whole_class.inbox import discover
@@ -41,7 +41,8 @@ def grade(course: Layout) -> int:
     engine = FakeEngine()
     lesson = load_lesson(course, ASSIGNMENT, engine)
     class_ = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
-    count, refused = enter(course, lesson, grade_class(class_, lesson, engine, jobs=1))
+    graded = grade_class(class_, lesson, engine, jobs=1)
+    count, refused = enter(course, lesson, graded, lambda: begin(course))
     assert refused == ''
     return count
 
@@ -111,6 +112,22 @@ def fills_what_was_changed_or_lost(course: Layout) -> None:
     assert grade(course) == 2
 
 
+def fills_a_gradebook_that_was_deleted(course: Layout) -> None:
+    """And a look for what is in it makes no empty one."""
+    hand_in(course, 'ann')
+    grade(course)
+    path = gradebook_file(course)
+    if path is None:
+        return  # a server keeps it
+
+    path.unlink()
+    assert entered.shown(course, ASSIGNMENT) == {}
+    assert not path.exists()
+
+    assert grade(course) == 1
+    assert scores(course, 'ann')[CHECK] == 15
+
+
 def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
     """The plugin is nbgrader's; a new date of delivery is noticed."""
     config = course.root / 'nbgrader_config.py'
@@ -137,5 +154,6 @@ def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
 ALL = (
     writes_reruns_and_keeps_grades_given_by_hand,
     fills_what_was_changed_or_lost,
+    fills_a_gradebook_that_was_deleted,
     takes_off_for_lateness_as_nbgrader_is_told,
 )

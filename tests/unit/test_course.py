@@ -144,7 +144,7 @@ class TestThisCourse:
 
     def test_nbgrader_is_told_the_same_folders(self):
         """Layout and nbgrader_config.py agree."""
-        from autograder.gradebook.converters import load_config
+        from autograder.gradebook.settings import load_config
 
         layout = Layout.here()
         said = load_config(layout).CourseDirectory

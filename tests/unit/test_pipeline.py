@@ -117,19 +117,27 @@ def test_progress_is_told_for_each_exam_of_each_student():
     assert {done.student for done in told if isinstance(done.outcome, GraderError)} == {'cho'}
 
 
-def test_something_can_be_done_meanwhile_in_the_calling_thread():
+def test_something_can_be_done_in_the_calling_thread_while_runs_take_place():
     """The imports of nbgrader take as long as a run."""
-    where = []
+    where, done = [], threading.Event()
 
-    grade_class(
-        [handed_in('ann', 'right')],
-        LESSON,
-        FakeEngine(),
-        jobs=1,
-        meanwhile=lambda: where.append(threading.current_thread()),
-    )
+    class Running(FakeEngine):
+        def run(self, exam, files):
+            assert done.wait(30)
+            return super().run(exam, files)
+
+    def meanwhile():
+        where.append(threading.current_thread())
+        done.set()
+
+    grade_class([handed_in('ann', 'right')], LESSON, Running(), jobs=1, meanwhile=meanwhile)
 
     assert where == [threading.main_thread()]
+
+
+def test_nothing_is_done_meanwhile_if_nothing_has_to_be_run():
+    """Then nbgrader is not needed either, unless somebody is to be entered."""
+    grade_class([handed_in('ann', 'right')], LESSON, FakeEngine(), jobs=1, meanwhile=lambda: 1 / 0)
 
 
 def test_no_more_runs_at_a_time_than_asked_for():

@@ -1,0 +1,29 @@
+"""nbgrader's settings for the course, read without nbgrader, whose import takes seconds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from traitlets.config import Config
+from traitlets.config.loader import PyFileConfigLoader
+
+from autograder.errors import GraderError
+from autograder.layout import Layout
+
+
+def load_config(layout: Layout) -> Config:
+    """
+    Return the settings in the course's ``nbgrader_config.py``.
+
+    :raises GraderError: if there is none
+    """
+    path = layout.root / 'nbgrader_config.py'
+    if not path.is_file():
+        raise GraderError(f'{path.name} is missing in {layout.root}.', 'Restore it from git.')
+    return PyFileConfigLoader(path.name, path=str(layout.root)).load_config()
+
+
+def gradebook_file(layout: Layout) -> Path | None:
+    """Return the file of the gradebook, there or not, None if a server keeps it."""
+    place, found, path = str(load_config(layout).CourseDirectory.db_url).partition('sqlite:///')
+    return Path(path) if found and not place else None
