@@ -13,6 +13,8 @@ from pathlib import Path
 import select
 import time
 
+from autograder.errors import TooBusy
+
 # Ports of RTPS: 7400 + 250 x domain, and 10 + 2 x number above that for each participant.
 FIRST_PORT, PORTS_A_DOMAIN, OWN_PORTS, MOST_DOMAIN = 7400, 250, range(10, 240), 232
 CPU_TICKS = os.sysconf('SC_CLK_TCK')
@@ -82,6 +84,7 @@ class Threads:
         when it has computed for long enough; how long it waits for a processor does not count.
 
         :returns: whether it was quiet
+        :raises TooBusy: if it wants a processor and hardly gets one
         """
         deadline, used_s = time.monotonic() + STARVED_S, None
         while True:
@@ -89,8 +92,12 @@ class Threads:
             if not self.run():
                 return True
             used_s = self.used_s() if used_s is None else used_s
-            if self.used_s() >= used_s + BUSY_S or time.monotonic() > deadline:
+            if self.used_s() >= used_s + BUSY_S:
                 return False
+            if time.monotonic() > deadline:
+                raise TooBusy(
+                    f'The machine was too busy: a program got no turn for {STARVED_S} s.'
+                )
             # There is no event for it; a tenth of a millisecond is short beside a round trip.
             select.select((), (), (), 0.0001)
 

@@ -8,6 +8,8 @@ import sys
 
 import pytest
 
+from autograder.errors import TooBusy
+from autograder.sandboxes import processes
 from autograder.sandboxes.processes import BUSY_S, Threads
 
 # Each says a word when its threads are at it.
@@ -61,6 +63,13 @@ def test_a_program_that_always_computes_is_left_alone():
 
         assert not threads.wait_until_quiet()
         assert threads.used_s() >= before + BUSY_S
+
+
+def test_a_program_that_gets_no_processor_is_nobodys_mistake(monkeypatch):
+    """Nothing is known about it then, so the run is repeated and not judged."""
+    monkeypatch.setattr(processes, 'STARVED_S', 0.0)
+    with started(COMPUTES) as (_, threads), pytest.raises(TooBusy, match='no turn'):
+        threads.wait_until_quiet()
 
 
 @pytest.mark.parametrize('program', [SLEEPS, COMPUTES])
