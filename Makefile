@@ -55,8 +55,9 @@ lab: prepare
 grade: prepare
 	@exec $(PY) -m autograder grade $(ARGS)
 
+# Files side by side, each file's tests in their order; ARGS='-n 0' runs one after the other.
 test: prepare
-	@exec $(WITH_ROS) python -m pytest $(ARGS)
+	@exec $(WITH_ROS) python -m pytest -n auto --maxprocesses 4 --dist loadfile $(ARGS)
 
 test-browser: prepare
 	@for name in chromium chromium-browser google-chrome; do \
