@@ -61,8 +61,10 @@ if facts['linger']:
 
 def hostile_run(box: sandbox.Sandbox, folder: Path, linger: bool) -> list[str]:
     """Run the hostile program and return what it printed."""
-    here = Path(sandbox.__file__).parent
-    secrets = [str(here / 'judge.py'), *map(str, sorted(folder.iterdir()))]
+    hidden = Path(exams.__file__).parent / 'hidden' / 'harbour.py'
+    grader = [sandbox.HERE / 'judging' / 'judge.py', hidden]
+    assert all(path.exists() for path in grader)  # what is not there is refused to anybody
+    secrets = [*map(str, (*grader, *sorted(folder.iterdir())))]
     with socket.create_server(('127.0.0.1', 0)) as server:
         facts = {
             'secrets': secrets,
