@@ -2,9 +2,10 @@
 A grading is killed again and again, and continued: nothing may be lost, doubled or left over.
 
 A class is graded once in peace.  Then it is graded anew while, at random instants, the command
-itself or one of its worker processes is killed without warning; the same command is started again
-until it comes to its end.  Its results, and what is in the gradebook, have to be the same as in
-peace; no sandbox may outlive its grader, and no temporary file the whole.
+itself, one of its worker processes, or a process of a run (sandbox, probe, a student's program) is
+killed without warning; the same command is started again until it comes to its end.  Its results,
+and what is in the gradebook, have to be the same as in peace; no sandbox may outlive its grader,
+and no temporary file the whole.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ SECONDS = 10
 ORPHANS_S = 60.0
 """How long the processes of a killed grader may take to end on a busy machine."""
 NOT_COMPARED = ('timing', 'recording', 'pictures')
+KINDS = ('grader', 'worker', 'run')
 Facts = Mapping[str, Any]
 
 
@@ -176,10 +178,11 @@ def _killed_or_done(
         return _facts(layout, grading, *grading.communicate(timeout=within_s))
     except subprocess.TimeoutExpired:
         pass
-    workers = _workers(grading.pid)
-    if workers and chance.random() < 0.5:
-        _kill(chance.choice(workers))
-        account.kills['worker'] += 1
+    kind = chance.choice(KINDS)
+    others = {'worker': _workers, 'run': _of_runs}.get(kind, lambda _: [])(grading.pid)
+    if others:
+        _kill(chance.choice(others))
+        account.kills[kind] += 1
         # Whoever had a run on it is done again, or for review: then the next start does it.
         said, errors = grading.communicate()
         found = _facts(layout, grading, said, errors)
@@ -206,6 +209,15 @@ def _family(pid: int) -> list[psutil.Process]:
 def _workers(pid: int) -> list[psutil.Process]:
     """Return the grader's worker processes."""
     return [one for one in _family(pid) if any('spawn_main' in word for word in _words(one))]
+
+
+def _of_runs(pid: int) -> list[psutil.Process]:
+    """Return the launchers of sandboxes and everything in them."""
+    return [
+        one
+        for one in _family(pid)
+        if any(word == 'bwrap' or word.startswith('/grader/') for word in _words(one))
+    ]
 
 
 def _words(process: psutil.Process) -> list[str]:

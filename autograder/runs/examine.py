@@ -13,6 +13,7 @@ from dataclasses import replace
 import hashlib
 import json
 from pathlib import Path
+import signal
 import threading
 import time
 
@@ -157,7 +158,10 @@ def _run(
     repeated = {}
     try:
         recording, timing = once()
+        again = _may_have_been_ended(recording)
     except ProbeFailed:
+        again = True
+    if again:
         recording, timing = once()
         repeated = {'repeated': 1.0}
     about = {
@@ -166,6 +170,24 @@ def _run(
         'environment': environment_digest(sandbox.ros.python),
     }
     return Recording({**recording.header, **about}, recording.events), {**timing, **repeated}
+
+
+ENDING = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
+"""What people and systems end a process with; a program's own mistakes send other signals."""
+
+
+def _may_have_been_ended(recording: Recording) -> bool:
+    """
+    Tell whether something outside may have ended the program, or a compiler it called.
+
+    A program that does it to itself does it again, and then it is evidence.
+    """
+    process = recording.process
+    if process.get('killed') or not process.get('exit'):
+        return False
+    if process['exit'] in {sign for one in ENDING for sign in (-one, 128 + one)}:
+        return True
+    return 'Killed' in process.get('stderr', '') + process.get('stdout', '')
 
 
 def files_digest(files: Mapping[str, str]) -> str:

@@ -25,7 +25,14 @@ from autograder.errors import ProbeFailed, TooBusy
 from autograder.judging.exam import Scenario
 from autograder.runs.recording import header, Recording
 from autograder.sandboxes.confined import Confined, Limits, Program
-from autograder.sandboxes.processes import other_domains, ports, proportional, Threads, usage
+from autograder.sandboxes.processes import (
+    oom_kills,
+    other_domains,
+    ports,
+    proportional,
+    Threads,
+    usage,
+)
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
 KEPT_OUTPUT = 64 * 1024
@@ -153,12 +160,14 @@ class _Watched:
         self.domains: list[int] = []
         self.began = self.looked = time.monotonic()
         self.own_s = 0.0
+        self.oom_kills = oom_kills()
 
     def run(self) -> list[dict[str, Any]]:
         """Drive the run to its end and return all events."""
         try:
             self._loop()
             self._look_around()
+            self._nobody_else_ended_it()
         finally:
             said = self._end_probe()
             self.threads.close()
@@ -323,6 +332,16 @@ class _Watched:
         if self.student.home and size > self.limits.folder:
             return 'disk_limit'
         return ''
+
+    def _nobody_else_ended_it(self) -> None:
+        """Refuse evidence of a program that the machine, or somebody on it, has ended."""
+        if self.killed or self.exit is None:
+            return
+        if oom_kills() > self.oom_kills and self.exit in (-signal.SIGKILL, 128 + signal.SIGKILL):
+            raise ProbeFailed('The machine ran out of memory, and the system ended the program.')
+        # No signal from inside reaches the launcher, which is in another pid namespace.
+        if self.student.namespaces and self.exit < 0:
+            raise ProbeFailed(f'Somebody ended the sandbox from outside, by signal {-self.exit}.')
 
     def _look_around(self) -> None:
         """See from outside what the probe cannot: other ROS domains, and further processes."""

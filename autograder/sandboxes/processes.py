@@ -135,6 +135,15 @@ def other_domains(used: set[int]) -> list[int]:
     return found
 
 
+def oom_kills() -> int:
+    """Return how many processes the kernel has ended since it started, for want of memory."""
+    for line in _read('/proc/vmstat').splitlines():
+        name, _, count = line.partition(b' ')
+        if name == b'oom_kill':
+            return int(count)
+    return 0
+
+
 def proportional(pid: int) -> int:
     """
     Return the memory of a process and its descendants, with shared pages counted once [bytes].

@@ -1,0 +1,111 @@
+"""A program that somebody else ends, not the student, costs nobody a point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import psutil
+import pytest
+
+from autograder import exams
+from autograder.errors import ProbeFailed
+from autograder.judging.results import ExamResult
+from autograder.runs import observe
+from autograder.runs.examine import examine
+from autograder.runs.recording import Event
+from autograder.sandboxes.sandbox import strongest
+
+pytestmark = [pytest.mark.pipeline, pytest.mark.ros]
+
+EXAM = 'temperature_publisher'
+ANSWER = Path(
+    'tests/submissions/07_temperature_monitor/pass__annotated_and_configured/temp_publisher.py'
+)
+ENDS_ITSELF = """
+import os, signal
+import rclpy
+rclpy.init()
+node = rclpy.create_node('temperature_publisher')
+node.create_timer(1.0, lambda: os.kill(os.getpid(), signal.SIGKILL))
+rclpy.spin(node)
+"""
+
+
+def graded(text: str, told: Callable[[Event], None] | None = None) -> ExamResult:
+    """Return the result of the publisher's exam."""
+    return examine(exams.load(EXAM), {'temp_publisher.py': text}, sandbox=strongest(), told=told)
+
+
+class Killer:
+    """
+    Ends processes at the first message.
+
+    :param wanted: tells which, by their command lines
+    :param times: in how many runs
+    """
+
+    def __init__(self, wanted: Callable[[list[str]], bool], times: int = 1) -> None:
+        """Have ended nothing yet."""
+        self.wanted = wanted
+        self.left = times
+        self.runs = 0
+        self.armed = True
+
+    def __call__(self, event: Event) -> None:
+        """Look at an event."""
+        if event['event'] == 'seen':  # the first of a run
+            self.armed = True
+        if event['event'] == 'message' and self.armed and self.left:
+            self.armed = False
+            self.left -= 1
+            for one in psutil.Process().children(recursive=True):
+                if self.wanted(one.cmdline()):
+                    one.kill()
+                    self.runs += 1
+                    break
+
+
+def program(words: list[str]) -> bool:
+    """Tell whether it is the student's program itself."""
+    return 'bwrap' not in words[0] and any('run_node.py' in word for word in words)
+
+
+def launcher(words: list[str]) -> bool:
+    """Tell whether it is the launcher of the student's sandbox."""
+    return 'bwrap' in words[0] and any('run_node.py' in word for word in words)
+
+
+@pytest.mark.parametrize('wanted', [program, launcher])
+def test_a_program_that_is_killed_from_outside_gets_its_points(wanted):
+    """It is run again, and the result says so."""
+    killer = Killer(wanted)
+    result = graded(ANSWER.read_text(encoding='utf-8'), killer)
+
+    assert killer.runs == 1
+    assert (result.points, result.timing.get('repeated')) == (result.max_points, 1.0)
+
+
+def test_a_launcher_that_is_killed_each_time_makes_no_verdict():
+    """No evidence, no points, no zero: a person has to look."""
+    killer = Killer(launcher, times=2)
+    with pytest.raises(ProbeFailed, match='from outside, by signal 9'):
+        graded(ANSWER.read_text(encoding='utf-8'), killer)
+
+    assert killer.runs == 2
+
+
+def test_a_program_that_ends_itself_so_is_judged():
+    """What it does twice is its own doing."""
+    result = graded(ENDS_ITSELF)
+
+    assert result.timing['repeated'] == 1.0
+    assert {check.cause_id for check in result.checks if check.cause_id} == {'died'}
+
+
+def test_a_machine_without_memory_makes_no_verdict(monkeypatch):
+    """The kernel counts whom it ends; then nobody knows whether the program was to blame."""
+    counted = iter(range(100))
+    monkeypatch.setattr(observe, 'oom_kills', lambda: next(counted))
+    with pytest.raises(ProbeFailed, match='ran out of memory'):
+        graded(ENDS_ITSELF)
