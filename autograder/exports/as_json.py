@@ -1,7 +1,8 @@
 """
 Everything about the last grading, as data; docs/results.schema.json describes it.
 
-``points`` of a submission and of its exams and checks are null while it is for review.
+``points`` of a submission and of its exams and checks are null while there is no mark: it is for
+review, or only visible checks were run.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections.abc import Iterable
 import json
 from typing import Any
 
+from autograder.exports.marks import automatic
 from autograder.judging.results import ExamResult, SubmissionResult
 from autograder.whole_class.class_results import ClassResults
 
@@ -29,12 +31,13 @@ def results_json(classes: Iterable[ClassResults]) -> bytes:
 
 
 def _submission(result: SubmissionResult) -> dict[str, Any]:
-    review = bool(result.fault)
+    mark = automatic(result)
+    marked = mark.points is not None
     return {
         'assignment': result.assignment,
         'student': result.student,
-        'status': 'for review' if review else 'graded',
-        'points': None if review else result.points,
+        'status': mark.status,
+        'points': mark.points,
         'max_points': result.max_points,
         'fault': result.fault,
         'flags': list(result.flags),
@@ -48,14 +51,14 @@ def _submission(result: SubmissionResult) -> dict[str, Any]:
             }
             for problem in result.problems
         ],
-        'exams': [_exam(exam, review) for exam in result.exams],
+        'exams': [_exam(exam, marked) for exam in result.exams],
     }
 
 
-def _exam(exam: ExamResult, review: bool) -> dict[str, Any]:
+def _exam(exam: ExamResult, marked: bool) -> dict[str, Any]:
     return {
         'exam': exam.exam,
-        'points': None if review else exam.points,
+        'points': exam.points if marked else None,
         'max_points': exam.max_points,
         'note': exam.note,
         'isolation': exam.mode,
@@ -67,7 +70,7 @@ def _exam(exam: ExamResult, review: bool) -> dict[str, Any]:
                 'check': check.check,
                 'title': check.title,
                 'verdict': check.verdict.value,
-                'points': None if review else check.points,
+                'points': check.points if marked else None,
                 'max_points': check.max_points,
                 'expected': check.expected,
                 'observed': check.observed,

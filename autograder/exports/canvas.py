@@ -206,6 +206,12 @@ def _factor(book: Gradebook, where: str, index: int, marks: Sequence[Mark], scal
     possible = _number(book.rows[book.possible][index])
     if possible is None or most <= 0 or abs(possible - most) < 0.005:
         return 1.0
+    if possible <= 0:
+        raise GraderError(
+            f'{where}: expected {number(most)} points possible for {book.header[index]}, got '
+            f'{number(possible)}: scaled to that, everybody would have nothing.',
+            f'Try: set the points of the assignment in Canvas to {number(most)}, and export again',
+        )
     if scale:
         return possible / most
     raise GraderError(

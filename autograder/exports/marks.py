@@ -9,14 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-import warnings
 
 from autograder.errors import GraderError
 from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
-from autograder.sandboxes.isolation import MODES
-from autograder.whole_class.class_results import ClassResults
+from autograder.whole_class.class_results import ClassResults, has_mark
 
 AUTOMATIC, GRADEBOOK = 'automatic', 'gradebook'
 SOURCES = (AUTOMATIC, GRADEBOOK)
@@ -58,10 +55,9 @@ def marks(layout: Layout, graded: ClassResults, source: str) -> tuple[Mark, ...]
 
 def automatic(result: SubmissionResult) -> Mark:
     """Return the mark of the automatic checks; visible checks alone make none."""
-    modes = [MODES[exam.mode] for exam in result.exams if exam.mode in MODES]
     if result.fault:
         return Mark(result.student, None, result.max_points, REVIEW)
-    if not all(mode.keeps_secrets for mode in modes):
+    if not has_mark(result):
         return Mark(result.student, None, result.max_points, NO_GRADE)
     return Mark(result.student, result.points, result.max_points)
 
@@ -74,31 +70,30 @@ def from_gradebook(
 
     :raises GraderError: if there is no gradebook, or it does not have the assignment
     """
-    from nbgrader.api import Gradebook, MissingEntry
+    from nbgrader.api import MissingEntry
 
-    from autograder.gradebook.settings import load_config
+    from autograder.gradebook.converters import opened_gradebook
+    from autograder.gradebook.settings import gradebook_file
 
-    url = str(load_config(layout).CourseDirectory.db_url)
     missing = GraderError(
         f'{assignment}: expected it in the gradebook, got none.',
         'Try: make grade, or --points automatic for the points of the checks alone',
     )
-    if url.startswith('sqlite:///') and not Path(url.removeprefix('sqlite:///')).is_file():
+    file = gradebook_file(layout)
+    if file is not None and not file.is_file():
         raise missing  # opening would make an empty one
     entered: dict[str, Mark] = {}
-    with warnings.catch_warnings():
-        warnings.simplefilter('ignore')  # SQLAlchemy about nbgrader's own queries
-        with Gradebook(url) as gradebook:
-            try:
-                most = float(gradebook.find_assignment(assignment).max_score)
-            except MissingEntry as error:
-                raise missing from error
-            for one in gradebook.assignment_submissions(assignment):
-                points = max(0.0, float(one.score) - float(one.late_submission_penalty or 0.0))
-                waits = bool(one.needs_manual_grade)
-                entered[one.student.id] = Mark(
-                    one.student.id, None if waits else points, most, BY_HAND if waits else GRADED
-                )
+    with opened_gradebook(layout) as gradebook:
+        try:
+            most = float(gradebook.find_assignment(assignment).max_score)
+        except MissingEntry as error:
+            raise missing from error
+        for one in gradebook.assignment_submissions(assignment):
+            points = max(0.0, float(one.score) - float(one.late_submission_penalty or 0.0))
+            waits = bool(one.needs_manual_grade)
+            entered[one.student.id] = Mark(
+                one.student.id, None if waits else points, most, BY_HAND if waits else GRADED
+            )
     return tuple(_entered(result, entered, most) for result in results)
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 import csv
 import io
+import re
 
 from autograder.explaining.feedback import headline, number, printable
 from autograder.exports.marks import automatic, Mark
@@ -19,6 +20,9 @@ from autograder.whole_class.class_results import ClassResults
 
 FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠')
 """How a cell begins that a spreadsheet may run, full-width signs included."""
+
+LATER_CELL = re.compile(r'([;\t\r\n]["\s]*)([=+\-@＝＋－＠])')
+"""Where a cell would begin in a spreadsheet that parts at semicolons, tabs or lines."""
 
 MARKS = (
     'assignment',
@@ -107,8 +111,13 @@ def _field(cell: Cell) -> str:
 
 
 def harmless(text: str) -> str:
-    """Return a text that no spreadsheet takes for a formula."""
+    """
+    Return a text that no spreadsheet takes for a formula, nor for several cells with one.
+
+    Where the comma is the decimal point, spreadsheets part cells at semicolons, quoted or not.
+    """
     formula = text.lstrip(' ').startswith(FORMULA_STARTS) or text.lstrip().startswith(
         FORMULA_STARTS
     )
+    text = LATER_CELL.sub(r"\1'\2", text)
     return f"'{printable(text)}" if formula else printable(text)

@@ -70,6 +70,15 @@ def autograde(
 
 
 @contextmanager
+def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
+    """Yield nbgrader's gradebook, which is made if there is none."""
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore')  # SQLAlchemy about nbgrader's own queries
+        with api.Gradebook(str(load_config(layout).CourseDirectory.db_url)) as gradebook:
+            yield gradebook
+
+
+@contextmanager
 def _one_engine() -> Iterator[None]:
     """
     Let nbgrader's gradebooks share what SQLAlchemy has compiled.

@@ -16,7 +16,7 @@ from autograder.explaining.feedback import headline, number
 from autograder.exports.files import write_file
 from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
-from autograder.whole_class.class_results import ClassResults, one_graded
+from autograder.whole_class.class_results import ClassResults, has_mark, one_graded
 from autograder.whole_class.class_statistics import (
     BINS,
     CheckNumbers,
@@ -114,7 +114,8 @@ def _rows(results: Sequence[SubmissionResult]) -> list[dict[str, object]]:
     return [
         {
             'student': one.student,
-            'points': None if one.fault else one.points,
+            'points': one.points if has_mark(one) else None,
+            'no_mark': 'for review' if one.fault else 'only visible checks',
             'max_points': one.max_points,
             'why': headline(one),
         }

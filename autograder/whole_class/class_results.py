@@ -14,6 +14,7 @@ from pathlib import Path
 from autograder.errors import GraderError
 from autograder.judging.results import ExamResult, SubmissionResult
 from autograder.layout import Layout
+from autograder.sandboxes.isolation import MODES
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,12 @@ def one_graded(layout: Layout, name: str) -> ClassResults:
     """
     (found,) = graded(layout, name)
     return found
+
+
+def has_mark(result: SubmissionResult) -> bool:
+    """Tell whether points are a mark: not while for review, nor of visible checks alone."""
+    modes = [MODES[exam.mode] for exam in result.exams if exam.mode in MODES]
+    return not result.fault and all(mode.keeps_secrets for mode in modes)
 
 
 def seconds_of(result: SubmissionResult) -> float:

@@ -20,7 +20,13 @@ from typing import Any
 from autograder.judging.results import CheckResult, SubmissionResult, Verdict
 from autograder.layout import Layout
 from autograder.runs.version import ROS_PACKAGES
-from autograder.whole_class.class_results import ClassResults, max_points, seconds_of, was_run
+from autograder.whole_class.class_results import (
+    ClassResults,
+    has_mark,
+    max_points,
+    seconds_of,
+    was_run,
+)
 
 BINS = 10
 SLOWEST = 5
@@ -117,7 +123,7 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
     return ClassNumbers(
         assignment=graded.assignment,
         submissions=len(results),
-        marks=_marks(marked),
+        marks=_marks([result for result in results if has_mark(result)]),
         checks=_checks(marked),
         review=tuple((one.student, one.fault) for one in results if one.fault),
         flagged=tuple((one.student, flag) for one in results for flag in one.flags),

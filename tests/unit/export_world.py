@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from autograder.judging.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
 from autograder.whole_class.class_results import ClassResults
 
@@ -43,6 +45,8 @@ def submission(student='ann', checks=(), exam='talker', **more):
 
 
 FULL = submission('bob', (check('runs'), check('warns', points=3.0, most=3.0)))
+VISIBLE = replace(FULL, exams=(replace(FULL.exams[0], mode='none'),))
+"""What isolation that keeps nothing hidden has left: visible checks, no mark."""
 REVIEW = submission('eve', fault='The probe broke off. Grade it again.')
 HOSTILE = submission(
     f'x{EVIL}'.replace('\ud800', ''),  # an id is always text that can be written

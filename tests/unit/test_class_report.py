@@ -7,7 +7,7 @@ from itertools import pairwise
 import json
 from pathlib import Path
 
-from export_world import check, CLASS, EVIL, failed, FULL, REVIEW, submission
+from export_world import check, CLASS, EVIL, failed, FULL, REVIEW, submission, VISIBLE
 from hypothesis import given, settings, strategies
 import pytest
 
@@ -269,3 +269,20 @@ class TestWhatWasGraded:
         """Grade first."""
         with pytest.raises(GraderError, match='grade the class first'):
             graded(Layout(tmp_path))
+
+
+class TestVisibleChecksAlone:
+    """What isolation that keeps nothing hidden has left."""
+
+    def test_they_make_no_marks(self):
+        """Their verdicts are counted, their points are none."""
+        numbers = numbers_of(VISIBLE)
+
+        assert numbers.marks is None
+        assert [check.passed for check in numbers.checks] == [1, 1]
+
+    def test_the_page_says_so(self):
+        """Instead of points."""
+        page = class_page(ClassResults(ASSIGNMENT, (VISIBLE,)), numbers_of(VISIBLE))
+
+        assert '<span class="review">only visible checks</span>' in page

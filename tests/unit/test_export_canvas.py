@@ -204,3 +204,13 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
     """With the way to it."""
     with pytest.raises(GraderError, match=r'none\.csv: expected the file that Canvas exports'):
         canvas.read_file(tmp_path / 'none.csv')
+
+
+@pytest.mark.parametrize('scale', [True, False])
+def test_an_assignment_without_points_possible_takes_none(scale):
+    """Scaled to nothing, everybody would have nothing."""
+    data = book().decode().replace('10.00', '0.00').encode()
+    with pytest.raises(GraderError, match='got 0: scaled to that') as error:
+        fill(marks(ada=3.25), data, column='101', scale=scale)
+
+    assert '--scale' not in error.value.fix

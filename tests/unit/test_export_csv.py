@@ -131,3 +131,19 @@ def test_the_hostile_text_is_hostile():
     """Else the tests above would prove nothing."""
     assert FORMULA in EVIL
     assert '\x00' in EVIL
+
+
+@pytest.mark.parametrize('text', ['x;=1+1', 'x; =cmd', 'a\t@b', 'a\n-b', 'a;"=1'])
+def test_no_cell_of_a_spreadsheet_that_parts_at_semicolons_begins_like_a_formula(text):
+    """Where the comma is the decimal point; quotes do not stop it."""
+    line = csv_bytes(['a', 'b'], [['1', text]]).decode().split('\r\n', 1)[1]
+
+    for cell in re.split('[;\t\n]', line)[1:]:
+        assert not cell.strip(' "').startswith(FORMULA_STARTS), line
+
+
+def test_ordinary_words_with_semicolons_stay():
+    """Flags are joined with them."""
+    ((shown,),) = rfc4180(csv_bytes(['a'], [['one; two - three; 4 = 4']]))[1:]
+
+    assert shown == 'one; two - three; 4 = 4'

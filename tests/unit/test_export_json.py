@@ -6,7 +6,7 @@ import copy
 import json
 from pathlib import Path
 
-from export_world import CLASS, REVIEW
+from export_world import CLASS, REVIEW, VISIBLE
 from jsonschema import Draft202012Validator
 import pytest
 
@@ -92,3 +92,13 @@ def test_every_field_is_required(document):
             assert not VALID.is_valid(document), f'{kind} without {name}'
             part[name] = value
     assert VALID.is_valid(document)
+
+
+def test_visible_checks_alone_have_no_points_anywhere():
+    """As in every other export."""
+    data = json.loads(results_json([ClassResults(VISIBLE.assignment, (VISIBLE,))]))
+    VALID.validate(data)
+    (one,) = data['submissions']
+
+    assert (one['status'], one['points']) == ('only visible checks were run', None)
+    assert {check['points'] for exam in one['exams'] for check in exam['checks']} == {None}
