@@ -27,6 +27,11 @@ if TYPE_CHECKING:
     from autograder.judging.exam import Exam
 
 USAGE, STOPPED = 2, 130
+GOES_ON = {
+    'grade': 'Finished runs are kept; the same command goes on.',
+    'collect': 'What was taken stays; the same command goes on.',
+}
+"""Commands of which something is kept if they are stopped."""
 OURS = ('autograder', 'drawing', 'environment', 'roslab')
 
 
@@ -51,11 +56,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
             )
         return _refuse(error, chosen.run is _check and chosen.json)
     except KeyboardInterrupt:
-        print('\nStopped. Finished runs are kept; the same command goes on.', file=sys.stderr)
+        print(f'\nStopped. {_how_to_go_on(chosen)}', file=sys.stderr)
         if not end_runs():
             os._exit(STOPPED)
         return STOPPED
     return code
+
+
+def _how_to_go_on(chosen: argparse.Namespace) -> str:
+    """Say what is kept of a command that was stopped."""
+    if chosen.command not in GOES_ON:
+        return 'The same command begins again.'
+    if getattr(chosen, 'fresh', False):
+        return (
+            'What was reported is done. The same command begins again, as --fresh repeats every '
+            'run; --assignment NAME limits it to what is missing.'
+        )
+    return GOES_ON[chosen.command]
 
 
 def _refuse(error: Exception, as_json: bool) -> int:

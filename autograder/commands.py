@@ -7,6 +7,7 @@ Here are only their options and what they print; each has a module of its own.
 from __future__ import annotations
 
 import argparse
+from contextlib import nullcontext
 import json
 from pathlib import Path
 import sys
@@ -14,6 +15,7 @@ from typing import Any
 
 from autograder.errors import SandboxUnavailable
 from autograder.layout import Layout
+from autograder.whole_class.alone import alone
 
 OK, FOR_REVIEW = 0, 1
 
@@ -146,9 +148,9 @@ def _rejudge(chosen: argparse.Namespace) -> int:
     """Judge again."""
     from autograder.whole_class.rejudge import rejudge_command
 
-    changes, code = rejudge_command(
-        Layout.here(), chosen.assignment, chosen.submitted, chosen.write
-    )
+    layout = Layout.here()
+    with alone(layout, 'rejudge --write') if chosen.write else nullcontext():
+        changes, code = rejudge_command(layout, chosen.assignment, chosen.submitted, chosen.write)
     if chosen.json:
         print(json.dumps([change.to_json() for change in changes]))
     else:

@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 import json
 from pathlib import Path
+import shutil
 import tempfile
 from typing import Any
 
@@ -208,3 +209,26 @@ def write_sample_class(layout: Layout, folder: Path) -> int:
             f'Put submissions into {folder} as STUDENT/ASSIGNMENT/NOTEBOOK.ipynb.',
         )
     return count
+
+
+def take_out_sample_class(layout: Layout) -> int:
+    """
+    Remove the sample students from a course, before its own class comes: no marks are theirs.
+
+    :returns: how many there were
+    """
+    names = {path.name for one in layout.assignments() for path in samples(layout, one, True)}
+    gone = set()
+    for above in (layout.submitted, layout.work / 'autograded', layout.work / 'feedback'):
+        for name in sorted(names):
+            if (above / name).is_dir() and not (above / name).is_symlink():
+                shutil.rmtree(above / name)
+                gone.add(name)
+    from autograder.gradebook.settings import gradebook_file  # needs packages
+
+    file = gradebook_file(layout)
+    if gone and (file is None or file.is_file()):
+        from autograder.gradebook.record import forget_students
+
+        gone |= forget_students(layout, names)
+    return len(gone)

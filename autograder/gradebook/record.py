@@ -7,7 +7,7 @@ instructor knows works on them: formgrader, feedback, export, and grades given b
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 import json
 from pathlib import Path
 import tempfile
@@ -56,6 +56,23 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
         results = {one.result.student: one.result for one in entered}
         if results:
             converters.autograde(layout, lesson.assignment, staged, results)
+
+
+def forget_students(layout: Layout, names: Collection[str]) -> set[str]:
+    """
+    Remove students from the gradebook, with all they have there.
+
+    :returns: who was in it
+    """
+    from autograder.gradebook import converters
+
+    gone = set()
+    with converters.opened_gradebook(layout) as gradebook:
+        for student in list(gradebook.students):
+            if student.id in names:
+                gone.add(student.id)
+                gradebook.remove_student(student.id)
+    return gone
 
 
 def _stage(folder: Path, notebook: str, graded: Graded) -> None:

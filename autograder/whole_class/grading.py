@@ -25,6 +25,7 @@ from autograder.layout import Layout
 from autograder.progress import Done, progress, Totals
 from autograder.runs.workers import grading_folder, Pool, processors
 from autograder.sandboxes.isolation import banner, not_protected, WEAK
+from autograder.whole_class.alone import alone
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -65,9 +66,9 @@ def add_grade(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     grade.add_argument(
         '--jobs',
         type=_positive,
-        default=processors(),
+        default=0,
         metavar='N',
-        help='runs at a time on this machine (default: one a processor, here %(default)s)',
+        help=f'runs at a time on this machine (default: one a processor, here {processors()})',
     )
     grade.add_argument(
         '--cluster',
@@ -102,19 +103,14 @@ def _grade(chosen: argparse.Namespace) -> int:
 
     # What ends a job of a cluster or a service is as good as Ctrl-C: nothing is left behind.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    _fit_together(chosen)
     layout = Layout.here()
     told = Console(stderr=chosen.json, width=None if sys.stdout.isatty() else 120)
-    submitted = submitted_folder(layout, chosen.submitted, told)
-    assignments = _assignments(layout, chosen.assignment)
-    results: list[SubmissionResult] = []
-    trouble = ''
-    with grading_folder(), _engine(layout, chosen, told) as (engine, jobs):
-        for assignment in assignments:
-            try:
-                results += _grade_assignment(layout, assignment, submitted, engine, jobs, told)
-            except NotEnteredError as error:
-                results += error.results
-                trouble = str(error)
+    with alone(layout, 'a grading'):
+        submitted = submitted_folder(layout, chosen.submitted, told)
+        assignments = _assignments(layout, chosen.assignment)
+        with grading_folder(), _engine(layout, chosen, told) as (engine, jobs):
+            results, trouble = _grade_all(layout, assignments, submitted, engine, jobs, told)
     if not results:
         raise UsageError(
             f'{submitted}: expected STUDENT/ASSIGNMENT folders with one of '
@@ -125,6 +121,40 @@ def _grade(chosen: argparse.Namespace) -> int:
     if trouble:
         raise GraderError(trouble)
     return FOR_REVIEW if any(result.fault for result in results) else OK
+
+
+def _fit_together(chosen: argparse.Namespace) -> None:
+    """Refuse options of which one would be ignored."""
+    if chosen.cluster and chosen.allow_weak:
+        raise UsageError(
+            f'--allow-weak {chosen.allow_weak}: expected none with --cluster, whose workers '
+            'isolate fully or refuse. Try: leave it out'
+        )
+    if chosen.cluster and chosen.jobs:
+        raise UsageError(
+            f'--jobs {chosen.jobs}: expected none with --cluster, whose workers say how many runs '
+            'they take. Try: leave it out'
+        )
+
+
+def _grade_all(
+    layout: Layout,
+    assignments: Sequence[str],
+    submitted: Path,
+    engine: Engine,
+    jobs: int,
+    told: Console,
+) -> tuple[list[SubmissionResult], str]:
+    """Grade each assignment; return all results, and what the gradebook refused."""
+    results: list[SubmissionResult] = []
+    trouble = ''
+    for assignment in assignments:
+        try:
+            results += _grade_assignment(layout, assignment, submitted, engine, jobs, told)
+        except NotEnteredError as error:
+            results += error.results
+            trouble = str(error)
+    return results, trouble
 
 
 @contextmanager
@@ -145,7 +175,7 @@ def _engine(
     from autograder.whole_class.pipeline import grading_engine
 
     engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
-    jobs = warn_if_weak(engine, chosen.jobs, told)
+    jobs = warn_if_weak(engine, chosen.jobs or processors(), told)
     with in_a_pool(engine, jobs) as pooled:
         # One thread more than processes: while one judges, all of them have something to run.
         yield pooled, jobs + 1
@@ -178,6 +208,11 @@ def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path
             raise UsageError(f'--submitted {chosen}: expected a folder, got none.')
         return chosen.resolve()
     if not layout.submitted.is_dir() or not any(layout.submitted.iterdir()):
+        if layout.reports.is_dir():  # a class was here: its page is no place for sample students
+            raise UsageError(
+                f'{layout.submitted}: expected submissions, got an empty folder. Try: python -m '
+                'autograder collect SOURCE, or sample-class for the example submissions'
+            )
         from autograder.sample_class import write_sample_class
 
         count = write_sample_class(layout, layout.submitted)

@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 import json
 from pathlib import Path
-import shutil
 from typing import Any, TYPE_CHECKING
 from urllib.parse import quote
 
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html
 from autograder.judging.results import ExamResult, shortened, SubmissionResult
+from autograder.runs.recording import keep
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -29,29 +29,41 @@ def write_reports(
     folder: Path, assignment: str, results: Sequence[SubmissionResult], summary: str = ''
 ) -> Path:
     """
-    Write the pages of a class, in place of older ones.
+    Write the results of a class and their pages, in place of older ones.
+
+    The results come first, whole or not at all: every other command begins with them, and the
+    pages can be made again.
 
     :param folder: receives ``<assignment>/index.html`` and ``<assignment>/students/``
     :param summary: one sentence about the whole run
     :returns: path of the index
     """
     pages = folder / assignment
-    if pages.exists():
-        shutil.rmtree(pages)
-    (pages / 'students').mkdir(parents=True)
+    data = json.dumps([result.to_json() for result in results], indent=1)
+    keep(pages / 'results.json', f'{data}\n'.encode())
+    (pages / 'students').mkdir(exist_ok=True)
     templates = _templates()
+    written = {page_name(result.student) for result in results}
     for result in results:
         page = templates.get_template('student.html.j2').render(
             result=result,
             modes=_modes([result]),
             lacks=_lacks([result]),
         )
-        (pages / page_name(result.student)).write_text(page, encoding='utf-8')
+        _put(pages / page_name(result.student), page)
     index = pages / 'index.html'
-    index.write_text(_index(templates, assignment, results, summary), encoding='utf-8')
-    data = json.dumps([result.to_json() for result in results], indent=1)
-    (pages / 'results.json').write_text(data + '\n', encoding='utf-8')
+    _put(index, _index(templates, assignment, results, summary))
+    for path in (pages / 'students').iterdir():
+        if f'students/{path.name}' not in written:
+            path.unlink()
     return index
+
+
+def _put(path: Path, text: str) -> None:
+    """Put a page in its place; a reader sees the old one or the new one."""
+    unfinished = path.with_name(f'.{path.name}')
+    unfinished.write_text(text, encoding='utf-8')
+    unfinished.replace(path)
 
 
 def _index(

@@ -9,6 +9,7 @@ from nbgrader.api import Gradebook
 from autograder.gradebook import entered
 from autograder.gradebook.settings import gradebook_file, load_config
 from autograder.layout import Layout
+from autograder.sample_class import take_out_sample_class
 from autograder.whole_class.grading import begin_to_enter, enter
 from autograder.whole_class.inbox import discover
 from autograder.whole_class.pipeline import grade_class, load_lesson
@@ -151,7 +152,26 @@ def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
     assert scores(course, 'bob')['late'] == 0
 
 
+def lets_the_sample_students_go(course: Layout) -> None:
+    """When a class of its own comes, and nobody else."""
+    sample = course.sample_class / ASSIGNMENT / 'pass__sample'
+    sample.mkdir(parents=True, exist_ok=True)
+    (sample / 'expected.json').write_text('{}', encoding='utf-8')
+    hand_in(course, 'pass__sample')
+    hand_in(course, 'ann')
+    grade(course)
+
+    assert take_out_sample_class(course) == 1
+    assert not (course.submitted / 'pass__sample').exists()
+    with book(course) as gradebook:
+        assert [student.id for student in gradebook.students] == ['ann']
+    assert scores(course, 'ann')[CHECK] == 15
+    assert grade(course) == 0
+    assert take_out_sample_class(course) == 0
+
+
 ALL = (
+    lets_the_sample_students_go,
     writes_reruns_and_keeps_grades_given_by_hand,
     fills_what_was_changed_or_lost,
     fills_a_gradebook_that_was_deleted,

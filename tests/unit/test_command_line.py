@@ -242,6 +242,7 @@ def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_pa
 
     class Elsewhere(Layout):
         submitted = tmp_path / 'submitted'
+        reports = tmp_path / 'reports'
 
     console = Console()
     elsewhere = Elsewhere(layout.root)
@@ -250,6 +251,52 @@ def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_pa
 
     submitted_folder(elsewhere, None, console)
     assert capsys.readouterr().out == ''
+
+
+def test_sample_students_never_follow_a_class(tmp_path):
+    """An empty folder where something was graded is no wish for examples."""
+    from rich.console import Console
+
+    class Elsewhere(Layout):
+        submitted = tmp_path / 'submitted'
+        reports = tmp_path / 'reports'
+
+    Elsewhere.reports.mkdir()
+    with pytest.raises(grading.UsageError, match=r'got an empty folder\. Try: .* collect SOURCE'):
+        submitted_folder(Elsewhere(Layout.here().root), None, Console())
+
+    assert not Elsewhere.submitted.exists()
+
+
+@pytest.mark.parametrize(
+    ('options', 'named'),
+    [(['--jobs', '3'], '--jobs 3'), (['--allow-weak', 'none'], '--allow-weak')],
+)
+def test_a_cluster_takes_no_options_of_one_machine(options, named, tmp_path, capsys):
+    """They would be ignored."""
+    argv = ['grade', '--submitted', str(tmp_path), '--cluster', 'tcp://127.0.0.1:1', *options]
+
+    assert command.main(argv) == command.USAGE
+    assert named in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ('argv', 'said'),
+    [
+        (['grade', '--fresh'], 'The same command begins again, as --fresh repeats every run'),
+        (['stats'], 'The same command begins again.'),
+    ],
+)
+def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
+    """After Ctrl-C, only a grading without --fresh goes on where it was."""
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Layout, 'here', stop)
+
+    assert command.main(argv) == command.STOPPED
+    assert said in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])

@@ -11,6 +11,7 @@ from rich.console import Console
 
 from autograder.explaining.feedback import exam_text, headline, printable
 from autograder.judging.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
+from autograder.whole_class import report
 from autograder.whole_class.report import page_name, print_table, write_reports
 
 EVIL = '<script>alert(1)</script>&"\'\x1b[31m[bold]'
@@ -141,6 +142,20 @@ class TestPages:
         index = write_reports(tmp_path, '01_talker', [submission('new')])
 
         assert [path.name for path in (index.parent / 'students').iterdir()] == ['new.html']
+
+    def test_the_results_are_there_whenever_writing_ends(self, tmp_path, monkeypatch):
+        """Every other command begins with them."""
+
+        def stop(*_):
+            raise KeyboardInterrupt
+
+        write_reports(tmp_path, '01_talker', [submission('old')])
+        monkeypatch.setattr(report, '_put', stop)
+        with pytest.raises(KeyboardInterrupt):
+            write_reports(tmp_path, '01_talker', [submission('new')])
+
+        data = json.loads((tmp_path / '01_talker' / 'results.json').read_text(encoding='utf-8'))
+        assert [one['student'] for one in data] == ['new']
 
     def test_the_results_are_kept_as_data(self, tmp_path):
         """Other programs read them."""

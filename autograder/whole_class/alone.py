@@ -1,0 +1,63 @@
+"""One grading at a time writes a course's gradebook, reports and recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+import fcntl
+import os
+import re
+import time
+
+from autograder.errors import GraderError
+from autograder.layout import Layout
+
+UNFINISHED = re.compile(r'\..+\.[0-9a-f]{32}')
+"""How :func:`autograder.runs.recording.keep` names a file until it is whole."""
+
+
+class InUseError(GraderError):
+    """Somebody else grades the same course."""
+
+
+@contextmanager
+def alone(layout: Layout, what: str) -> Iterator[None]:
+    """
+    Be the only one that grades; what a killed grading left unfinished goes first.
+
+    The kernel gives the lock back, however a process ends; what stands in the file is only for
+    people.
+
+    :param what: the command, for whoever comes second
+    :raises InUseError: if there is another one, with its process
+    """
+    layout.work.mkdir(parents=True, exist_ok=True)
+    path = layout.work / 'lock'
+    lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    try:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            holder = os.pread(lock, 200, 0).decode(errors='replace') or 'another one'
+            raise InUseError(
+                f'{path}: expected to be the only one that grades, got: {holder}.',
+                'Try: wait until it is done, or end it with Ctrl-C where it runs',
+            ) from error
+        if os.fstat(lock).st_size:  # its holder was killed
+            _tidy(layout)
+        os.ftruncate(lock, 0)
+        os.pwrite(
+            lock, f'{what} since {time.strftime("%H:%M")}, process {os.getpid()}'.encode(), 0
+        )
+        yield
+        os.ftruncate(lock, 0)
+    finally:
+        os.close(lock)
+
+
+def _tidy(layout: Layout) -> None:
+    """Remove files that never became whole."""
+    for folder in (layout.reports, layout.recordings):
+        for path in folder.glob('*/.*'):
+            if UNFINISHED.fullmatch(path.name):
+                path.unlink(missing_ok=True)

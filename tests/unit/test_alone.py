@@ -1,0 +1,77 @@
+"""One grading at a time, and what a killed one left unfinished."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from autograder.layout import Layout
+from autograder.whole_class.alone import alone, InUseError
+
+HOLDER = """
+import sys
+from pathlib import Path
+from autograder.layout import Layout
+from autograder.whole_class.alone import alone
+with alone(Layout(Path(sys.argv[1])), 'a grading'):
+    print('held', flush=True)
+    sys.stdin.read()
+"""
+
+
+def held(root):
+    """Start another process that grades."""
+    process = subprocess.Popen(
+        [sys.executable, '-c', HOLDER, str(root)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert process.stdout.readline() == b'held\n'
+    return process
+
+
+def unfinished(layout):
+    """Return files that a killed grading leaves: one of its own, two that are not."""
+    folder = layout.reports / '01_talker'
+    folder.mkdir(parents=True)
+    files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'index.html']
+    for file in files:
+        file.write_text('', encoding='utf-8')
+    return files
+
+
+def test_a_second_grading_is_told_who_is_there(tmp_path):
+    """And begins when the first one has ended."""
+    layout = Layout(tmp_path)
+    with held(tmp_path) as first:
+        with pytest.raises(InUseError, match=f'a grading since .*, process {first.pid}'):
+            with alone(layout, 'rejudge --write'):
+                pass
+        first.communicate()
+    with alone(layout, 'rejudge --write'):
+        assert f'process {os.getpid()}' in (layout.work / 'lock').read_text(encoding='utf-8')
+
+    assert (layout.work / 'lock').read_bytes() == b''
+
+
+def test_what_a_killed_grading_left_goes(tmp_path):
+    """The kernel gives its lock back."""
+    layout = Layout(tmp_path)
+    with held(tmp_path) as first:
+        half, *others = unfinished(layout)
+        first.kill()
+        first.communicate()
+    with alone(layout, 'a grading'):
+        assert not half.exists()
+        assert all(path.exists() for path in others)
+
+
+def test_a_grading_that_ended_well_left_nothing_to_look_for(tmp_path):
+    """So the next one does not look."""
+    layout = Layout(tmp_path)
+    with alone(layout, 'a grading'):
+        pass
+    half, *_ = unfinished(layout)
+    with alone(layout, 'a grading'):
+        assert half.exists()
