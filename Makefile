@@ -12,8 +12,8 @@
 #   make coverage             docs/coverage.md: what the course claims, teaches and proves
 #   make judgement            docs/agreement.md, mutants.md, causes.md: how well the grader judges
 #   make release              generate notebooks/ from solutions/, pack a student bundle
-#   make bench                the benchmarks; ten minutes, best on a quiet machine
-#   make soak                 the same files judged 200 times, calm and under load; an hour
+#   make bench                the benchmarks; half an hour, best on a quiet machine
+#   make soak                 the same files judged 200 times, calm and under load; half an hour
 #   make doctor               what is there and what is missing; needs no network
 #   make clean                remove everything that was prepared
 #

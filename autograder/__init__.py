@@ -1,7 +1,7 @@
 """
 The grader: runs student code it does not trust and judges what it did on the wire.
 
-The file list reads as the data flow::
+The folders, as the data flow::
 
     submission -> extract -> sandbox + probe (observe) -> recording -> judge -> record, report
 """

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 CHECK_CELL = re.compile(r"^check\((['\"])(?P<exam>\w+)\1\)$")
 BUNDLED = (
-    'README.md',
     'environment.md',
     'LICENSE',
     'Makefile',
@@ -40,6 +39,8 @@ BUNDLED = (
     'notebooks',
 )
 """What students receive; everything that is not named here stays."""
+UNDER_ANOTHER_NAME = {'README.md': 'docs/students.md'}
+"""What students receive besides: the page about the whole project would lead them astray."""
 WITHHELD = (
     'autograder/exams/hidden',
     'autograder/_work',
@@ -209,19 +210,20 @@ def pack(layout: Layout, bundle: Path) -> int:
     :returns: number of files
     """
     bundle.parent.mkdir(parents=True, exist_ok=True)
-    names = sorted(bundled_files(layout))
+    files = bundled_files(layout)
     with zipfile.ZipFile(bundle, 'w', zipfile.ZIP_DEFLATED) as archive:
-        for name in names:
+        for name, path in sorted(files.items()):
             entry = zipfile.ZipInfo(f'ros2-course/{name}', date_time=(2024, 1, 1, 0, 0, 0))
-            path = layout.root / name
             entry.external_attr = (0o755 if path.stat().st_mode & 0o100 else 0o644) << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, path.read_bytes())
-    return len(names)
+    return len(files)
 
 
-def bundled_files(layout: Layout) -> Iterator[str]:
-    """Yield what students receive, relative to the course."""
+def bundled_files(layout: Layout) -> dict[str, Path]:
+    """Return what students receive: name in their copy -> file of the course."""
+    renamed = {name: layout.root / source for name, source in UNDER_ANOTHER_NAME.items()}
+    found = {name: path for name, path in renamed.items() if path.is_file()}
     for top in BUNDLED:
         start = layout.root / top
         for path in [start] if start.is_file() else start.rglob('*'):
@@ -229,7 +231,8 @@ def bundled_files(layout: Layout) -> Iterator[str]:
             withheld = any(name == one or name.startswith(f'{one}/') for one in WITHHELD)
             made = bool(NO_PARTS & set(path.relative_to(layout.root).parts))
             if path.is_file() and not path.is_symlink() and not withheld and not made:
-                yield name
+                found[name] = path
+    return found
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

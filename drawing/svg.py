@@ -118,7 +118,7 @@ def box(
     )
 
 
-_SHAPES = {
+SHAPES = {
     'circle': 'M{x} {t}a{r} {r} 0 1 0 .01 0z',
     'triangle': 'M{x} {t}L{e} {b}L{w} {b}z',
     'diamond': 'M{x} {t}L{e} {y}L{x} {b}L{w} {y}z',
@@ -126,16 +126,15 @@ _SHAPES = {
     'cross': 'M{w} {t}L{e} {b}M{e} {t}L{w} {b}',
     'plus': 'M{x} {t}V{b}M{w} {y}H{e}',
 }
-SHAPES = tuple(_SHAPES)
 
 
 def shape(kind: str, x: float, y: float, radius: float, colour: str) -> str:
     """
     Return a small sign.
 
-    :param kind: one of :data:`SHAPES`
+    :param kind: a key of :data:`SHAPES`
     """
-    path = _SHAPES[kind].format(
+    path = SHAPES[kind].format(
         x=f'{x:.1f}',
         y=f'{y:.1f}',
         t=f'{y - radius:.1f}',

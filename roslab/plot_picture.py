@@ -91,7 +91,7 @@ def curve_html(curve: Curve) -> str:
     def y_of(value: float) -> float:
         return _HEIGHT - _BOTTOM - (value - low) / (high - low) * (_HEIGHT - _TOP - _BOTTOM)
 
-    parts = _axes(curve, begin, end, low, high)
+    parts = _axes(curve.name)
     for tick in svg.ticks(begin, end):
         parts.append(_x_tick(x_of(tick), tick))
     for tick in svg.ticks(low, high, 5):
@@ -126,10 +126,10 @@ def _thinned(points: Sequence[Point]) -> list[Point]:
     return kept
 
 
-def _axes(curve: Curve, begin: float, end: float, low: float, high: float) -> list[str]:
+def _axes(title: str) -> list[str]:
     bottom = _HEIGHT - _BOTTOM
     return [
-        svg.text(_LEFT, 18, curve.name, bold=True, size=13),
+        svg.text(_LEFT, 18, title, bold=True, size=13),
         svg.text(_WIDTH - _RIGHT, _HEIGHT - 6, 'seconds', anchor='end', size=11, faint=True),
         svg.line(_LEFT, bottom, _WIDTH - _RIGHT, bottom),
         svg.line(_LEFT, _TOP, _LEFT, bottom),

@@ -70,7 +70,7 @@ class Probe:
     """
     One run of one scenario.
 
-    :param scenario: see :class:`autograder.judging.exam.Scenario`
+    :param scenario: see :class:`autograder.runs.scenario.Scenario`
     """
 
     def __init__(self, scenario: dict[str, Any]) -> None:

@@ -64,7 +64,7 @@ def evidence(
     exam = next((one for one in lesson.exams if one.name == exam_result.exam), None)
     if exam is None:
         raise GraderError(f'The exam {exam_result.exam} of this result does not exist any more.')
-    files = _files(layout, lesson, exam, student, submitted or layout.submitted)
+    files = _files(lesson, exam, student, submitted or layout.submitted)
     path = layout.recordings / exam.name / exam_result.recording
     recording = _recording(path) if exam_result.recording else None
     return {
@@ -120,9 +120,7 @@ def _find(
     raise GraderError(f'{check}: {student} has no such verdict.', f'There are: {", ".join(there)}')
 
 
-def _files(
-    layout: Layout, lesson: Lesson, exam: Exam, student: str, submitted: Path
-) -> Mapping[str, str]:
+def _files(lesson: Lesson, exam: Exam, student: str, submitted: Path) -> Mapping[str, str]:
     for submission in discover(submitted, lesson.assignment, lesson.notebook, ()):
         if submission.student == student:
             opened = open_one(submission, lesson)

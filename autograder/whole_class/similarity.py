@@ -30,17 +30,14 @@ from autograder.whole_class.inbox import discover
 from autograder.whole_class.pipeline import Lesson, load_lesson, open_one
 from autograder.whole_class.rejudge import NothingRuns
 
-AT_LEAST = 0.85
-"""Default of what is listed; answers of different authors are mostly 0.5 to 0.8 alike."""
 MOST = 50
 """Pairs that are shown with what they have in common."""
 SHORTEST = 40
 """Tokens of a student's own below which equal answers are no surprise."""
 NOT_COMPARED = ('answers/', 'msg/', 'package.xml', 'CMakeLists.txt')
 """Letters of a quiz and files with one right form are equal by nature."""
-FIRST_CODE = 0xE000
-"""Tokens and lines become characters, which rapidfuzz compares quickest."""
 NO_CODES = range(0xD800, 0xE000)
+"""Tokens and lines become characters, which rapidfuzz compares quickest; these are none."""
 WORD = re.compile(r'\w+|[^\w\s]')
 IN_BRACES, NAME = re.compile(r'\{[^{}]*\}'), re.compile(r'\b[^\W\d]\w*')
 SKIPPED = {

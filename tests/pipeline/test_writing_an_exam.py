@@ -20,19 +20,21 @@ COMMANDS = [
     for block in re.findall(r'^```sh\n(.*?)^```$', PAGE, re.MULTILINE | re.DOTALL)
     for line in block.splitlines()
 ]
+SAMPLES = Path('tests', 'submissions', '20_doors')
 TEXT = 'Count the visitors at a door: see the table. ' * 4
-TEMPORARY = ('__pycache__', '_work', 'ros_ws')
+COPIED = ('autograder', 'drawing', 'environment', 'roslab', 'tests')
+TEMPORARY = ('__pycache__', '_work', 'ros_ws', 'submissions', 'attacks')
 
 
 def cell(grade_id: str, source: str) -> dict[str, object]:
-    """Return a cell with the marks that the page asks for."""
+    """Return a cell with the marks that the page asks for; with none if it has no grade id."""
     graded = grade_id.startswith('check_')
     marks = {'grade_id': grade_id, 'grade': graded, 'solution': not graded, 'locked': graded}
     marks |= {'schema_version': 3, 'task': False, **({'points': 6} if graded else {})}
     return {
         'cell_type': 'code',
-        'id': grade_id.replace('_', '-'),
-        'metadata': {'nbgrader': marks},
+        'id': grade_id.replace('_', '-') or 'start',
+        'metadata': {'nbgrader': marks} if grade_id else {},
         'source': source.rstrip('\n'),
         'outputs': [],
         'execution_count': None,
@@ -43,17 +45,19 @@ def cell(grade_id: str, source: str) -> dict[str, object]:
 def course(tmp_path_factory) -> Path:
     """Return a course that has nothing but the page's exercise."""
     root = tmp_path_factory.mktemp('new') / 'course'
-    for name in ('autograder', 'environment', 'roslab'):
+    for name in COPIED:
         ignored = shutil.ignore_patterns(*TEMPORARY)
         shutil.copytree(ROOT / name, root / name, ignore=ignored)
-    shutil.copy(ROOT / 'nbgrader_config.py', root)
+    for name in ('nbgrader_config.py', 'pyproject.toml'):
+        shutil.copy(ROOT / name, root)
+    (root / '.venv').symlink_to(sys.prefix)
     for folder in ('visible', 'hidden'):
         for path in (root / 'autograder' / 'exams' / folder).glob('[a-z]*'):
             path.unlink()
     cells = [{'cell_type': 'markdown', 'id': 'text', 'metadata': {}, 'source': TEXT}]
     for where, text in BLOCKS:
-        if where.startswith('cell '):
-            cells.append(cell(where.removeprefix('cell '), text))
+        if where.startswith('cell'):
+            cells.append(cell(where.removeprefix('cell').strip(), text))
         else:
             (root / where).parent.mkdir(parents=True, exist_ok=True)
             (root / where).write_text(text, encoding='utf-8')
@@ -71,13 +75,13 @@ def course(tmp_path_factory) -> Path:
 
 
 def follow(course: Path, line: str) -> subprocess.CompletedProcess[str]:
-    """Type a line of the page in a terminal."""
-    words = line.split()
-    assert words[0] == 'python'
+    """Type a line of the page, as it stands there, in a terminal where no ROS is sourced."""
+    kept = ('HOME', 'PATH', 'TMPDIR', 'COURSE_SECRET')
     return subprocess.run(
-        [sys.executable, *words[1:]],
+        line,
+        shell=True,
         cwd=course,
-        env={**os.environ, 'PYTHONPATH': str(course)},
+        env={name: os.environ[name] for name in kept if name in os.environ},
         capture_output=True,
         text=True,
         timeout=300,
@@ -85,11 +89,21 @@ def follow(course: Path, line: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_the_exercise_has_fewer_than_sixty_lines_of_code():
-    """Stub, both exams and a sample together, without the blank lines."""
-    lines = [line for _, text in BLOCKS for line in text.splitlines() if line.strip()]
+    """Both cells and the one before them, both exams and a sample, without the blank lines."""
+    code = [text for where, text in BLOCKS if not where.endswith('.json')]
+    lines = [line for text in code for line in text.splitlines() if line.strip()]
 
-    assert len(BLOCKS) == 6
+    assert len(code) == 6
     assert len(lines) < 60
+
+
+def test_the_cells_import_what_they_call():
+    """``check`` is no builtin: without the first cell the learner gets a NameError."""
+    cells = {where.removeprefix('cell').strip(): text for where, text in BLOCKS if 'cell' in where}
+    known: dict[str, object] = {}
+    exec(cells[''], known)
+
+    assert set(compile(cells['check_visitor_counter'], '', 'exec').co_names) <= known.keys()
 
 
 @pytest.mark.pipeline
@@ -97,12 +111,15 @@ def test_the_exercise_has_fewer_than_sixty_lines_of_code():
 @pytest.mark.slow
 def test_following_it_literally_works(course):
     """The release is made, the exam is proven, and the near miss fails for its reason."""
-    release, proof, look = COMMANDS
+    release, check, proof, look, _ = COMMANDS
 
     done = follow(course, release)
     assert done.returncode == 0, done.stderr
     stub = json.loads((course / 'notebooks/20_doors/doors.ipynb').read_text(encoding='utf-8'))
     assert 'was_open = message.data' not in json.dumps(stub)
+
+    done = follow(course, check)
+    assert done.stdout.splitlines()[-1] == 'The notebooks and the exams fit together.', done.stdout
 
     done = follow(course, proof)
     assert done.stdout.splitlines() == [
@@ -113,7 +130,33 @@ def test_following_it_literally_works(course):
     done = follow(course, look)
     assert 'The visitor counter (visitor_counter): 2 of 6 points' in done.stdout, done.stderr
     assert 'A door that stays open counts again.' in done.stdout
+    assert 'Count the visitors' in done.stdout
     assert '/visitors: data: ' in done.stderr
+
+
+@pytest.mark.pipeline
+@pytest.mark.ros
+@pytest.mark.slow
+def test_the_samples_are_graded_once_there_are_three_right_ones(course, tmp_path):
+    """One right answer is too few, three will do: the twelve of this course are not asked."""
+    root = tmp_path / 'course'
+    shutil.copytree(course, root, symlinks=True)
+    assert follow(root, COMMANDS[0]).returncode == 0
+    answer = next(text for where, text in BLOCKS if where == 'cell visitor_counter')
+    expected = re.search(r'`("points":\s\{"visitor_counter": 6\}, "failed": \{\})`', PAGE)[1]
+    said = []
+    for style in ('one', 'two', 'three'):
+        folder = root / SAMPLES / f'pass__{style}'
+        folder.mkdir()
+        text = f'{answer}# style {style}\n'.partition('\n')[2]
+        (folder / 'visitor_counter.py').write_text(text, encoding='utf-8')
+        (folder / 'expected.json').write_text(f'{{{expected}}}', encoding='utf-8')
+        if style != 'two':
+            said.append(follow(root, COMMANDS[-1]))
+
+    assert 'test_the_class_is_large_enough[20_doors]' in said[0].stdout, said[0].stdout
+    assert ' 6 passed' in said[1].stdout, said[1].stdout + said[1].stderr
+    assert said[1].returncode == 0
 
 
 @pytest.mark.pipeline
@@ -133,14 +176,14 @@ def test_following_it_literally_works(course):
 def test_a_mistake_in_it_is_refused_with_its_place(course, tmp_path, wrong, right, said):
     """Before a class is graded; the last one is a check that the reference fails."""
     root = tmp_path / 'course'
-    shutil.copytree(course, root)
+    shutil.copytree(course, root, symlinks=True)
     assert follow(root, COMMANDS[0]).returncode == 0
     path = root / 'autograder' / 'exams' / 'visible' / 'visitor_counter.py'
     text = path.read_text(encoding='utf-8')
     assert wrong in text
     path.write_text(text.replace(wrong, right), encoding='utf-8')
 
-    done = follow(root, COMMANDS[1])
+    done = follow(root, COMMANDS[2])
 
     assert done.returncode != 0
     assert said in done.stdout + done.stderr

@@ -200,9 +200,8 @@ def test_blind_guessing_does_not_pay():
 def test_key_stays_with_the_instructor():
     """Neither the file nor any of its sentences is in what students receive."""
     layout = Layout.here()
-    names = list(bundled_files(layout))
-    bundled = [layout.root / name for name in names]
-    texts = [path.read_text(encoding='utf-8', errors='replace') for path in bundled]
+    names = bundled_files(layout)
+    texts = [path.read_text(encoding='utf-8', errors='replace') for path in names.values()]
     sentences = [why for entry in key().values() for why in entry['why'].values()]
 
     assert f'autograder/exams/visible/{EXAM}.py' in names

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
+from pathlib import Path
+import posixpath
+import re
 import zipfile
 
 import pytest
 
 from autograder import course
+from autograder.handed_in.submission import read_release
 from autograder.layout import Layout
+
+LINK = re.compile(r'\]\((?!\w+:)([^)#\s]+)')
 
 
 @dataclass(frozen=True)
@@ -33,6 +40,21 @@ def cell(grade_id, source, **marks):
 
 ANSWER = cell('talker', '%%node talker\nx', solution=True)
 CHECK = cell('check_talker', "check('talker')", grade=True, points=3)
+
+
+def dead_links(name: str, path: Path, files: Container[str]) -> list[str]:
+    """Return the relative links of a page or a lesson that lead to none of some files."""
+    if path.suffix == '.ipynb':
+        cells = read_release(path)['cells']
+        text = '\n'.join(cell['source'] for cell in cells if cell['cell_type'] == 'markdown')
+    else:
+        text = path.read_text(encoding='utf-8') if path.suffix == '.md' else ''
+    folder = posixpath.dirname(name)
+    return [
+        f'{name}: {link}'
+        for link in LINK.findall(re.sub(r'```.*?```|`[^`\n]+`', '', text, flags=re.DOTALL))
+        if posixpath.normpath(posixpath.join(folder, link)) not in files
+    ]
 
 
 def unfit(*cells, exams=(FakeExam(),)):
@@ -90,6 +112,7 @@ class TestBundle:
         """Return a course with a file of every kind."""
         for name in (
             'README.md',
+            'docs/students.md',
             'nbgrader_config.py',
             'notebooks/01/a.ipynb',
             'notebooks/01/ros_ws/src/x.py',
@@ -126,6 +149,14 @@ class TestBundle:
         assert first.read_bytes() == second.read_bytes()
         assert zipfile.ZipFile(first).testzip() is None
 
+    def test_its_readme_is_the_page_for_students(self, layout, tmp_path):
+        """The project's own speaks of grading and of pages that are not there."""
+        course.pack(layout, tmp_path / 'a.zip')
+
+        bundle = zipfile.ZipFile(tmp_path / 'a.zip')
+        assert bundle.read('ros2-course/README.md') == b'docs/students.md'
+        assert 'ros2-course/docs/students.md' not in bundle.namelist()
+
 
 class TestThisCourse:
     """The real notebooks and exams."""
@@ -136,11 +167,31 @@ class TestThisCourse:
 
     def test_the_bundle_of_this_course_has_no_hidden_file(self):
         """Neither exams nor solutions nor submissions."""
-        names = list(course.bundled_files(Layout.here()))
+        names = course.bundled_files(Layout.here())
 
         assert any(name.startswith('autograder/exams/visible/') for name in names)
         for part in ('hidden', 'solutions', 'submissions', '_work', 'gradebook.db'):
             assert not [name for name in names if part in name], part
+
+    def test_no_page_of_the_bundle_leads_to_a_file_that_is_not_in_it(self):
+        """Neither a page nor a text cell of a lesson; the project's README would."""
+        files = course.bundled_files(Layout.here())
+        whole = Layout.here().root / 'README.md'
+        dead = [link for name, path in files.items() for link in dead_links(name, path, files)]
+
+        assert 'README.md' in files
+        assert dead == []
+        assert 'README.md: ARCHITECTURE.md' in dead_links('README.md', whole, files)
+
+    def test_what_students_are_told_to_type_is_a_goal(self):
+        """The page names goals of the Makefile."""
+        root = Layout.here().root
+        page = (root / 'docs' / 'students.md').read_text(encoding='utf-8')
+        goals = set(re.findall(r'\bmake ([a-z]+)', page))
+
+        assert {'lab', 'doctor', 'publisher', 'subscriber'} <= goals
+        makefile = (root / 'Makefile').read_text(encoding='utf-8')
+        assert [goal for goal in goals if f'\n{goal}:' not in makefile] == []
 
     def test_nbgrader_is_told_the_same_folders(self):
         """Layout and nbgrader_config.py agree."""
