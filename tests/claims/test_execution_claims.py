@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import subprocess
 import threading
 import time
+import weakref
 
 import pytest
 from rcl_interfaces.srv import GetParameters
@@ -195,6 +197,25 @@ def test_callbacks_exclude_each_other_unless_their_group_is_reentrant(world):
     """Four threads change nothing for the default group."""
     assert most_at_once(world, None) == 1
     assert most_at_once(world, ReentrantCallbackGroup()) == 2
+
+
+@claim('X10')
+def test_entity_keeps_its_callback_group_alive(world):
+    """Nobody else has to; and the group does not keep the entity."""
+    node, group = world.node(), ReentrantCallbackGroup()
+    timer = node.create_timer(60.0, lambda: None, callback_group=group)
+    kept, members = weakref.ref(group), group.entities
+    assert all(isinstance(member, weakref.ref) for member in members)
+    assert [member() for member in members] == [timer]
+
+    del group
+    gc.collect()
+    assert timer.callback_group is kept()
+
+    node.destroy_timer(timer)
+    del timer
+    gc.collect()
+    assert kept() is None
 
 
 @claim('X11')

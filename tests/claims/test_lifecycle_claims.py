@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from lifecycle_msgs.msg import State, TransitionEvent
+from lifecycle_msgs.msg import State, Transition, TransitionEvent
+from lifecycle_msgs.srv import ChangeState
 import pytest
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
@@ -88,6 +89,20 @@ def test_without_super_the_publisher_stays_off(world):
 
 
 @claim('L4')
+def test_only_deactivate_switches_a_publisher_off(world):
+    """Neither a shutdown from active nor an error after the activation does."""
+    ended, failed = (world.node(name, Managed) for name in ('ended', 'failed'))
+    failed.answer = TransitionCallbackReturn.ERROR
+    for node in (ended, failed):
+        node.trigger_configure()
+        node.trigger_activate()
+    ended.trigger_shutdown()
+
+    assert [state_of(node) for node in (ended, failed)] == ['finalized', 'unconfigured']
+    assert [node.out.is_activated for node in (ended, failed)] == [True, True]
+
+
+@claim('L4')
 def test_timers_go_on_while_inactive(world):
     """A timer is not managed."""
     node, ticks = world.node(cls=Managed), []
@@ -125,6 +140,22 @@ def test_transition_that_does_not_exist_here_raises(world):
     """An unconfigured node cannot be activated."""
     with pytest.raises(RCLError):
         world.node(cls=Managed).trigger_activate()
+
+
+@claim('L6')
+def test_transition_asked_for_by_label_is_refused_in_the_answer(world):
+    """By number the same request raises in the node that is asked."""
+    world.node('managed', Managed)
+    client = world.node('boss').create_client(ChangeState, 'managed/change_state')
+    world.spin_until(client.service_is_ready, what='the service')
+    answer = client.call_async(ChangeState.Request(transition=Transition(label='activate')))
+    world.spin_until(answer.done, what='the answer')
+    assert not answer.result().success
+
+    number = Transition.TRANSITION_ACTIVATE
+    answer = client.call_async(ChangeState.Request(transition=Transition(id=number)))
+    with pytest.raises(RCLError):
+        world.spin_until(answer.done, what='the answer')
 
 
 @claim('L7')

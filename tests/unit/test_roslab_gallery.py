@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import builtins
 import json
 from pathlib import Path
 import re
@@ -12,6 +14,7 @@ import yaml
 
 from roslab.errors import RoslabError
 from roslab.gallery import entries, Entry, explain, FILE, LESSON, nearest
+from roslab.guide import defined_names
 from tests.notebooks.test_lessons import executed, run
 
 NOTEBOOK = Path(__file__).resolve().parents[2] / 'solutions' / LESSON / 'what_went_wrong.ipynb'
@@ -81,6 +84,27 @@ def test_entries_and_exhibits_are_the_same() -> None:
         assert f'{entry.key}-why' in cells
 
 
+@each_entry
+def test_exhibit_needs_the_setup_and_no_other_exhibit(entry: Entry) -> None:
+    """Who comes for one error runs the setup and that cell; `caught` would hide a missing name."""
+    cells = sources()
+    ready = {
+        name
+        for where, text in cells.items()
+        if where.startswith('setup-')
+        for name in defined_names(text)
+    }
+    source = cells[entry.key]
+    python = '\n'.join(line for line in source.splitlines() if not line.startswith(('!', '%%')))
+    names = [node for node in ast.walk(ast.parse(python)) if isinstance(node, ast.Name)]
+    used = {name.id for name in names if isinstance(name.ctx, ast.Load)}
+    scoped = {node.arg for node in ast.walk(ast.parse(python)) if isinstance(node, ast.arg)}
+    local = scoped | {name.id for name in names if isinstance(name.ctx, ast.Store)}
+
+    lacking = used - ready - local - defined_names(source) - set(dir(builtins))
+    assert lacking <= {'Float32'}  # whose import is what the exhibit lacks
+
+
 def test_names_of_a_learner_do_not_disturb() -> None:
     """A message is recognised whatever the learner's nodes, classes and packages are called."""
     found = [
@@ -88,9 +112,10 @@ def test_names_of_a_learner_do_not_disturb() -> None:
         nearest("property 'timers' of 'Clock' object has no setter")[0].key,
         nearest("ModuleNotFoundError: No module named 'bumper_cars.msg'")[0].key,
         nearest("The 'speed' field must be of type 'float'")[0].key,
+        nearest("s.c:58: t__convert_from_py: Assertion `PyFloat_Check(field)' failed.")[0].key,
     ]
 
-    assert found == ['no-package', 'no-setter', 'no-msg', 'int-field']
+    assert found == ['no-package', 'no-setter', 'no-msg', 'int-field', 'tiny']
 
 
 def test_message_in_a_long_log_is_found() -> None:
