@@ -294,13 +294,14 @@ def _without_mark(everybody: Sequence[tuple[ClassResults, Sequence[Mark]]]) -> i
 def _csv(chosen: argparse.Namespace) -> int:
     """Write marks."""
     from autograder.exports.table import marks_csv
+    from autograder.whole_class.people import read_people
 
     layout = Layout.here()
     path = _place(chosen, layout, '.csv')
     everybody = [
         (one, marks(layout, one, chosen.points)) for one in graded(layout, chosen.assignment)
     ]
-    _write(chosen, path, marks_csv(everybody))
+    _write(chosen, path, marks_csv(everybody, read_people(layout)))
     return _without_mark(everybody)
 
 

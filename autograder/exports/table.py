@@ -9,7 +9,7 @@ advises against CSV injection).  Numbers are written as numbers.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 import csv
 import io
 import re
@@ -27,6 +27,7 @@ LATER_CELL = re.compile(r'([;\t\r\n]["\s]*)([=+\-@＝＋－＠])')
 MARKS = (
     'assignment',
     'student',
+    'name',
     'status',
     'points',
     'max_points',
@@ -49,16 +50,20 @@ CHECKS = (
 Cell = str | float | None
 
 
-def marks_csv(classes: Iterable[tuple[ClassResults, Sequence[Mark]]]) -> bytes:
+def marks_csv(
+    classes: Iterable[tuple[ClassResults, Sequence[Mark]]], people: Mapping[str, str]
+) -> bytes:
     """
     Return a line a submission.
 
     :param classes: results, and the marks that belong to them in the same order
+    :param people: names by student id, as far as they are known
     """
     rows = [
         (
             graded.assignment,
             mark.student,
+            people.get(mark.student, ''),
             mark.status,
             mark.points,
             mark.max_points,

@@ -15,6 +15,7 @@ import tempfile
 from autograder.errors import GraderError
 from autograder.layout import Layout
 from autograder.whole_class.inbox import read_file
+from autograder.whole_class.people import read_people
 from autograder.whole_class.pipeline import Graded, Lesson
 
 
@@ -56,6 +57,24 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
         results = {one.result.student: one.result for one in entered}
         if results:
             converters.autograde(layout, lesson.assignment, staged, results)
+            _name(layout, results)
+
+
+def _name(layout: Layout, students: Collection[str]) -> None:
+    """Give the gradebook the names of students that it has none of; formgrader shows them."""
+    from autograder.gradebook import converters
+
+    people = {one: name for one, name in read_people(layout).items() if one in students}
+    if not people:
+        return
+    with converters.opened_gradebook(layout) as gradebook:
+        for student in gradebook.students:
+            if student.id in people and not (student.first_name or student.last_name):
+                first, _, last = people[student.id].rpartition(' ')
+                # A single word: formgrader shows "last, first".
+                gradebook.update_or_create_student(
+                    student.id, first_name=first or student.id, last_name=last
+                )
 
 
 def forget_students(layout: Layout, names: Collection[str]) -> set[str]:

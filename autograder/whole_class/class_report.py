@@ -8,7 +8,7 @@ so everything is escaped.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from urllib.parse import quote
 
@@ -24,7 +24,8 @@ from autograder.whole_class.class_statistics import (
     ClassNumbers,
     Marks,
 )
-from autograder.whole_class.report import _templates, page_name
+from autograder.whole_class.people import read_people
+from autograder.whole_class.report import _templates, NOBODY, page_name
 from drawing import svg
 
 PAGE = 'class.html'
@@ -44,13 +45,22 @@ def write_class_report(layout: Layout, assignment: str, summary: str = '') -> Pa
     """
     graded = one_graded(layout, assignment)
     path = layout.reports / graded.assignment / PAGE
-    page = class_page(graded, class_numbers(layout, graded), summary)
+    page = class_page(graded, class_numbers(layout, graded), summary, read_people(layout))
     write_file(path, page.encode('utf-8', 'replace'), force=True)
     return path
 
 
-def class_page(graded: ClassResults, numbers: ClassNumbers, summary: str = '') -> str:
-    """Return the page."""
+def class_page(
+    graded: ClassResults,
+    numbers: ClassNumbers,
+    summary: str = '',
+    people: Mapping[str, str] = NOBODY,
+) -> str:
+    """
+    Return the page.
+
+    :param people: names by student id
+    """
     from markupsafe import Markup
 
     marks = numbers.marks
@@ -68,6 +78,7 @@ def class_page(graded: ClassResults, numbers: ClassNumbers, summary: str = '') -
             flagged=[(one.student, one.flags) for one in graded.results if one.flags],
             rows=_rows(graded.results),
             summary=summary,
+            people=people,
         )
     )
 

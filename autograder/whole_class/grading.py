@@ -238,6 +238,7 @@ def _grade_assignment(
     """Grade one assignment of a class, record it, write the reports, print the table."""
     from autograder.whole_class.class_report import write_class_report
     from autograder.whole_class.inbox import discover
+    from autograder.whole_class.people import read_people
     from autograder.whole_class.pipeline import grade_class, load_lesson
     from autograder.whole_class.report import print_table, write_reports
 
@@ -267,9 +268,10 @@ def _grade_assignment(
     summary = _summary(graded, graded_s, time.monotonic() - began, totals)
     if graded_in_full and new < len(graded):
         summary += f' {len(graded) - new} were in the gradebook as they are.'
-    index = write_reports(layout.reports, assignment, results, summary)
+    people = read_people(layout)
+    index = write_reports(layout.reports, assignment, results, summary, people)
     write_class_report(layout, assignment, summary)
-    print_table(told, assignment, results)
+    print_table(told, assignment, results, people)
     told.print(summary, highlight=False, markup=False)
     told.print(f'Reports: {short(index, layout)}', highlight=False, soft_wrap=True)
     if refused:

@@ -294,6 +294,7 @@ def _write(layout: Layout, lesson: Lesson, account: Account) -> str:
     """Enter what was judged again, and write all reports anew."""
     from autograder.gradebook.record import enter_assignment, record
     from autograder.whole_class.class_report import write_class_report
+    from autograder.whole_class.people import read_people
     from autograder.whole_class.report import write_reports
 
     again = [one.graded for one in account.rejudged if one.graded is not None and not one.kept]
@@ -301,6 +302,6 @@ def _write(layout: Layout, lesson: Lesson, account: Account) -> str:
     record(layout, lesson, again)
     results = [one.after for one in account.rejudged]
     summary = f'{len(again)} of {len(results)} submissions were judged again from recordings.'
-    write_reports(layout.reports, lesson.assignment, results, summary)
+    write_reports(layout.reports, lesson.assignment, results, summary, read_people(layout))
     write_class_report(layout, lesson.assignment, summary)
     return f'The gradebook and the reports have the new points of {len(again)}.'

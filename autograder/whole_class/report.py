@@ -7,7 +7,7 @@ and load nothing; the terminal gets no control characters.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import json
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
@@ -23,10 +23,15 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 WHY_CHARS = 160
+NOBODY: Mapping[str, str] = {}
 
 
 def write_reports(
-    folder: Path, assignment: str, results: Sequence[SubmissionResult], summary: str = ''
+    folder: Path,
+    assignment: str,
+    results: Sequence[SubmissionResult],
+    summary: str = '',
+    people: Mapping[str, str] = NOBODY,
 ) -> Path:
     """
     Write the results of a class and their pages, in place of older ones.
@@ -36,6 +41,7 @@ def write_reports(
 
     :param folder: receives ``<assignment>/index.html`` and ``<assignment>/students/``
     :param summary: one sentence about the whole run
+    :param people: names by student id, for the pages of the class; a student's own has none
     :returns: path of the index
     """
     pages = folder / assignment
@@ -52,7 +58,7 @@ def write_reports(
         )
         _put(pages / page_name(result.student), page)
     index = pages / 'index.html'
-    _put(index, _index(templates, assignment, results, summary))
+    _put(index, _index(templates, assignment, results, summary, people))
     for path in (pages / 'students').iterdir():
         if f'students/{path.name}' not in written:
             path.unlink()
@@ -67,7 +73,11 @@ def _put(path: Path, text: str) -> None:
 
 
 def _index(
-    templates: Environment, assignment: str, results: Sequence[SubmissionResult], summary: str
+    templates: Environment,
+    assignment: str,
+    results: Sequence[SubmissionResult],
+    summary: str,
+    people: Mapping[str, str],
 ) -> str:
     """Return the page with all students."""
     rows = [
@@ -89,7 +99,13 @@ def _index(
         modes=_modes(results),
         lacks=_lacks(results),
         summary=summary,
+        people=people,
     )
+
+
+def with_name(student: str, people: Mapping[str, str]) -> str:
+    """Return a student id and, if it is known, whose it is."""
+    return f'{student} ({people[student]})' if student in people else student
 
 
 def page_name(student: str) -> str:
@@ -121,6 +137,7 @@ def _templates() -> Environment:
     )
     templates.filters.update(
         number=number,
+        with_name=with_name,
         words=lambda name: str(name).replace('_', ' ').capitalize(),
         checks=_checks,
     )
@@ -134,8 +151,17 @@ def _checks(exam: ExamResult) -> Any:
     return Markup(checks_html(exam))  # noqa: S704
 
 
-def print_table(console: Console, assignment: str, results: Sequence[SubmissionResult]) -> None:
-    """Print student, points and first cause; below them what an instructor should look at."""
+def print_table(
+    console: Console,
+    assignment: str,
+    results: Sequence[SubmissionResult],
+    people: Mapping[str, str] = NOBODY,
+) -> None:
+    """
+    Print student, points and first cause; below them what an instructor should look at.
+
+    :param people: names by student id
+    """
     from rich.table import Table
     from rich.text import Text
 
@@ -152,7 +178,7 @@ def print_table(console: Console, assignment: str, results: Sequence[SubmissionR
         why = shortened(headline(result).replace('\n', ' '), WHY_CHARS)
         # Text objects: square brackets in a student's words are no markup here.
         table.add_row(
-            Text(printable(result.student)),
+            Text(printable(with_name(result.student, people))),
             Text('for review', style='bold red') if result.fault else Text(points),
             Text(why),
         )

@@ -12,6 +12,7 @@ from autograder.layout import Layout
 from autograder.sample_class import take_out_sample_class
 from autograder.whole_class.grading import begin_to_enter, enter
 from autograder.whole_class.inbox import discover
+from autograder.whole_class.people import keep_people
 from autograder.whole_class.pipeline import grade_class, load_lesson
 
 NOTEBOOK = 'temperature_monitor.ipynb'
@@ -152,6 +153,27 @@ def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
     assert scores(course, 'bob')['late'] == 0
 
 
+def names_students_whose_names_are_known(course: Layout) -> None:
+    """And leaves alone what an instructor has written."""
+    for student in ('1001', '1002', '1003'):
+        hand_in(course, student)
+    keep_people(course, {'1001': 'Ann Mary Example', '1002': 'doejane'})
+    grade(course)
+    with book(course) as gradebook:
+        found = {one.id: (one.last_name, one.first_name) for one in gradebook.students}
+        gradebook.update_or_create_student('1001', first_name='Annie')
+    assert found == {
+        '1001': ('Example', 'Ann Mary'),
+        '1002': ('doejane', '1002'),
+        '1003': (None, None),
+    }
+
+    hand_in(course, '1001', temperature_topic='temprature_topic')
+    grade(course)
+    with book(course) as gradebook:
+        assert gradebook.find_student('1001').first_name == 'Annie'
+
+
 def lets_the_sample_students_go(course: Layout) -> None:
     """When a class of its own comes, and nobody else."""
     sample = course.sample_class / ASSIGNMENT / 'pass__sample'
@@ -171,6 +193,7 @@ def lets_the_sample_students_go(course: Layout) -> None:
 
 
 ALL = (
+    names_students_whose_names_are_known,
     lets_the_sample_students_go,
     writes_reruns_and_keeps_grades_given_by_hand,
     fills_what_was_changed_or_lost,

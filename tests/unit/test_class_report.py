@@ -286,3 +286,10 @@ class TestVisibleChecksAlone:
         page = class_page(ClassResults(ASSIGNMENT, (VISIBLE,)), numbers_of(VISIBLE))
 
         assert '<span class="review">only visible checks</span>' in page
+
+
+def test_names_are_with_their_ids():
+    """Where a learning platform has numbers for ids."""
+    page = class_page(CLASS, numbers_of(*CLASS.results), people={'eve': 'Eve Example'})
+
+    assert page.count('eve (Eve Example)</a>') == 2

@@ -51,7 +51,7 @@ def rfc4180(data):
 def marks_of(graded):
     """Return the table of marks as dictionaries."""
     given_marks = [automatic(result) for result in graded.results]
-    rows = rfc4180(marks_csv([(graded, given_marks)]))
+    rows = rfc4180(marks_csv([(graded, given_marks)], {}))
     return [dict(zip(rows[0], row)) for row in rows[1:]]
 
 
@@ -88,9 +88,9 @@ def test_checks_of_a_submission_for_review_have_no_points():
 def test_a_mark_that_is_not_complete_is_an_empty_cell():
     """What is to be graded by hand has no mark yet."""
     graded = ClassResults('01_talker', (submission(),))
-    rows = rfc4180(marks_csv([(graded, [Mark('ann', None, 8.0, BY_HAND)])]))
+    rows = rfc4180(marks_csv([(graded, [Mark('ann', None, 8.0, BY_HAND)])], {'ann': 'Ann Example'}))
 
-    assert rows[1][:5] == ['01_talker', 'ann', 'to be graded by hand', '', '8']
+    assert rows[1][:6] == ['01_talker', 'ann', 'Ann Example', 'to be graded by hand', '', '8']
 
 
 @pytest.mark.parametrize('start', FORMULA_STARTS)
@@ -104,7 +104,7 @@ def test_no_cell_begins_like_a_formula(start):
 def test_hostile_words_stay_in_their_cell():
     """Formulas, quotes, line breaks and control characters in names and causes."""
     for table in (
-        marks_csv([(CLASS, [automatic(one) for one in CLASS.results])]),
+        marks_csv([(CLASS, [automatic(one) for one in CLASS.results])], {'ann': EVIL}),
         checks_csv([CLASS]),
     ):
         for row in rfc4180(table):

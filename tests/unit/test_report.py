@@ -143,6 +143,14 @@ class TestPages:
 
         assert [path.name for path in (index.parent / 'students').iterdir()] == ['new.html']
 
+    def test_names_are_with_their_ids_and_not_on_a_students_page(self, tmp_path):
+        """Where a learning platform has numbers for ids."""
+        people = {'ann': 'Ann <b>Example'}
+        index = write_reports(tmp_path, '01_talker', [submission()], people=people)
+
+        assert 'ann (Ann <b>Example)' in read(index).text
+        assert 'Example' not in read(index.parent / page_name('ann')).text
+
     def test_the_results_are_there_whenever_writing_ends(self, tmp_path, monkeypatch):
         """Every other command begins with them."""
 
