@@ -12,10 +12,12 @@ import difflib
 import re
 
 from autograder.judging.exam import Cause, Run
-from autograder.judging.raised import exception_cause, traceback_of
+from autograder.judging.raised import exception_cause
+from autograder.judging.tracebacks import traceback_of
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
-_EXIT = re.compile(r'\b(?:sys\.|os\._)?(?:exit|quit)\(')
+# The usual last line, sys.exit(main()), ends nothing before its time.
+_EXIT = re.compile(r'\b(?:sys\.|os\._)?(?:exit|quit)\((?!\s*main\()')
 _PERIOD = re.compile(r'create_timer\(\s*([\w.]{1,60})\s*,')
 
 BUSY_S = 1.5

@@ -2,256 +2,88 @@
 The exception a program died of, in the learner's words: what it means, where, and what to do.
 
 Python's own message says what happened; beginners need to hear which of their habits leads there.
-The texts that are matched are those of Python and rclpy; lesson 08 makes each of them happen.
+What a pattern tells is in :mod:`autograder.judging.raised_kinds`, names that are not found in
+:mod:`autograder.judging.raised_names`; here is what has to be looked up in the code as well.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 import re
 
-from autograder.judging.exam import Cause, Run
+from autograder.judging.exam import Cause
+from autograder.judging.raised_kinds import KINDS
+from autograder.judging.raised_names import home_cause, HOMES, import_cause, name_cause
+from autograder.judging.tracebacks import Traceback
 
-_FRAME = re.compile(r'File "[^"]*/(?P<file>[A-Za-z0-9_]+\.py)", line (?P<line>\d+)')
-_ERROR = re.compile(r'^(?P<type>[A-Za-z_][\w.]*(?:Error|Exception|Interrupt|Exit|Invalid\w*))\b')
+__all__ = ['HOMES', 'exception_cause']
+
+_CALLBACK = re.compile(r'callback should be either be callable')
 _ARGUMENTS = re.compile(
-    r'callback should be either be callable|'
-    r'(?P<name>[\w.]{1,90})\(\) (?:takes (?:from \d+ to )?\d+ positional arguments? but \d+ '
-    r'w(?:as|ere) given|(?P<missing>missing) \d+ required positional)'
+    r'(?P<callee>[\w.<>]{1,120})\(\) (?P<said>'
+    r'takes (?:from \d+ to )?\d+ positional arguments? but \d+ '
+    r'(?:positional arguments? \(and .{1,40}\) )?w(?:as|ere) given|'
+    r"(?P<missing>missing) \d+ required positional arguments?: [\w', ]{1,200}|"
+    r"got an unexpected keyword argument '\w{1,60}')"
 )
-_NAME = re.compile(r"name '(\w{1,60})' is not defined")
+_FIELD = re.compile(r"The '(\w{1,60})' field must be ([^:]{1,80})")
+_ATTRIBUTE = re.compile(r"^AttributeError: '([A-Z]\w{0,40})' object has no attribute '(\w{1,60})'")
+_CALLED = re.compile(r'\b([A-Z]\w{0,40})\(')
+_MESSAGE_IMPORT = re.compile(r'\bfrom[ \t]+(\w+)\.msg[ \t]+import[ \t]+(\([^)]{0,999}\)|[^\n#]+)')
+_SUBSCRIPTION = re.compile(
+    r'create_subscription\(\s*(?:msg_type=)?(\w{1,60})\s*,[^,]{1,80},\s*'
+    r'(?:callback=)?(?:\w{1,60}\.)?(\w{1,60})'
+)
+_SELF = 'self is counted, and filled in by itself.'
+_HOLDS_MORE = ('Header', 'ColorRGBA', 'Empty')
 
-PUBLIC = ('Celsius', 'Fahrenheit', 'temp_sensor_01', 'nan', '30')
-"""Parts of inputs that every lesson shows; an error that names one gives nothing away."""
+MOST_SUBSCRIPTIONS = 20
+"""How many of them are looked at."""
 
-HOMES = {
-    'rclpy.node': 'Node',
-    'rclpy.lifecycle': 'LifecycleNode TransitionCallbackReturn',
-    'rclpy.executors': 'SingleThreadedExecutor MultiThreadedExecutor ExternalShutdownException',
-    'rclpy.qos': 'QoSProfile ReliabilityPolicy DurabilityPolicy HistoryPolicy LivelinessPolicy',
-    'rclpy.duration': 'Duration',
-    'rclpy.event_handler': 'SubscriptionEventCallbacks PublisherEventCallbacks',
-    'std_msgs.msg': 'String Float64 Float32 Int32 Bool',
-    'temp_monitor_pkg.msg': 'Temperature Num',
+MAIN_FIELDS = {
+    'temp_monitor_pkg Temperature': 'temperature_value',
+    'temp_monitor_pkg Num': 'num',
+    'builtin_interfaces Time': 'sec',
 }
-"""Where the names of the lessons come from."""
-MODULES = ('rclpy', 'math', 'random', 'time')
+"""The field of a message type that is meant where the whole message is given."""
 
+BY_NAME = {'QoSProfile': 'QoSProfile(depth=10)', 'Duration': 'Duration(seconds=0.3)'}
+"""Classes of rclpy that take their values by name only."""
 
-@dataclass(frozen=True)
-class Kind:
-    """
-    One way in which an exception is raised by a beginner.
+SIGNATURES = {
+    'publish': 'Hand it one message: self.publisher.publish(message).',
+    'create_timer': 'It needs the period and the method: create_timer(1.0, self.report).',
+    'create_node': "It needs a name: rclpy.create_node('talker').",
+    'declare_parameter': "It needs a name and a default: declare_parameter('limit', -1.0).",
+    'get_parameter': "It needs the name: get_parameter('limit').",
+    'get_logger': "Its parentheses stay empty: self.get_logger().info('hello').",
+    'now': 'Its parentheses stay empty: self.get_clock().now().',
+    'info': "It needs a text: info('hello').",
+    'create_publisher': "In this order: create_publisher(String, 'chatter', 10).",
+    'create_subscription': "In this order: create_subscription(String, 'chatter', self.take, 10).",
+}
+"""How functions of rclpy are called."""
 
-    :param kind: name of its class; empty for any
-    :param says: regular expression of its message, searched
-    :param text: what is wrong; the place is put behind it
-    :param placed: whether the line of the traceback is the one to mend
-    """
-
-    kind: str
-    says: str
-    cause_id: str
-    text: str
-    try_this: str
-    placed: bool = True
-
-
-KINDS = (
-    Kind(
-        'InvalidNodeNameException',
-        '',
-        'invalid_name',
-        'A node name has a character that is not allowed, such as a dash or a slash',
-        'Use letters, digits and underscores; a namespace is no part of the name.',
+WANTED = (
+    ('a set or sequence', 'Give it a list of such values: [1.0, 2.0].'),
+    (
+        "sub message of type 'Time'",
+        'Add .to_msg(), which makes a stamp of a time: self.get_clock().now().to_msg().',
     ),
-    Kind(
-        'InvalidTopicNameException',
-        '',
-        'invalid_topic',
-        'A topic name has a character that is not allowed, such as a space or a dash',
-        'Use letters, digits and underscores, no digit in front, and no slash at the end.',
+    (r"sub message of type '(\w+)'", r'Put a whole \1 there, or fill in its fields one by one.'),
+    (
+        "'(?:sec|nanosec)' field must be of type 'int'",
+        'Take the whole stamp from the clock of the node: self.get_clock().now().to_msg(). A '
+        'number with a fraction is made whole by int(value).',
     ),
-    Kind(
-        'TypeError',
-        "'NoneType' object is not callable",
-        'called_not_passed',
-        'A callback is None: the method was called where it should have been passed on',
-        'Write the method without parentheses: create_timer(1.0, self.report).',
-        placed=False,  # it is found out by the executor, below a line that is innocent
-    ),
-    Kind(
-        'TypeError',
-        r'RcutilsLogger\.\w+\(\) takes',
-        'log_arguments',
-        'The logger takes one text, and gets several values',
-        "Put them into one f-string: info(f'{value:.2f} degrees').",
-    ),
-    Kind(
-        'ValueError',
-        'Logger severity cannot be changed',
-        'one_level_a_place',
-        'One place in the code logs with two levels, and rclpy refuses the second',
-        'Write two lines, one for each level, below if and else.',
-    ),
-    Kind(
-        '',
-        "has no attribute '_default_callback_group'|argument: 'node_name'",
-        'no_super_init',
-        'The class is used before its parent class is ready',
-        "Call super().__init__('...') first of all in __init__().",
-    ),
-    Kind(
-        'AttributeError',
-        r"property '\w+' of '\w+' object has no setter",
-        'reserved_name',
-        'Every node already has something of that name',
-        'Choose another name for your attribute, such as self.my_publisher.',
-    ),
-    Kind(
-        'AttributeError',
-        "has no attribute '_TYPE_SUPPORT'|'_CREATE_TYPE_SUPPORT'",
-        'not_a_type',
-        'What is given as the message type is no message class',
-        "Import the class and pass it: create_publisher(String, 'chatter', 10).",
-    ),
-    Kind(
-        'NotInitializedException',
-        '',
-        'no_init',
-        'A node is made before ROS is ready',
-        'Call rclpy.init(args=args) first of all in main().',
-    ),
-    Kind(
-        'RuntimeError',
-        r'Context\.init\(\) must only be called once',
-        'init_twice',
-        'rclpy.init() is called a second time',
-        'Call it once, in main(), and not in the class.',
-    ),
-    Kind(
-        'InvalidHandle',
-        '',
-        'destroyed_early',
-        'Something is used after it was destroyed',
-        'Call destroy_node() once, at the very end, in finally; destroy nothing that is still '
-        'used.',
-        placed=False,
-    ),
-    Kind(
-        '',
-        'generator already executing|Executor is already spinning',
-        'nested_spin',
-        'A callback spins the node that is being spun for it',
-        'Never spin in a callback: return from it, and the next message finds the next call.',
-    ),
-    Kind(
-        'ParameterNotDeclaredException',
-        '',
-        'not_declared',
-        'A parameter is read that the node has not declared under that name',
-        "Call self.declare_parameter('limit', -1.0) in __init__(), with the same spelling.",
-    ),
-    Kind(
-        'InvalidParameterTypeException',  # its message shows the value that the grader has set
-        '',
-        'parameter_type',
-        'A parameter gets a value of another type than its default has',
-        'Give the default the type of the table: 1.0 is a float, 1 a whole number.',
-    ),
-    Kind(
-        'InvalidQoSProfileException',
-        '',
-        'no_depth',
-        'A QoSProfile is made without a depth',
-        'Say how many messages it keeps: QoSProfile(depth=10).',
-    ),
-    Kind(
-        'TypeError',
-        "cannot pickle 'rclpy",
-        'deep_copy',
-        'An object of ROS is copied with deepcopy(), which it does not allow',
-        'Use copy.copy(), or make one of your own, such as QoSProfile(depth=10).',
-    ),
-    Kind(
-        'TypeError',
-        r"Expected <class '[\w.]+'>, got <class",
-        'not_a_message',
-        "publish() gets something that is no message of the publisher's type",
-        "Put the value into a message: publish(String(data='hello')).",
-    ),
+    ("type 'int'", 'It needs a whole number: int(value), or // where you divide.'),
+    ("type 'str'", "It needs a text: str(value), or an f-string: f'{value}'."),
+    ("type 'float'", 'A number is no text, and 25 is no float: write 25.0, or float(value).'),
+    ("type 'bool'", 'Write True or False, without quotes.'),
+    (r' in \[', 'The number is too small or too large for this field: keep it within the limits.'),
+    ('', 'Give it a value of that type.'),
 )
-"""Exceptions of beginners, the first that fits."""
-
-FIELD = re.compile(r"The '(\w{1,60})' field must be ([^:]{1,80})")
-MESSAGE_FIELD = re.compile(
-    r"^AttributeError: '([A-Z]\w{0,40})' object has no attribute '(\w{1,60})'"
-)
-CALLED = re.compile(r'\b([A-Z]\w{0,40})\(')
-
-
-@dataclass(frozen=True)
-class Traceback:
-    """
-    The last exception a program died of.
-
-    :param error: type and message, one line
-    :param line: line of the student's file, None if no frame is in it
-    :param code: text of that line
-    :param own: classes that the student's files define
-    """
-
-    error: str
-    file: str
-    line: int | None
-    code: str = ''
-    own: frozenset[str] = frozenset()
-
-    @property
-    def kind(self) -> str:
-        """Return the exception's class name."""
-        return self.error.partition(':')[0].rpartition('.')[2]
-
-    @property
-    def where(self) -> str:
-        """Return the place in the learner's cell, to be put behind a sentence."""
-        # What is found out below the line that spins is to be mended elsewhere.
-        if not self.line or 'spin' in self.code:
-            return ''
-        # Line 1 of the cell is the magic line, so line n of the file is line n + 1 of the cell.
-        return f' in line {self.line + 1} of the cell'
-
-
-def traceback_of(run: Run) -> Traceback | None:
-    """Return the exception at the end of standard error, if the program died of one."""
-    text = str(run.recording.process.get('stderr', ''))
-    if 'Traceback (most recent call last)' not in text and 'Error' not in text:
-        return None
-    lines = text.splitlines()
-    errors = [line for line in lines if _ERROR.match(line)]
-    if not errors:
-        return None
-    error = _without_secrets(run, errors[-1][:200])
-    texts = {name.rpartition('/')[2]: text for name, text in run.files.items()}
-    own = frozenset(re.findall(r'^class (\w+)', '\n'.join(texts.values()), re.MULTILINE))
-    frames = [match for match in map(_FRAME.search, lines) if match and match['file'] in texts]
-    if not frames:
-        return Traceback(error, '', None, own=own)
-    file, line = frames[-1]['file'], int(frames[-1]['line'])
-    code = texts[file].splitlines()[line - 1 : line]
-    return Traceback(error, file, line, code[0].strip() if code else '', own)
-
-
-def _without_secrets(run: Run, error: str) -> str:
-    """Leave out the message of an exception that shows what a hidden exam has sent."""
-    if not run.facts.get('secret'):
-        return error
-    for event in run.recording.of('input'):
-        for value in event['data'].values():
-            shown = f'{value:g}' if isinstance(value, float) else str(value)
-            if shown not in PUBLIC and (shown in error or str(value) in error):
-                return error.partition(':')[0]
-    return error
+"""What to do about a field, by the end of rclpy's message; the first that is found."""
 
 
 def exception_cause(trace: Traceback) -> Cause:
@@ -269,61 +101,135 @@ def exception_cause(trace: Traceback) -> Cause:
             f'An assertion fails{trace.where}, and says no more.',
             'Is there a value of a type that does not belong there, such as 0.3 for a Duration?',
         )
-    for kind in KINDS:
-        if kind.kind in ('', trace.kind) and re.search(kind.says, trace.error):
-            place = trace.where if kind.placed else ''
-            return Cause(kind.cause_id, f'{kind.text}{place}.', kind.try_this)
     return (
-        _arguments_cause(trace)
+        _kind_cause(trace)
+        or _arguments_cause(trace)
         or _unreadable(trace)
-        or _import_cause(trace)
-        or _name_cause(trace)
+        or import_cause(trace)
+        or name_cause(trace)
+        or home_cause(trace)
         or _field_cause(trace)
+        or _no_field_cause(trace)
+        or _whole_message_cause(trace)
+        or _attribute_cause(trace)
         or _any_cause(trace)
     )
 
 
+def _kind_cause(trace: Traceback) -> Cause | None:
+    """Explain an exception that the table of kinds knows."""
+    for kind in KINDS:
+        found = re.search(kind.says, f'{trace.error}\n{trace.code}')
+        if kind.kind in ('', trace.kind) and found:
+            place = trace.place if kind.spins else trace.where if kind.placed else ''
+            text, try_this = found.expand(kind.text), found.expand(kind.try_this)
+            return Cause(kind.cause_id, f'{text}{place}.', try_this)
+    return None
+
+
 def _any_cause(trace: Traceback) -> Cause:
-    if trace.kind == 'AttributeError' and 'has no attribute' in trace.error:
-        return Cause(
-            'no_attribute',
-            f'Something is used{trace.where} that is not there: {trace.error}',
-            'Is it spelled as where it is made, and made before it is used? self.name = ... '
-            'belongs into __init__().',
+    """Pass on what Python says, with the line, because feedback shows no traceback."""
+    code = trace.code[:100]
+    if trace.spun or not code:
+        advice = 'Start the node in a cell: the traceback there shows the lines that led to it.'
+    elif code.startswith('raise'):
+        advice = (
+            f'Your own line raises it: {code}. What a callback lets through ends the program: '
+            'catch it there with except, or log it and return.'
         )
+    else:
+        advice = f'Look at that line: {code}'
     return Cause(
         'exception',
         f'The program stopped with an exception{trace.where}: {trace.error}',
-        'Read the last line of the traceback first, then the line of your cell that it names.',
+        advice,
+    )
+
+
+def _attribute_cause(trace: Traceback) -> Cause | None:
+    """Explain something behind a dot that is not there."""
+    if trace.kind != 'AttributeError' or 'has no attribute' not in trace.error:
+        return None
+    return Cause(
+        'no_attribute',
+        f'Something is used{trace.where} that is not there: {trace.error}',
+        'Is it spelled as where it is made, and made before it is used? self.name = ... '
+        'belongs into __init__().',
     )
 
 
 def _arguments_cause(trace: Traceback) -> Cause | None:
     """Explain a function that gets another number of arguments than it takes."""
-    found = _ARGUMENTS.search(trace.error)
-    if trace.kind not in ('TypeError', 'RuntimeError') or found is None:
+    if trace.kind not in ('TypeError', 'RuntimeError'):
         return None
-    name = (found['name'] or '').rpartition('.')[2][:60]
+    found = _ARGUMENTS.search(trace.error)
+    if found is None:
+        return _callback_cause('', trace) if _CALLBACK.search(trace.error) else None
+    owner, _, name = found['callee'].rpartition('.')
+    owner, name = owner.rpartition('.')[2], name[:60]
+    if name == '__init__':
+        return _made_cause(owner[:60], found['said'], trace)
     if found['missing'] and name in ('create_publisher', 'create_subscription'):
         return Cause(
             'no_depth',
-            f'{name}() gets too few arguments{trace.where}: {trace.error.partition(": ")[2]}',
+            f'{name}() gets too few arguments{trace.where}: {found["said"]}',
             "create_publisher(String, 'chatter', 10): type, name, and the depth of the queue; a "
             'subscription takes its callback before the depth.',
         )
-    if name and found['missing'] and f'.{name}()' in trace.code:
+    theirs = name in trace.defined and (owner in ('', '<locals>') or owner in trace.own)
+    if theirs and found['missing'] and _handed_over(name, trace.code):
         return Cause(
             'called_not_passed',
             f'{name}() is called{trace.where}, where it should be passed on.',
             f'Write the method without parentheses: self.{name}.',
         )
+    if trace.spun:
+        return _callback_cause(name, trace)
+    advice = SIGNATURES.get(name, f'Look how {name}() is called in the lesson.')
+    if theirs:
+        advice = f'Compare the call with its line def {name}(...); {_SELF}'
+    return _wrong_call(name, found['said'], trace, advice)
+
+
+def _handed_over(name: str, code: str) -> bool:
+    """Tell whether a line calls a function to hand on what it returns."""
+    call = rf'(?:self\.)?{name}\(\)'
+    return bool(re.search(rf'[(,]\s*{call}|\w={call}|^{call}\s*[,)]', code))
+
+
+def _wrong_call(name: str, said: str, trace: Traceback, advice: str) -> Cause:
+    """Pass on what Python says of a call."""
+    return Cause('arguments', f'{name}() is called wrongly{trace.where}: {said}.', advice)
+
+
+def _callback_cause(name: str, trace: Traceback) -> Cause:
+    """Explain a callback that does not take what it is given."""
+    called = 'A callback' if name in ('', '<lambda>') else f'{name}()'
     return Cause(
         'callback_arguments',
-        f'{name or "A callback"}() gets another number of arguments than its def line has'
-        f'{trace.where}.',
+        f'{called} gets another number of arguments than its def line has{trace.where}.',
         'A subscription hands over the message, an event callback gets the event, a timer gives '
         'nothing; and a method has self first: def take(self, message).',
     )
+
+
+def _made_cause(name: str, said: str, trace: Traceback) -> Cause:
+    """Explain an object that is made with arguments its class does not take."""
+    package = '' if name in trace.own else _messages(trace).get(name, '')
+    example = BY_NAME.get(name, '') if name not in trace.own else ''
+    if package:
+        field = _main_field(name, package)
+        example = f'{name}({field}=...)' if field else f'{name}(field=...)'
+    if not example:
+        advice = f'Look how {name}() is made in the lesson.'
+        if name in trace.own:
+            advice = f'Compare the call with its line def __init__(...); {_SELF}'
+        return _wrong_call(name, said, trace, advice)
+    text = f'{name}() takes its values by name, and gets one without a name{trace.where}.'
+    if said.startswith('got'):
+        text = f'{name}() has no value of that name{trace.where}: {said}.'
+    fields = f' {_show(name, package)}' if package and '(field=' in example else ''
+    return Cause('by_name', text, f'Write the name before the value: {example}.{fields}')
 
 
 def _unreadable(trace: Traceback) -> Cause | None:
@@ -344,82 +250,106 @@ def _unreadable(trace: Traceback) -> Cause | None:
     return None
 
 
-def _import_cause(trace: Traceback) -> Cause | None:
-    """Explain an import that fails."""
-    if trace.kind not in ('ModuleNotFoundError', 'ImportError'):
-        return None
-    package = re.search(
-        r"No module named '(\w+(?:_interfaces|_msgs|_pkg|\.msg\b)\w*)", trace.error
-    )
-    if package:
-        return Cause(
-            'message_not_built',
-            f'There is no message package of that name{trace.where}: {trace.error}',
-            'Is it the package of the table, spelled as there? One of your own has to be built '
-            'first: build_messages().',
-        )
-    return Cause(
-        'import',
-        f'An import fails{trace.where}: {trace.error.partition(" (")[0]}',
-        'Check the spelling of the package and of the name.',
-    )
-
-
-def _name_cause(trace: Traceback) -> Cause | None:
-    """Explain a name that nobody has defined."""
-    found = _NAME.search(trace.error)
-    if trace.kind != 'NameError' or found is None:
-        return None
-    name = found[1]
-    home = next((home for home, names in HOMES.items() if name in names.split()), '')
-    if home or name in MODULES:
-        line = f'from {home} import {name}' if home else f'import {name}'
-        return Cause(
-            'missing_import',
-            f'The name {name} is used{trace.where} and never imported.',
-            f'Write at the top of the cell: {line}',
-        )
-    advice = 'Is it spelled as where it is made? What belongs to the node is self.name.'
-    if name == 'self':
-        advice = 'Only a method has it, as its first argument, and further right than its def.'
-    return Cause(
-        'unknown_name', f'The name {name} is used{trace.where} and was never made.', advice
-    )
-
-
-def _field_cause(trace: Traceback) -> Cause | None:
-    """Explain a field of a message that is not there, or gets a value of another type."""
-    typed = FIELD.search(trace.error)
-    if typed:
-        return Cause(
-            'field_value',
-            f'The field {typed[1]} gets a value of another type{trace.where}: '
-            f'it must be {typed[2].strip()}.',
-            'A number is no text, and 25 is no float: write 25.0, or float(value).',
-        )
-    homes = {
+def _messages(trace: Traceback) -> Mapping[str, str]:
+    """Return the package of each message type of the lessons, or that the code imports."""
+    known = {
         name: home.removesuffix('.msg')
         for home, names in HOMES.items()
         if home.endswith('.msg')
         for name in names.split()
     }
-    known = homes.keys() - trace.own
-    if 'Invalid arguments passed to constructor' in trace.error:
-        made = [name for name in CALLED.findall(trace.code) if name in known]
-        name, shown = 'message', "with the type's name"
-        if made:
-            name, shown = made[0], f'{homes[made[0]]}/msg/{made[0]}'
+    for package, names in _MESSAGE_IMPORT.findall(trace.source):
+        known |= dict.fromkeys(re.findall(r'\w+', names), package)
+    return {name: package for name, package in known.items() if name not in trace.own}
+
+
+def _main_field(name: str, package: str) -> str:
+    """Return the field that holds what a message is about, or nothing if there are several."""
+    if package == 'std_msgs' and name not in _HOLDS_MORE and not name.endswith('Array'):
+        return 'data'
+    return MAIN_FIELDS.get(f'{package} {name}', '')
+
+
+def _heard(trace: Traceback) -> Mapping[str, str]:
+    """Return what the line calls the messages that a callback gets, and of which type each is."""
+    heard = {}
+    for kind, callback in _SUBSCRIPTION.findall(trace.source)[:MOST_SUBSCRIPTIONS]:
+        taken = re.search(rf'def {callback}\(\s*(?:self\s*,\s*)?(\w+)', trace.source)
+        if taken and re.search(rf'\b{taken[1]}\b', trace.code):
+            heard[taken[1]] = kind
+    return heard
+
+
+def _show(name: str, package: str) -> str:
+    return f'ros2 interface show {package}/msg/{name} lists the fields.'
+
+
+def _field_cause(trace: Traceback) -> Cause | None:
+    """Explain a field of a message that gets a value of another type."""
+    found = _FIELD.search(trace.error)
+    if found is None:
+        return None
+    name, wanted = found[1], found[2].partition(' and each')[0].strip()
+    what = 'that does not fit' if ' in [' in wanted else 'of another type'
+    text = f'The field {name} gets a value {what}{trace.where}: it must be {wanted}.'
+    given = re.search(rf'\b{name}\s*=\s*(\w+)\s*(?:[,)#]|$)', trace.code)
+    kind = _heard(trace).get(given[1], '') if given else ''
+    field = _main_field(kind, _messages(trace).get(kind, ''))
+    if given and field and 'sub message' not in wanted:
         return Cause(
-            'no_field',
-            f'A {name} is made with a field that it does not have{trace.where}.',
-            f'ros2 interface show {shown} lists the fields.',
+            'field_value', text, f'{given[1]} is the whole message: take {given[1]}.{field}.'
         )
-    found = MESSAGE_FIELD.match(trace.error)
-    # No field begins with an underscore: rclpy took the message for something else.
-    if found and found[1] in known and not found[2].startswith('_'):
-        return Cause(
-            'no_field',
-            f'A {found[1]} has no field {found[2]}, which is used{trace.where}.',
-            f'ros2 interface show {homes[found[1]]}/msg/{found[1]} lists the fields.',
-        )
+    for says, advice in WANTED:
+        if matched := re.search(says, trace.error):
+            return Cause('field_value', text, matched.expand(advice))
     return None
+
+
+def _no_field_cause(trace: Traceback) -> Cause | None:
+    """Explain a field that a message does not have, where it is made or used."""
+    known = _messages(trace)
+    if 'Invalid arguments passed to constructor' in trace.error:
+        made = [name for name in _CALLED.findall(trace.code) if name in known]
+        if not made:
+            return Cause(
+                'no_field',
+                f'A message is made with a field that it does not have{trace.where}.',
+                "ros2 interface show with the type's name lists the fields.",
+            )
+        return Cause(
+            'no_field',
+            f'A {made[0]} is made with a field that it does not have{trace.where}.',
+            _show(made[0], known[made[0]]),
+        )
+    found = _ATTRIBUTE.match(trace.error)
+    # No field begins with an underscore: rclpy took the message for something else.
+    if found is None or found[1] not in known or found[2].startswith('_'):
+        return None
+    if found[1] == 'String' and hasattr(str, found[2]):
+        return _take_the_field('String', trace)
+    return Cause(
+        'no_field',
+        f'A {found[1]} has no field {found[2]}, which is used{trace.where}.',
+        _show(found[1], known[found[1]]),
+    )
+
+
+def _whole_message_cause(trace: Traceback) -> Cause | None:
+    """Explain a message that is reckoned with or compared as if it were the number in it."""
+    if trace.kind != 'TypeError' or 'not callable' in trace.error:
+        return None
+    known = _messages(trace)
+    named = [name for name in re.findall(r'\b[A-Z]\w*', trace.error) if name in known]
+    return _take_the_field(named[0], trace) if named else None
+
+
+def _take_the_field(kind: str, trace: Traceback) -> Cause:
+    """Tell to take the field of a message where the whole of it is used."""
+    package = _messages(trace)[kind]
+    field = _main_field(kind, package)
+    name = next((one for one, theirs in _heard(trace).items() if theirs == kind), 'message')
+    return Cause(
+        'whole_message',
+        f'A whole {kind} is used{trace.where} as if it were the value in it.',
+        f'Take the field: {name}.{field}.' if field else f'Take a field. {_show(kind, package)}',
+    )

@@ -17,7 +17,7 @@ import sys
 from typing import Any
 
 from autograder.exams.visible import check_your_understanding as questions
-from autograder.judging import build_advice, causes, raised
+from autograder.judging import build_advice, causes, raised_kinds
 from autograder.layout import Layout
 from tests.judgement.kept import load, table, write_or_compare
 
@@ -109,8 +109,9 @@ def template(node: ast.AST) -> str:
 
 def _in_tables() -> Iterator[Written]:
     """Yield the causes whose names stand in tables."""
-    for kind in raised.KINDS:
-        yield Written(kind.cause_id, f'{kind.text}.', kind.try_this, 'raised')
+    for kind in raised_kinds.KINDS:
+        text, try_this = (re.sub(r'\\\d', '…', said) for said in (kind.text, kind.try_this))
+        yield Written(kind.cause_id, f'{text}.', try_this, 'raised_kinds')
     for name, (what, why) in causes.LIMITS.items():
         yield Written(name, f'The program was ended: {what}.', f'Look for {why}.', 'causes')
     for mistake in build_advice.MISTAKES:

@@ -1,0 +1,213 @@
+"""
+Names that Python does not find, at an import or in a line: where they come from, what to write.
+
+Python's own suggestions are passed on; 3.10 and 3.11 make fewer of them, so the tables go first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import difflib
+import re
+import sys
+
+from autograder.judging.exam import Cause
+from autograder.judging.tracebacks import Traceback
+
+_NAME = re.compile(r"name '(\w{1,60})' is not defined")
+_MEANT = re.compile(r"Did you mean: '([\w.]{1,60})'")
+_FROM = re.compile(r"cannot import name '(\w{1,60})' from (?:.*module )?'([\w.]{1,80})'")
+_MODULE = re.compile(r"No module named '([\w.]{1,80})'")
+_ATTRIBUTE = re.compile(r"module '([\w.]{1,80})' has no attribute '(\w{1,60})'")
+_MESSAGES = re.compile(r'\w+(?:_interfaces|_msgs|_pkg|\.msg\b)')
+
+HOMES = {
+    'rclpy.node': 'Node',
+    'rclpy.lifecycle': 'LifecycleNode TransitionCallbackReturn',
+    'rclpy.executors': 'SingleThreadedExecutor MultiThreadedExecutor ExternalShutdownException',
+    'rclpy.qos': 'QoSProfile ReliabilityPolicy DurabilityPolicy HistoryPolicy LivelinessPolicy',
+    'rclpy.duration': 'Duration',
+    'rclpy.event_handler': 'SubscriptionEventCallbacks PublisherEventCallbacks',
+    'std_msgs.msg': 'String Float64 Float32 Int32 Bool',
+    'temp_monitor_pkg.msg': 'Temperature Num',
+}
+"""Where the names of the lessons come from."""
+
+OTHER_HOMES = {
+    'time': 'sleep',
+    'math': 'isnan sqrt sin cos pi',
+    'random': 'randint uniform',
+    'collections': 'deque',
+    'threading': 'Thread',
+    'functools': 'partial',
+    'dataclasses': 'dataclass',
+    'pathlib': 'Path',
+}
+"""Where names come from that the lessons do not need and learners know."""
+
+ALIASES = {'np': 'import numpy as np'}
+MODULES = ('rclpy', 'math', 'random', 'time')
+PACKAGES = (*HOMES, 'rclpy', 'std_msgs', 'temp_monitor_pkg', 'builtin_interfaces.msg')
+ROS_1 = ('rospy', 'roscpp', 'rosbag', 'roslib')
+
+USES = (
+    ('datetime', r'\bdatetime\.datetime\b', 'import datetime'),
+    ('datetime', r'\bdatetime\.\w', 'from datetime import datetime'),
+    ('Time', r'\bTime\((?:seconds|nanoseconds)=|\bTime\.from_msg', 'from rclpy.time import Time'),
+    ('Time', r'\bTime\((?:sec|nanosec)=', 'from builtin_interfaces.msg import Time'),
+    (
+        'Time',
+        '',
+        'from builtin_interfaces.msg import Time, for the stamp of a message; or from rclpy.time '
+        'import Time, to calculate with times',
+    ),
+)
+"""Names of more than one origin: the name, how the line uses it, and what to write."""
+
+NOTEBOOK = (
+    'build_messages echo explain graph hz info listen logs nodes plot qos_table quiz start stop '
+    'stop_all timeline topics wait_until'
+)
+"""What roslab brings into a notebook."""
+
+ALONE = 'Each %%node cell or file stands alone: what others import or define is not in it.'
+
+
+def import_cause(trace: Traceback) -> Cause | None:
+    """Explain an import that fails."""
+    if trace.kind not in ('ModuleNotFoundError', 'ImportError'):
+        return None
+    missing = _MODULE.search(trace.error)
+    if missing:
+        return _module_cause(trace, missing[1])
+    found = _FROM.search(trace.error)
+    text = f'An import fails{trace.where}: {trace.error.partition(". Did you mean")[0]}'
+    if not found:
+        return Cause('import', text, 'Check the spelling of the package and of the name.')
+    name, module = found[1], found[2]
+    home = _home(name, HOMES)
+    meant = _MEANT.search(trace.error)
+    try_this = f'Check the spelling of the name; help({module}) lists what it has.'
+    if home == module:
+        try_this = 'A message of your own has to be built first: build_messages().'
+    elif home:
+        text = f'{name} is not in {module}, from which it is imported{trace.where}.'
+        try_this = f'Write: from {home} import {name}'
+    elif re.fullmatch(r'\w+(?:_interfaces|_msgs|_pkg)', module):
+        text = f'{name} is not in {module}, from which it is imported{trace.where}.'
+        try_this = f'Messages are one level below: from {module}.msg import {name}'
+    elif meant:
+        try_this = f'Did you mean {meant[1]}? Large and small letters count.'
+    return Cause('import', text, try_this)
+
+
+def home_cause(trace: Traceback) -> Cause | None:
+    """Explain a name that is looked for in another module than its own, such as rclpy.Node."""
+    found = _ATTRIBUTE.search(trace.error)
+    home = _home(found[2], HOMES) if found else ''
+    if trace.kind != 'AttributeError' or found is None or not home:
+        return None
+    return Cause(
+        'import',
+        f'{found[2]} is not in {found[1]}, where it is looked for{trace.where}.',
+        f'Write at the top: from {home} import {found[2]}, and below {found[2]} alone.',
+    )
+
+
+def _module_cause(trace: Traceback, module: str) -> Cause:
+    """Explain a module or package that is not there."""
+    if module.partition('.')[0] in ROS_1:
+        return Cause(
+            'ros_1',
+            f'{module} is imported{trace.where}, and ROS 2 has no such module.',
+            'That is ROS 1; here it is rclpy: import rclpy, and from rclpy.node import Node.',
+        )
+    near = difflib.get_close_matches(module, PACKAGES, n=1, cutoff=0.8)
+    if near and near[0] != module:
+        return Cause(
+            'import',
+            f'There is no module {module}, which is imported{trace.where}.',
+            f'Did you mean {near[0]}? Check the spelling.',
+        )
+    if _MESSAGES.match(module):
+        return Cause(
+            'message_not_built',
+            f'There is no message package of that name{trace.where}: {trace.error}',
+            'Is it the package of the table, spelled as there? One of your own has to be built '
+            'first: build_messages().',
+        )
+    return Cause(
+        'import',
+        f'There is no module {module}, which is imported{trace.where}.',
+        'Check the spelling. Or is it not installed? The lessons need only Python and ROS 2.',
+    )
+
+
+def name_cause(trace: Traceback) -> Cause | None:
+    """Explain a name that nobody has defined."""
+    found = _NAME.search(trace.error)
+    if trace.kind != 'NameError' or found is None:
+        return None
+    name = found[1]
+    line = _import_line(name, trace.code)
+    if line:
+        return Cause(
+            'missing_import',
+            f'The name {name} is used{trace.where} and never imported.',
+            f'{ALONE} Write at the top: {line}',
+        )
+    return Cause(
+        'unknown_name',
+        f'The name {name} is used{trace.where} and is not known there.',
+        _main_advice(trace.source) if name == 'main' else _how_to_make(name, trace),
+    )
+
+
+def _import_line(name: str, code: str) -> str:
+    """Return the import that brings a name, as far as its use in a line tells; or nothing."""
+    for one, use, line in USES:
+        if one == name and re.search(use, code):
+            return line
+    for homes in (HOMES, OTHER_HOMES):
+        if home := _home(name, homes):
+            return f'from {home} import {name}'
+    # Half the modules of Python have names that variables have too, such as code or string.
+    as_module = name in sys.stdlib_module_names and re.search(rf'\b{name}\.\w', code)
+    if name in MODULES or as_module:
+        return f'import {name}'
+    return ALIASES.get(name, '')
+
+
+def _home(name: str, homes: Mapping[str, str]) -> str:
+    """Return the module that a name comes from, or nothing."""
+    return next((home for home, names in homes.items() if name in names.split()), '')
+
+
+def _main_advice(source: str) -> str:
+    """Tell why the last lines of a program do not find main()."""
+    if re.search(r'^(?:async )?def main\b', source, re.MULTILINE):
+        return 'It is called above its def line: the call belongs at the very end.'
+    if re.search(r'^[ \t]+(?:async )?def main\b', source, re.MULTILINE):
+        return 'Is def main indented into the class? It has to begin at the left margin.'
+    return 'Write def main(args=None): at the left margin, above the lines that call it.'
+
+
+def _how_to_make(name: str, trace: Traceback) -> str:
+    """Tell what a name that nothing has made is likely to be."""
+    meant = _MEANT.search(trace.error)
+    if name == 'self':
+        return 'Only a method has it, as its first argument, and further right than its def.'
+    if name in NOTEBOOK.split() and f'{name}(' in trace.code:
+        return f'{name}() belongs to the notebook, and is not there for a node: leave it out here.'
+    if meant and meant[1].startswith('self.'):
+        return f'Did you mean {meant[1]}? What belongs to the node has self. in front.'
+    if re.search(rf'^[ \t]+{name}\s*=(?!=)', trace.source, re.MULTILINE):
+        return (
+            f'It is made inside a def and known only there: hand it on as an argument, or keep it '
+            f'as self.{name} in both places.'
+        )
+    if meant:
+        return f'Did you mean {meant[1]}? Otherwise make it first, with the same spelling.'
+    if name in sys.stdlib_module_names:
+        return f'Is it a module? Then write at the top: import {name}. Else make it first.'
+    return f'Is it spelled as where it is made? What belongs to the node is self.{name}. {ALONE}'

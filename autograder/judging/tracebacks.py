@@ -1,0 +1,140 @@
+"""
+The exception a program died of, read off standard error, with the learner's line that it names.
+
+Of several tracebacks the last one ended the program, but for what Python says that it ignores, and
+but for an ``except`` or ``finally`` that stumbles over a name that the failed line was to make.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+import re
+
+from autograder.judging.exam import Run
+
+_HEAD = 'Traceback (most recent call last)'
+_IGNORED = 'Exception ignored in'
+_DURING = 'During handling of the above exception'
+_FRAME = re.compile(r'\s+File "[^"]*/(?P<file>[A-Za-z0-9_]+\.py)", line (?P<line>\d+)')
+_EXECUTOR = re.compile(r'\s+File "[^"]*rclpy/executors\.py"')
+_ERROR = re.compile(r'[A-Za-z_][\w.]*(?::|$)')
+_LOOSE = re.compile(r'[A-Za-z_][\w.]*(?:Error|Exception)\b')
+_UNMADE = re.compile(r"(?:UnboundLocalError|NameError): .{0,40}?'(\w{1,60})'")
+_PATH = re.compile(r' \((?:/[^()\n]*|unknown location)\)')
+
+LONGEST = 400
+"""Characters of a line of code that are read; to search in longer ones costs time."""
+
+PUBLIC = ('Celsius', 'Fahrenheit', 'temp_sensor_01', 'nan', '30')
+"""Parts of inputs that every lesson shows; an error that names one gives nothing away."""
+
+
+@dataclass(frozen=True)
+class Traceback:
+    """
+    The exception that ended a program.
+
+    :param error: type and message, one line
+    :param line: line of the student's file, None if no frame is in it
+    :param code: text of that line
+    :param source: all of the student's code
+    :param spun: whether that line spins, and the executor below it raised
+    """
+
+    error: str
+    file: str
+    line: int | None
+    code: str = ''
+    source: str = ''
+    spun: bool = False
+
+    @property
+    def kind(self) -> str:
+        """Return the exception's class name."""
+        return self.error.partition(':')[0].rpartition('.')[2]
+
+    @property
+    def place(self) -> str:
+        """Return the place in the learner's cell, to be put behind a sentence."""
+        # Line 1 of the cell is the magic line, so line n of the file is line n + 1 of the cell.
+        return f' in line {self.line + 1} of the cell' if self.line else ''
+
+    @property
+    def where(self) -> str:
+        """Return the place, unless the line only spins: then another one is to be mended."""
+        return '' if self.spun else self.place
+
+    @cached_property
+    def own(self) -> frozenset[str]:
+        """Return the classes that the student's files define."""
+        return frozenset(re.findall(r'^[ \t]*class (\w+)', self.source, re.MULTILINE))
+
+    @cached_property
+    def defined(self) -> frozenset[str]:
+        """Return the functions and methods that the student's files define."""
+        return frozenset(re.findall(r'\bdef (\w+)', self.source))
+
+
+def traceback_of(run: Run) -> Traceback | None:
+    """Return the exception at the end of standard error, if the program died of one."""
+    source = '\n'.join(run.files.values())
+    lines = _last_traceback(str(run.recording.process.get('stderr', '')).splitlines(), source)
+    error = _error_of(lines)
+    if not error:
+        return None
+    error = _without_secrets(run, error)
+    texts = {name.rpartition('/')[2]: text for name, text in run.files.items()}
+    frames = [(at, found) for at, line in enumerate(lines) if (found := _FRAME.match(line))]
+    frames = [(at, found) for at, found in frames if found['file'] in texts]
+    spun = any(_EXECUTOR.match(line) for line in lines[frames[-1][0] if frames else 0 :])
+    if not frames:
+        return Traceback(error, '', None, source=source, spun=spun)
+    file, number = frames[-1][1]['file'], int(frames[-1][1]['line'])
+    code = ''.join(texts[file].splitlines()[number - 1 : number]).strip()[:LONGEST]
+    return Traceback(error, file, number, code, source, spun)
+
+
+def _last_traceback(lines: Sequence[str], source: str) -> Sequence[str]:
+    """Return the lines of the traceback that explains the end, or all where none begins."""
+    starts = [at for at, line in enumerate(lines) if line.startswith(_HEAD)]
+    if not starts:
+        return lines
+    parts = [
+        (lines[max(0, start - 2) : start], lines[start:end])
+        for start, end in zip(starts, [*starts[1:], len(lines)], strict=True)
+    ]
+    parts = [part for part in parts if not any(line.startswith(_IGNORED) for line in part[0])]
+    while len(parts) > 1:
+        above, last = parts[-1]
+        unmade = _UNMADE.match(_error_of(last))
+        # What the failed line was to make cannot be cleaned up: that failure is no news.
+        made = unmade and re.search(rf'\b{unmade[1]}\s*=(?!=)', source)
+        if not made or not any(line.startswith(_DURING) for line in above):
+            break
+        parts.pop()
+    return parts[-1][1] if parts else ()
+
+
+def _error_of(lines: Sequence[str]) -> str:
+    """Return the type and message of an exception, one line without the machine's paths."""
+    frames = [at for at, line in enumerate(lines) if _FRAME.match(line)]
+    below = lines[frames[-1] + 1 :] if frames else ()
+    error = next((line for line in below if line and not line[0].isspace()), '')
+    if not _ERROR.match(error):
+        # Without a frame, as Python ends in the middle of its start, the last one that looks so.
+        error = next((line for line in reversed(lines) if _LOOSE.match(line)), '')
+    return _PATH.sub('', error)[:200]
+
+
+def _without_secrets(run: Run, error: str) -> str:
+    """Leave out the message of an exception that shows what a hidden exam has sent."""
+    if not run.facts.get('secret'):
+        return error
+    for event in run.recording.of('input'):
+        for value in event['data'].values():
+            shown = f'{value:g}' if isinstance(value, float) else str(value)
+            if shown not in PUBLIC and (shown in error or str(value) in error):
+                return error.partition(':')[0]
+    return error

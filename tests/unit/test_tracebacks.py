@@ -1,0 +1,125 @@
+"""The exception that ended a program is read off what it printed, with the learner's line."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.judging.causes import why_it_ended
+from autograder.judging.exam import Run
+from autograder.judging.tracebacks import traceback_of
+from autograder.runs.recording import Recording
+
+HEAD = 'Traceback (most recent call last):\n'
+CODE = """def main():
+    try:
+        node = Talker()
+        rclpy.spin(node)
+    finally:
+        node.destroy_node()
+sys.exit(main())
+"""
+
+
+def part(error, line=3):
+    """Return one traceback."""
+    return f'{HEAD}  File "/submission/talker.py", line {line}, in main\n    x\n    ^^^\n{error}\n'
+
+
+def ended(stderr, code=CODE):
+    """Return a run whose program printed something and failed."""
+    process = {'event': 'process', 'exit': 1, 'killed': '', 'stdout': '', 'stderr': stderr}
+    graph = {'event': 'graph', 'when': 'end', 'nodes': ['/talker'], 'endpoints': []}
+    return Run({'talker.py': code}, Recording({}, (graph, process)))
+
+
+@pytest.mark.parametrize(
+    'error',
+    ['Exception: unknown unit', 'Exception', '__main__.SensorFault: 3', 'KeyboardInterrupt'],
+)
+def test_an_exception_of_any_name_is_seen(error):
+    """Learners raise Exception, and exceptions of their own that end in anything."""
+    trace = traceback_of(ended(part(error)))
+
+    assert trace.error == error
+    assert (trace.line, trace.code) == (3, 'node = Talker()')
+
+
+def test_the_usual_last_line_is_no_exit_of_the_program():
+    """sys.exit(main()) stands in every package; what main() died of is the cause."""
+    raised = why_it_ended(ended(part('Exception: unknown unit')))
+    silent = why_it_ended(ended(''))
+    exits = why_it_ended(ended('', CODE.replace('main())', '1)')))
+
+    assert raised.cause_id == 'exception'
+    assert 'line 4 of the cell' in raised.text
+    assert silent.cause_id == 'died'
+    assert exits.cause_id == 'ends_itself'
+
+
+@pytest.mark.parametrize(
+    'between',
+    [
+        'The above exception was the direct cause of the following exception:',
+        'During handling of the above exception, another exception occurred:',
+    ],
+)
+def test_of_chained_exceptions_the_last_ended_the_program(between):
+    """The earlier ones were caught."""
+    stderr = f'{part("ValueError: no number")}\n{between}\n\n{part("Exception: bad", 4)}'
+
+    trace = traceback_of(ended(stderr))
+
+    assert (trace.error, trace.line) == ('Exception: bad', 4)
+
+
+@pytest.mark.parametrize(
+    'last',
+    [
+        "UnboundLocalError: cannot access local variable 'node' where it is not associated with "
+        'a value',
+        "UnboundLocalError: local variable 'node' referenced before assignment",
+        "NameError: name 'node' is not defined",
+    ],
+)
+def test_cleaning_up_what_was_never_made_hides_no_exception(last):
+    """What went wrong first is why there is nothing to destroy."""
+    between = '\nDuring handling of the above exception, another exception occurred:\n\n'
+    stderr = part('TypeError: no name') + between + part(last, 6)
+
+    trace = traceback_of(ended(stderr))
+
+    assert (trace.error, trace.line) == ('TypeError: no name', 3)
+
+
+def test_an_exception_that_python_ignores_ended_nothing():
+    """What a destructor raises is printed below the reason."""
+    ignored = 'Exception ignored in: <function Destroyable.__del__ at 0x7f>\n'
+    after = part("AttributeError: 'NoneType' object has no attribute 'x'", 6)
+
+    assert (
+        traceback_of(ended(part('ValueError: bad') + ignored + after)).error == 'ValueError: bad'
+    )
+    assert traceback_of(ended(ignored + after)) is None
+
+
+def test_further_lines_of_a_message_are_no_error():
+    """pybind11 lists signatures below its TypeError."""
+    stderr = part('TypeError: log(): incompatible') + '    1. (x: int)\n\nInvoked with: Error, 1\n'
+
+    assert traceback_of(ended(stderr)).error == 'TypeError: log(): incompatible'
+
+
+def test_error_that_lost_its_frames_is_seen_all_the_same():
+    """The beginning of a long output is cut."""
+    trace = traceback_of(ended('    x\nValueError: bad\n'))
+
+    assert (trace.error, trace.line, trace.where) == ('ValueError: bad', None, '')
+    assert traceback_of(ended('[INFO] all is well\n')) is None
+
+
+def test_suggestion_behind_a_path_is_kept():
+    """The path of the machine is cut out of the middle."""
+    said = "ImportError: cannot import name 'Nod' from 'rclpy.node'"
+    trace = traceback_of(ended(part(f"{said} (/usr/rclpy/node.py). Did you mean: 'Node'?")))
+
+    assert trace.error == f"{said}. Did you mean: 'Node'?"
