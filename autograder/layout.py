@@ -49,6 +49,11 @@ class Layout:
         return self.work / 'submitted'
 
     @property
+    def people(self) -> Path:
+        """Return the file with the names of people, by student id."""
+        return self.work / 'people.json'
+
+    @property
     def recordings(self) -> Path:
         """Return the folder of recordings, named by the digest of what was run."""
         return self.work / 'recordings'

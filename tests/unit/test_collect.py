@@ -4,10 +4,25 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
 import stat
 import zipfile
 
+from collect_sources import (
+    CANVAS,
+    EXCHANGE,
+    GOOD,
+    GRADESCOPE,
+    laid,
+    layout,  # noqa: F401 - a fixture
+    LISTEN,
+    MOODLE,
+    notebook,
+    OTHER,
+    packed,
+    REPOSITORIES,
+    taken,
+    TALK,
+)
 import pytest
 
 from autograder import __main__ as command
@@ -16,120 +31,6 @@ from autograder.collect.kinds import kind_of
 from autograder.collect.tree import NotCollectedError, opened
 from autograder.layout import Layout
 from autograder.whole_class.inbox import discover
-
-TALK, LISTEN = '03_talk', '04_listen'
-
-
-def notebook(*ids: str, text: str = 'x = 1') -> bytes:
-    """Return a notebook with such cells."""
-    cells = [
-        {
-            'cell_type': 'code',
-            'metadata': {'nbgrader': {'grade_id': one, 'solution': True}},
-            'source': text,
-        }
-        for one in ids
-    ]
-    return json.dumps({'cells': cells, 'metadata': {}, 'nbformat': 4}).encode()
-
-
-GOOD, OTHER = notebook('talker'), notebook('listener')
-
-
-@pytest.fixture
-def layout(tmp_path) -> Layout:
-    """Return a course of two assignments."""
-    course = Layout(tmp_path / 'course')
-    for name, file, cell in ((TALK, 'talk', 'talker'), (LISTEN, 'listen', 'listener')):
-        folder = course.notebooks / name
-        folder.mkdir(parents=True)
-        (folder / f'{file}.ipynb').write_bytes(notebook(cell))
-    return course
-
-
-def packed(path: Path, files: dict[str, bytes]) -> Path:
-    """Write a zip."""
-    with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
-        for name, data in files.items():
-            archive.writestr(name, data)
-    return path
-
-
-def laid(folder: Path, files: dict[str, bytes]) -> Path:
-    """Write a folder."""
-    for name, data in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data)
-    return folder
-
-
-def taken(layout: Layout) -> dict[str, bytes]:
-    """Return all that lies in ``submitted/`` now."""
-    return {
-        path.relative_to(layout.submitted).as_posix(): path.read_bytes()
-        for path in sorted(layout.submitted.rglob('*'))
-        if path.is_file()
-    }
-
-
-def table(rows) -> dict[tuple[str, str], str]:
-    """Return what was done, by student and place."""
-    return {(row.student, row.place): row.done for row in rows}
-
-
-CANVAS = {
-    'exampleann_1001_55_talk.ipynb': notebook('talker', text='first'),
-    'exampleann_1001_77_talk-1.ipynb': notebook('talker', text='second'),
-    'berg_LATE_1002_56_talk.ipynb': GOOD,
-    'chang_1003_57_listen.ipynb': OTHER,
-    'diaz_1004_58_essay.pdf': b'%PDF',
-    'evans_1005_59_My work (2).ipynb': GOOD,
-}
-MOODLE = {
-    'Ann Example_311_assignsubmission_file_/talk.ipynb': GOOD,
-    'Bo Berg_312_assignsubmission_file_/sub/talk (1).ipynb': GOOD,
-    'Li Wei_313_assignsubmission_file_/talk.ipynb': GOOD,
-    'Li Wei_314_assignsubmission_file_/talk.ipynb': GOOD,
-    'Dee_315_assignsubmission_onlinetext/onlinetext.html': b'<p>hello',
-}
-GRADESCOPE = {
-    'assignment_9_export/submission_metadata.yml': b"""
-submission_1:
-  :submitters:
-  - :name: Ann Example
-    :sid: '1001'
-    :email: ann@example.org
-  :created_at: 2026-03-01 12:00:00.000000000 Z
-submission_2:
-  :submitters:
-  - :name: Bo
-    :sid:
-    :email: bo@example.org
-  - :name: Cy
-    :sid: '1003'
-  :created_at: 2026-03-02 13:00:00 Z
-submission_3:
-  :submitters: nobody
-""",
-    'assignment_9_export/submission_1/talk.ipynb': GOOD,
-    'assignment_9_export/submission_2/talk.ipynb': GOOD,
-    'assignment_9_export/submission_3/talk.ipynb': GOOD,
-}
-EXCHANGE = {
-    f'c/inbound/ann+{TALK}+2026-03-01 12:00:00 UTC+abc/talk.ipynb': notebook('talker', text='1'),
-    f'c/inbound/ann+{TALK}+2026-03-02 12:00:00 UTC+def/talk.ipynb': notebook('talker', text='2'),
-    f'c/inbound/ann+{TALK}+2026-03-02 12:00:00 UTC+def/timestamp.txt': b'2026',
-    f'c/inbound/bob+{LISTEN}+2026-03-02 12:00:00 UTC/listen.ipynb': OTHER,
-}
-REPOSITORIES = {
-    'talk-ann/.git/config': b'[core]',
-    f'talk-ann/notebooks/{TALK}/talk.ipynb': GOOD,
-    'talk-bob/.git/HEAD': b'ref',
-    'talk-bob/talk.ipynb': GOOD,
-    'talk-bob/scratch.ipynb': b'{}',
-    'talk-cho/README.md': b'nothing yet',
-}
 
 
 @pytest.mark.parametrize(
@@ -169,27 +70,6 @@ class TestEveryKind:
         assert before == sorted((str(path), path.stat().st_mtime_ns) for path in source.rglob('*'))
 
 
-def test_canvas_ids_are_user_ids_and_the_newest_counts(tmp_path, layout):
-    """Late marks, files called otherwise and what is no notebook are in the table."""
-    rows = collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
-
-    assert table(rows) == {
-        ('1001', 'exampleann_1001_77_talk-1.ipynb'): TAKEN,
-        ('1001', 'exampleann_1001_55_talk.ipynb'): LEFT,
-        ('1002', 'berg_LATE_1002_56_talk.ipynb'): TAKEN,
-        ('1003', 'chang_1003_57_listen.ipynb'): TAKEN,
-        ('1004', 'diaz_1004_58_essay.pdf'): LEFT,
-        ('1005', 'evans_1005_59_My work (2).ipynb'): TAKEN,
-    }
-    notes = {row.place: row.notes for row in rows}
-    assert notes['berg_LATE_1002_56_talk.ipynb'] == ('late, as the source says',)
-    assert notes['exampleann_1001_77_talk-1.ipynb'] == ('the newest of 2',)
-    assert notes['exampleann_1001_55_talk.ipynb'] == ('an earlier one',)
-    assert notes['diaz_1004_58_essay.pdf'] == ('no notebook, only essay.pdf',)
-    assert notes['evans_1005_59_My work (2).ipynb'] == ("the file was called 'My work (2).ipynb'",)
-    assert b'second' in taken(layout)[f'1001/{TALK}/talk.ipynb']
-
-
 def test_the_wrong_assignment_is_left_with_its_name(tmp_path, layout):
     """Its cells say which it is, whatever the file is called."""
     files = {'ann/talk.ipynb': OTHER, 'bob/talk.ipynb': GOOD}
@@ -198,51 +78,6 @@ def test_the_wrong_assignment_is_left_with_its_name(tmp_path, layout):
 
     assert [(row.student, row.done) for row in rows] == [('ann', LEFT), ('bob', TAKEN)]
     assert rows[0].notes == (f'wrong assignment: talk.ipynb is {LISTEN}',)
-
-
-def test_moodle_names_become_ids_and_two_of_one_name_stay_two(tmp_path, layout):
-    """The number alone is another one in the next assignment."""
-    rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
-
-    done = {row.student: row.done for row in rows}
-    assert done == {
-        'Ann Example': TAKEN,
-        'Bo Berg': TAKEN,
-        'Li Wei 313': TAKEN,
-        'Li Wei 314': TAKEN,
-        'Dee': LEFT,
-    }
-
-
-def test_gradescope_submissions_belong_to_everybody_named(tmp_path, layout):
-    """With the time of delivery, for nbgrader's late policy."""
-    collect(packed(tmp_path / 'g.zip', GRADESCOPE), layout, layout.submitted)
-
-    found = taken(layout)
-    assert set(found) == {
-        f'{student}/{TALK}/{file}'
-        for student in ('1001', 'bo@example.org', '1003')
-        for file in ('talk.ipynb', 'timestamp.txt')
-    } | {f'submission_3/{TALK}/talk.ipynb'}
-    assert found[f'1001/{TALK}/timestamp.txt'] == b'2026-03-01 12:00:00 UTC\n'
-
-
-def test_of_the_exchange_the_newest_counts(tmp_path, layout):
-    """Of each assignment."""
-    collect(laid(tmp_path / 'exchange', EXCHANGE), layout, layout.submitted)
-
-    found = taken(layout)
-    assert found[f'ann/{TALK}/talk.ipynb'] == notebook('talker', text='2')
-    assert found[f'ann/{TALK}/timestamp.txt'] == b'2026-03-02 12:00:00 UTC\n'
-    assert f'bob/{LISTEN}/listen.ipynb' in found
-
-
-def test_repositories_lose_the_name_they_share(tmp_path, layout):
-    """And nothing in them is run or followed, git's own files least of all."""
-    rows = collect(laid(tmp_path / 'r', REPOSITORIES), layout, layout.submitted)
-
-    assert {row.student: row.done for row in rows} == {'ann': TAKEN, 'bob': TAKEN, 'cho': LEFT}
-    assert not [path for path in layout.submitted.rglob('*') if '.git' in path.parts]
 
 
 def test_what_was_collected_can_be_graded(tmp_path, layout):

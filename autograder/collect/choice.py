@@ -1,0 +1,323 @@
+"""
+Which notebook of a hand-in is taken for which assignment.
+
+By content first: most grade ids of the assignment, whatever the file is called.  Then by name, and
+of several attempts the newest.  A notebook with no cell of the course is taken only if it is the
+only one that was handed in for the assignment: a broken one is for grading to explain, but a
+student's own notes must not replace the answers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+import hashlib
+import re
+import unicodedata
+
+from autograder.collect.course import Course
+from autograder.collect.handed import Handed, Piece
+from autograder.collect.table import LEFT, Row
+from autograder.collect.times import late_notes, read_time, STAMP
+from autograder.collect.tree import UnreadableError
+from autograder.whole_class.inbox import is_student_id
+
+MOST_NOTEBOOKS = 50
+"""Of one hand-in; a clone of the course has a dozen."""
+MOST_BYTES_EACH = 256 << 20
+NAMES_SHOWN = 3
+
+
+@dataclass(frozen=True)
+class Seen:
+    """
+    What was learnt of a notebook; a class of them is too much to hold at once.
+
+    :param digest: SHA-256 of its content
+    :param shared: how many grade ids it has of each assignment
+    :param named: the assignment that its name or folder tells
+    :param why: why it was not read
+    """
+
+    piece: Piece
+    digest: str = ''
+    shared: Mapping[str, int] = field(default_factory=dict)
+    named: str = ''
+    why: str = ''
+
+    @property
+    def content(self) -> str:
+        """Return the assignment that most cells come from, empty if none does."""
+        return max(self.shared, key=lambda name: (self.shared[name], name), default='')
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """
+    A notebook that could be taken.
+
+    :param student: the student id
+    :param digest: SHA-256 of its content
+    :param strange: whether no cell of the assignment is in it
+    :param when: time of delivery in UTC, None if it is not known
+    """
+
+    handed: Handed
+    student: str
+    assignment: str
+    piece: Piece
+    digest: str
+    strange: bool
+    when: datetime | None
+    notes: tuple[str, ...]
+
+    def read(self) -> bytes:
+        """
+        Return the content, as it was when it was chosen.
+
+        :raises UnreadableError: if it is another one now
+        """
+        data = self.piece.file.read()
+        if hashlib.sha256(data).hexdigest() != self.digest:
+            raise UnreadableError('it changed while it was collected')
+        return data
+
+    def row(self, done: str, course: Course, *why: str) -> Row:
+        """Return the line of the table, which begins its notes with ``why``."""
+        due = course.due.of(self.student, self.assignment) if self.when else None
+        late = late_notes(self.handed.late, self.when, due)
+        notes = (*why, *late, *self.notes)
+        return _row(self.handed, self.assignment, self.piece.place, done, notes, self.when)
+
+
+def choose(handed: Handed, course: Course, wanted: str = '') -> tuple[list[Chosen], list[Row]]:
+    """
+    Find the notebooks in what one student handed in, one for each assignment.
+
+    :param wanted: the only assignment to look for; empty to go by the source and the notebooks
+    :returns: them, and a line for each entry of the source that has none
+    """
+    goal = wanted or handed.assignment
+    if why := _unusable(handed, course, wanted):
+        return [], [_left(handed, goal, place, why) for place in handed.places]
+    seen = _look(handed, course)
+    for_what = [goal] if goal else sorted({one.content or one.named for one in seen} - {''})
+    picked = (_pick(handed, seen, assignment, course, bool(goal)) for assignment in for_what)
+    chosen = [one for one in picked if one is not None]
+    lost = set(for_what) - {one.assignment for one in chosen}
+    return chosen, list(_others(handed, seen, chosen, goal, lost))
+
+
+def student_id(name: str) -> str:
+    """
+    Return a name as a student id: what nbgrader and every file system take.
+
+    Letters of all alphabets stay; empty if nothing is left.
+    """
+    text = unicodedata.normalize('NFC', name).strip()
+    text = re.sub(r'[^\w .@-]', '_', text).strip(' ._-')[:100].rstrip()
+    return text if is_student_id(text) else ''
+
+
+def _unusable(handed: Handed, course: Course, wanted: str) -> str:
+    """Return why nothing can be taken, before anything is read; or nothing."""
+    if not student_id(handed.student):
+        return 'no letter or digit in the name'
+    if handed.instead:
+        return handed.instead
+    if wanted and handed.assignment and handed.assignment != wanted:
+        return f'handed in for {handed.assignment}'
+    if handed.assignment and handed.assignment not in course.assignments:
+        return f'{handed.assignment}: no assignment of this course; name it with --assignment'
+    return '' if handed.pieces else 'no files'
+
+
+def _look(handed: Handed, course: Course) -> list[Seen]:
+    """Read the notebooks, the likely ones first, no more than one student may be worth."""
+    notebooks = [piece for piece in handed.pieces if _is_notebook(piece)]
+    notebooks.sort(
+        key=lambda piece: (
+            not course.of_file(piece.file.name),
+            -piece.turn,
+            len(piece.file.parts),
+            piece.file.parts,
+        )
+    )
+    seen, left = [], MOST_BYTES_EACH
+    for count, piece in enumerate(notebooks):
+        named, digest, shared, why = course.named(piece.file.parts), '', {}, ''
+        if count >= MOST_NOTEBOOKS or left <= 0:
+            why = f'not looked at, after {count} other notebooks'
+        else:
+            try:
+                data = piece.file.read()
+                left -= len(data)
+                digest, shared = hashlib.sha256(data).hexdigest(), course.shared(data)
+            except UnreadableError as error:
+                why = str(error)
+        seen.append(Seen(piece, digest, shared, named, why))
+    return seen
+
+
+def _is_notebook(piece: Piece) -> bool:
+    return piece.file.name.lower().endswith('.ipynb')
+
+
+def _pick(
+    handed: Handed, seen: Sequence[Seen], assignment: str, course: Course, only: bool
+) -> Chosen | None:
+    """
+    Return the notebook for an assignment, None if there is none or none that is certain.
+
+    :param only: whether everything was handed in for this assignment
+    """
+    fitting = [one for one in seen if one.content == assignment]
+    if not fitting:
+        fitting = _without_cells(seen, assignment, course, only)
+        if not fitting:
+            return None
+    newest: dict[tuple[str, ...], Seen] = {}
+    for one in sorted(fitting, key=lambda one: one.piece.turn):
+        newest[one.piece.file.parts] = one
+
+    def merit(one: Seen) -> tuple[int, bool, bool, int, bool, int]:
+        file = one.piece.file
+        return (
+            one.shared.get(assignment, 0),
+            course.of_file(file.name) == assignment,
+            assignment in file.parts,
+            one.piece.turn,
+            file.name == course.file_names[assignment],
+            -len(file.parts),
+        )
+
+    best = max(newest.values(), key=merit)
+    again = sum(one.piece.file.parts == best.piece.file.parts for one in fitting)
+    notes = [f'the newest of {again}'] if again > 1 else []
+    if len(newest) > 1:
+        notes.append(f'{best.piece.file.path} of {len(newest)} notebooks for it')
+    return _chosen(handed, best, assignment, course, notes)
+
+
+def _without_cells(
+    seen: Sequence[Seen], assignment: str, course: Course, only: bool
+) -> list[Seen]:
+    """Return the notebook without cells that was handed in for an assignment, if it is one."""
+    names = ('', assignment) if only else (assignment,)
+    if any(one.why and one.named in names for one in seen):
+        return []  # the answers may be in that one
+    named = [one for one in seen if not one.shared and one.named == assignment]
+    if not named and only and len(seen) == 1:
+        return [one for one in seen if not one.shared and not one.named]
+    # Of a lesson that has no cells to grade, the name is all there is.
+    return named if len(named) == 1 or not course.cells[assignment] else []
+
+
+def _chosen(
+    handed: Handed, best: Seen, assignment: str, course: Course, notes: Sequence[str]
+) -> Chosen:
+    """Return a notebook that could be taken, with all there is to know about it."""
+    strange = not best.shared and bool(course.cells[assignment])
+    when, about_time = _time(handed, best.piece)
+    name = best.piece.file.name
+    said = [*notes, *_said(handed)]
+    if strange:
+        said.append('no cell of the assignment is in it')
+    if name != course.file_names[assignment]:
+        said.append(f'the file was called {name[:60]!r}')
+    said += about_time
+    student = student_id(handed.student)
+    return Chosen(handed, student, assignment, best.piece, best.digest, strange, when, tuple(said))
+
+
+def _time(handed: Handed, piece: Piece) -> tuple[datetime | None, tuple[str, ...]]:
+    """Return when a notebook was handed in, and what is to be said about that."""
+    if not handed.stamped:
+        return handed.when, ()
+    beside = (*piece.file.parts[:-1], STAMP)
+    file = next((one.file for one in handed.pieces if one.file.parts == beside), None)
+    if file is None:
+        return None, ()
+    try:
+        when, note = read_time(file.read()[:100].decode('utf-8', 'replace'))
+    except UnreadableError as error:
+        return None, (f'{file.path}: {error}',)
+    # Somebody else than the system may have written it.
+    return when, (note or f'time from {file.path}',)
+
+
+def _others(
+    handed: Handed,
+    seen: Sequence[Seen],
+    chosen: Sequence[Chosen],
+    goal: str,
+    lost: Collection[str],
+) -> Iterator[Row]:
+    """Yield a line for every entry from which nothing is taken, or not all could be read."""
+    taken = {one.piece.place for one in chosen}
+    for place in handed.places:
+        there = [one for one in seen if one.piece.place == place]
+        about = goal or next((one.content or one.named for one in there), '')
+        if not there and place not in taken:
+            names = [piece.file.name for piece in handed.pieces if piece.place == place]
+            yield _left(handed, goal, place, f'no notebook, only {_list(names, ", ")}'[:160])
+        reasons = [
+            _why_not(one, chosen, goal)
+            for one in there
+            if one.why or place not in taken or (not one.shared and one.named in lost)
+        ]
+        if reasons:
+            yield _left(handed, about, place, _list(reasons, '; '))
+
+
+def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
+    """Return why a notebook is not taken."""
+    path = one.piece.file.path[:80]
+    if one.why:
+        return f'{path}: {one.why}'
+    for rival in chosen:
+        if one.content == rival.assignment:
+            same = one.piece.file.parts == rival.piece.file.parts
+            return 'an earlier one' if same else f'{path}: {rival.piece.file.path} was taken'
+    if one.content:
+        return f'wrong assignment: {path} is {one.content}'
+    if goal and one.named not in ('', goal):
+        return f'{path}: named as {one.named}, and no cell of {goal} is in it'
+    if chosen and not one.named:
+        return f'{path}: no cell of {goal or "this course"} is in it'
+    if goal or one.named:
+        return f'{path}: no cell of {goal or one.named} is in it, and it is not the only notebook'
+    return f'{path}: no assignment of this course; name it with --assignment'
+
+
+def _list(names: Sequence[str], between: str) -> str:
+    """Return the first names, and how many more there are."""
+    more = [f'{len(names) - NAMES_SHOWN} more'] if len(names) > NAMES_SHOWN else []
+    return between.join([*names[:NAMES_SHOWN], *more])
+
+
+def _said(handed: Handed) -> tuple[str, ...]:
+    """Return what the source says beside, and what became of the name."""
+    same = student_id(handed.student) == handed.student
+    return (*handed.notes, *(() if same else (f'the name was {handed.student[:60]!r}',)))
+
+
+def _left(handed: Handed, assignment: str, place: str, why: str) -> Row:
+    late = late_notes(handed.late, handed.when, None)
+    notes = (why, *late, *_said(handed))
+    return _row(handed, assignment, place, LEFT, notes, handed.when)
+
+
+def _row(
+    handed: Handed,
+    assignment: str,
+    place: str,
+    done: str,
+    notes: tuple[str, ...],
+    when: datetime | None,
+) -> Row:
+    student = student_id(handed.student)
+    person = '' if handed.person == student else handed.person
+    handed_in = f'{when:%Y-%m-%d %H:%M}' if when else ''
+    return Row(student, assignment, place, done, notes, person, handed_in)

@@ -1,0 +1,70 @@
+"""What is known of the assignments, by which a notebook is recognised."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+import re
+
+from autograder.collect.times import due_dates, DueDates
+from autograder.handed_in.submission import marks_of, read_notebook, read_release
+from autograder.layout import Layout
+
+# What browsers, Canvas and Jupyter add to the name of a file that is there already.
+_COPY = re.compile(r'( ?\(\d+\)|-\d+| - Copy|-Copy\d+)+(?=\.ipynb$)')
+
+
+class Course:
+    """
+    The assignments of a course; nothing is read before it is asked for.
+
+    :param layout: of the course
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        """Read nothing yet."""
+        self.layout = layout
+
+    @cached_property
+    def assignments(self) -> tuple[str, ...]:
+        """Return the names of all assignments."""
+        return self.layout.assignments()
+
+    @cached_property
+    def file_names(self) -> Mapping[str, str]:
+        """Return the notebook's file name of every assignment."""
+        return {name: self.layout.release(name).name for name in self.assignments}
+
+    @cached_property
+    def cells(self) -> Mapping[str, frozenset[str]]:
+        """Return the grade ids of every released notebook, by assignment."""
+        return {
+            name: frozenset(
+                marks_of(cell)['grade_id']
+                for cell in read_release(self.layout.release(name))['cells']
+                if 'grade_id' in marks_of(cell)
+            )
+            for name in self.assignments
+        }
+
+    @cached_property
+    def due(self) -> DueDates:
+        """Return until when work should be there."""
+        return due_dates(self.layout)
+
+    def of_file(self, name: str) -> str:
+        """Return the assignment whose notebook is called so, additions aside."""
+        plain = _COPY.sub('', name)
+        found = [one for one, file in self.file_names.items() if file in (name, plain)]
+        return found[0] if len(found) == 1 else ''
+
+    def named(self, parts: Sequence[str]) -> str:
+        """Return the assignment that a path names, by its file or by a folder."""
+        folders = [part for part in parts[:-1] if part in self.assignments]
+        return self.of_file(parts[-1]) or (folders[-1] if folders else '')
+
+    def shared(self, data: bytes) -> dict[str, int]:
+        """Return how many of its grade ids are in a notebook, for each assignment that has any."""
+        cells, _ = read_notebook(data, '')
+        ids = {cell.grade_id for cell in cells or ()} - {''}
+        return {name: len(ids & theirs) for name, theirs in self.cells.items() if ids & theirs}

@@ -1,0 +1,65 @@
+"""The names of people, for those whose student id is a number."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import json
+from typing import Any
+import unicodedata
+
+from autograder.layout import Layout
+from autograder.runs.recording import keep
+from autograder.whole_class.inbox import read_file
+
+LONGEST_NAME = 200
+_BIDI_CONTROLS = frozenset(
+    '\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069'
+)
+"""They would turn around the text that a name is shown in."""
+
+
+def read_people(layout: Layout) -> dict[str, str]:
+    """
+    Return the names that are known, by student id.
+
+    :returns: nothing if the file is missing or damaged
+    """
+    data, _ = read_file(layout.people, layout.people.name)
+    try:
+        found = json.loads(data or b'{}')
+    except (ValueError, RecursionError):
+        return {}
+    return _clean(found) if isinstance(found, dict) else {}
+
+
+def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
+    """
+    Add names to those that are known; a new one replaces the old one.
+
+    :param names: by student id, as a source has them
+    :raises OSError: if they cannot be written
+    """
+    known = read_people(layout)
+    merged = dict(sorted({**known, **_clean(names)}.items()))
+    if merged != known:
+        text = json.dumps(merged, ensure_ascii=False, indent=1)
+        keep(layout.people, f'{text}\n'.encode())
+
+
+def _clean(names: Mapping[Any, Any]) -> dict[str, str]:
+    """Return what can be shown: text in one line, of a bounded length."""
+    found = {}
+    for student, name in names.items():
+        if isinstance(student, str) and isinstance(name, str):
+            shown = ' '.join(''.join(map(_shown, name[: 4 * LONGEST_NAME])).split())
+            if shown:
+                found[student] = shown[:LONGEST_NAME].rstrip()
+    return found
+
+
+def _shown(char: str) -> str:
+    """Return a character of a name, nothing for one that only does something."""
+    if char in '\t\n\r':
+        return ' '
+    hidden = unicodedata.category(char) in ('Cc', 'Cs') or char in _BIDI_CONTROLS
+    return '' if hidden else char

@@ -1,0 +1,67 @@
+"""What became of everything that was found, as a table for people and as JSON."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+import sys
+from typing import Any
+
+from autograder.explaining.feedback import printable
+
+TAKEN, REPLACED, UNCHANGED, LEFT = 'taken', 'replaced', 'unchanged', 'not taken'
+
+
+@dataclass(frozen=True)
+class Row:
+    """
+    One line of the table.
+
+    :param student: the student id in ``submitted/``, or as the source names them
+    :param place: where in the source
+    :param done: one of the four words above
+    :param notes: what somebody should know about it
+    :param person: a name for people, if the id is none
+    :param handed_in: time of delivery in UTC to the minute, empty if it is not known
+    """
+
+    student: str
+    assignment: str
+    place: str
+    done: str
+    notes: tuple[str, ...] = ()
+    person: str = ''
+    handed_in: str = ''
+
+    def to_json(self) -> dict[str, Any]:
+        """Return JSON types only."""
+        return asdict(self)
+
+
+def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:
+    """Print the table and one line about it; names from outside are shown as text."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    console = Console(width=None if sys.stdout.isatty() else 160)
+    table = Table()
+    for title in ('Student', 'Assignment', 'Done', 'Handed in', 'From', 'Notes'):
+        table.add_column(title, overflow='fold')
+    for row in rows:
+        student = f'{row.student} ({row.person})' if row.person else row.student
+        notes = '; '.join(row.notes)
+        cells = (student, row.assignment, row.done, row.handed_in, row.place, notes)
+        table.add_row(*(Text(printable(cell)) for cell in cells))
+    console.print(table)
+    counts = Counter(row.done for row in rows)
+    said = ', '.join(f'{count} {done}' for done, count in sorted(counts.items()))
+    where = f'Folder: {to}' if written else 'Nothing was written (--dry-run)'
+    console.print(
+        f'{said or "nothing there"}. {where}. Times are UTC.',
+        markup=False,
+        highlight=False,
+        soft_wrap=True,
+    )

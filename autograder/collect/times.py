@@ -1,0 +1,150 @@
+"""When work was handed in, and whether that was late."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta, timezone
+import re
+
+from autograder.errors import GraderError
+from autograder.gradebook.settings import gradebook_file, load_config
+from autograder.layout import Layout
+
+STAMP = 'timestamp.txt'
+"""nbgrader's file for the time of delivery, beside the notebook."""
+_TIME = re.compile(
+    r'(?P<day>\d{4}-\d\d-\d\d)[ T](?P<time>\d\d:\d\d(?::\d\d)?)(?:\.\d+)? ?(?P<zone>\S.*)?'
+)
+_OFFSET = re.compile(r'(?P<sign>[+-])(?P<hours>\d\d):?(?P<minutes>\d\d)?')
+_UTC = ('UTC', 'GMT', 'Z')
+
+
+def read_time(value: object) -> tuple[datetime | None, str]:
+    """
+    Read a time as nbgrader and Gradescope write it.
+
+    Only offsets are understood, not names of zones: CST alone is four of them.
+
+    :param value: text, a datetime from YAML, or nothing; without a zone it is UTC
+    :returns: the time in UTC, None if there is none; and a note if it is not understood
+    """
+    try:
+        if isinstance(value, datetime):
+            found = value if value.tzinfo else value.replace(tzinfo=timezone.utc)
+            return found.astimezone(timezone.utc), ''
+        text = value.strip() if isinstance(value, str) else ''
+        match = _TIME.fullmatch(text)
+        if match is None:
+            return None, f'time {text[:40]!r} not understood: no time' if text else ''
+        offset = _offset(match['zone'] or 'UTC')
+        if offset is None:
+            return None, f'time zone {match["zone"][:20]} not understood: no time'
+        found = datetime.fromisoformat(f'{match["day"]} {match["time"]}')
+        return (found - offset).replace(tzinfo=timezone.utc), ''
+    except (ValueError, OverflowError):  # no such day, or before the year 1
+        return None, f'time {str(value)[:40]!r} not understood: no time'
+
+
+def _offset(zone: str) -> timedelta | None:
+    if zone.upper() in _UTC:
+        return timedelta()
+    match = _OFFSET.fullmatch(zone)
+    if match is None:
+        return None
+    offset = timedelta(hours=int(match['hours']), minutes=int(match['minutes'] or 0))
+    return -offset if match['sign'] == '-' else offset
+
+
+def stamp(when: datetime) -> bytes:
+    """Return a time as the content of nbgrader's file."""
+    return f'{when:%Y-%m-%d %H:%M:%S} UTC\n'.encode()
+
+
+def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[str, ...]:
+    """
+    Say whether work is late.
+
+    :param late: the system that says so
+    :param when: time of delivery, if known
+    :param due: until when it should have been there, if known
+    """
+    if when is None:
+        said = f'late, as {late} says; no time known, so a late policy cannot act'
+        return (said,) if late else ()
+    if due is not None and when > due:
+        return (f'late by {_duration(when - due)}',)
+    return (f'late, as {late} says',) if late else ()
+
+
+def _duration(length: timedelta) -> str:
+    """Return a length of time to the minute."""
+    minutes = int(length.total_seconds()) // 60
+    parts = ((minutes // 1440, 'd'), (minutes // 60 % 24, 'h'), (minutes % 60, 'min'))
+    return ' '.join(f'{count} {unit}' for count, unit in parts if count) or 'less than a minute'
+
+
+@dataclass(frozen=True)
+class DueDates:
+    """
+    Until when work should be there, in UTC.
+
+    :param dates: by assignment
+    :param extensions: what single students have more, by student and assignment
+    :param problem: why the gradebook could not be asked
+    """
+
+    dates: Mapping[str, datetime] = field(default_factory=dict)
+    extensions: Mapping[tuple[str, str], timedelta] = field(default_factory=dict)
+    problem: str = ''
+
+    def of(self, student: str, assignment: str) -> datetime | None:
+        """Return a student's own date, None if the gradebook has none."""
+        date = self.dates.get(assignment)
+        more = self.extensions.get((student, assignment), timedelta())
+        return None if date is None else date + more
+
+
+_DATES = 'select name, duedate from assignment where duedate is not null'
+_EXTENSIONS = """
+select submitted_assignment.student_id, assignment.name, submitted_assignment.extension
+from submitted_assignment join assignment on assignment.id = submitted_assignment.assignment_id
+where submitted_assignment.extension is not null
+"""
+
+
+def due_dates(layout: Layout) -> DueDates:
+    """
+    Ask the gradebook, if there is one; none is made by looking.
+
+    It is asked directly, as nbgrader takes seconds to import.
+    """
+    if not (layout.root / 'nbgrader_config.py').is_file():
+        return DueDates()
+    path = gradebook_file(layout)
+    if path is not None and not path.is_file():
+        return DueDates()
+    from sqlalchemy import create_engine, DateTime, inspect, Interval, text
+    from sqlalchemy.exc import SQLAlchemyError
+    from sqlalchemy.pool import NullPool
+
+    dates = text(_DATES).columns(duedate=DateTime())
+    extensions = text(_EXTENSIONS).columns(extension=Interval())
+    try:
+        engine = create_engine(str(load_config(layout).CourseDirectory.db_url), poolclass=NullPool)
+        with engine.connect() as gradebook:
+            if not inspect(gradebook).has_table('assignment'):
+                return DueDates()
+            return DueDates(
+                {
+                    str(name): date.replace(tzinfo=timezone.utc)
+                    for name, date in gradebook.execute(dates)
+                },
+                {
+                    (str(student), str(name)): more
+                    for student, name, more in gradebook.execute(extensions)
+                },
+            )
+    except (SQLAlchemyError, GraderError, ValueError, ImportError) as error:
+        what = ' '.join(str(error).split())[:120]
+        return DueDates(problem=f'no due dates, the gradebook cannot be read: {what}')

@@ -1,0 +1,309 @@
+"""Which notebook is taken for which assignment; and how much is read for it."""
+
+from __future__ import annotations
+
+import json
+import tracemalloc
+
+from collect_sources import (
+    DAMAGED,
+    GOOD,
+    laid,
+    layout,  # noqa: F401 - a fixture
+    LISTEN,
+    notebook,
+    notes,
+    OTHER,
+    OWN,
+    packed,
+    SPIN,
+    taken,
+    TALK,
+)
+import pytest
+
+from autograder.collect import choice, collect, LEFT, TAKEN, tree
+from autograder.collect.tree import NotCollectedError
+
+STRANGE = 'no cell of the assignment is in it'
+
+
+def done(rows) -> list[tuple[str, str, str]]:
+    """Return what was done with which assignment of whom."""
+    return sorted((row.student, row.assignment, row.done) for row in rows)
+
+
+class TestSeveralAssignments:
+    """A folder or repository a student has all of them."""
+
+    @pytest.mark.parametrize(
+        'files',
+        [
+            {
+                f'ros2-{name}/notebooks/{lesson}/{file}.ipynb': data
+                for name in ('ann', 'bob')
+                for lesson, file, data in (
+                    (TALK, 'talk', GOOD),
+                    (LISTEN, 'listen', OTHER),
+                    (SPIN, 'spin', OWN),
+                )
+            },
+            {
+                f'{name}/{lesson}/{file}.ipynb': data
+                for name in ('ann', 'bob')
+                for lesson, file, data in (
+                    (TALK, 'talk', GOOD),
+                    (LISTEN, 'listen', OTHER),
+                    (SPIN, 'spin', OWN),
+                )
+            },
+        ],
+        ids=['repositories', 'nbgrader'],
+    )
+    def test_one_notebook_of_each_is_taken(self, files, tmp_path, layout):
+        """Also of a lesson that has no cells to grade, by its name."""
+        rows = collect(laid(tmp_path / 'class', files), layout, layout.submitted)
+
+        assert done(rows) == [
+            (name, lesson, TAKEN) for name in ('ann', 'bob') for lesson in (TALK, LISTEN, SPIN)
+        ]
+        assert all(row.notes == () for row in rows)
+
+    def test_the_one_wanted_is_taken_alone(self, tmp_path, layout):
+        """The others are not looked for."""
+        files = {f'ann/{TALK}/talk.ipynb': GOOD, f'ann/{LISTEN}/listen.ipynb': OTHER}
+        source = laid(tmp_path / 'class', files)
+
+        rows = collect(source, layout, layout.submitted, assignment=LISTEN)
+
+        assert done(rows) == [('ann', LISTEN, TAKEN)]
+
+    def test_content_says_which_assignment_it_is(self, tmp_path, layout):
+        """Whatever file and folder are called."""
+        files = {f'ann/{TALK}/talk.ipynb': OTHER, f'ann/{LISTEN}/listen.ipynb': GOOD}
+
+        rows = collect(laid(tmp_path / 'class', files), layout, layout.submitted)
+
+        assert done(rows) == [('ann', TALK, TAKEN), ('ann', LISTEN, TAKEN)]
+        assert taken(layout)[f'ann/{TALK}/talk.ipynb'] == GOOD
+
+    def test_two_of_one_upload_are_two(self, tmp_path, layout):
+        """Canvas has one folder for all."""
+        files = {'ann_1001_56001_talk.ipynb': GOOD, 'ann_1001_56002_listen.ipynb': OTHER}
+
+        rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
+
+        assert done(rows) == [('1001', TALK, TAKEN), ('1001', LISTEN, TAKEN)]
+
+
+class TestTheRightOne:
+    """By content, then by name, then by attempt."""
+
+    @pytest.mark.parametrize('wanted', ['', TALK])
+    @pytest.mark.parametrize(
+        ('right', 'own'), [('talk.ipynb', 'zz.ipynb'), ('My answers.ipynb', 'talk.ipynb')]
+    )
+    @pytest.mark.parametrize('how', ['moodle', 'canvas', 'repository'])
+    def test_own_notes_do_not_replace_the_answers(self, how, right, own, wanted, tmp_path, layout):
+        """Not if they are newer, nor if they have the better name."""
+        place = {
+            'moodle': 'Ann_311_assignsubmission_file/{}',
+            'canvas': 'ann_1001_{}',
+            'repository': 'ann/{}',
+        }[how]
+        numbers = ('56001_', '56002_') if how == 'canvas' else ('', '')
+        files = {
+            place.format(f'{numbers[0]}{right}'): GOOD,
+            place.format(f'{numbers[1]}{own}'): OWN,
+        }
+        source = laid(tmp_path / 's', files)
+
+        rows = collect(source, layout, layout.submitted, assignment=wanted)
+
+        assert [data for data in taken(layout).values()] == [GOOD]
+        assert [row.done for row in rows].count(TAKEN) == 1
+        if how == 'canvas':
+            assert len(rows) == 2
+
+    def test_most_cells_count_more_than_the_name(self, tmp_path, layout):
+        """A copy of one cell is not the work."""
+        files = {'ann/talk.ipynb': notebook('talker'), f'ann/old/{TALK}/x.ipynb': GOOD}
+
+        (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
+
+        assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
+        assert f'old/{TALK}/x.ipynb of 2 notebooks for it' in row.notes
+
+    @pytest.mark.parametrize('wanted', ['', TALK])
+    def test_of_equal_ones_the_name_counts(self, wanted, tmp_path, layout):
+        """Copies of browsers and of Jupyter come after it."""
+        right = notebook('talker', text='right')
+        copy = notebook('talker', text='copy')
+        files = {
+            'ann/talk-Copy1.ipynb': copy,
+            'ann/talk.ipynb': right,
+            'ann/talk (1).ipynb': copy,
+            'ann/a.ipynb': copy,
+        }
+
+        collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=wanted)
+
+        assert taken(layout) == {f'ann/{TALK}/talk.ipynb': right}
+
+    @pytest.mark.parametrize('data', [OWN, DAMAGED, b''], ids=['own', 'damaged', 'empty'])
+    def test_the_only_notebook_is_taken_without_a_cell(self, data, tmp_path, layout):
+        """Grading says what is wrong with it."""
+        files = {'ann/talk.ipynb': data, 'bob/work.ipynb': data}
+
+        rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
+
+        assert [(row.student, row.done) for row in rows] == [('ann', TAKEN), ('bob', TAKEN)]
+        assert all(STRANGE in row.notes for row in rows)
+
+    @pytest.mark.parametrize(
+        ('others', 'why'),
+        [
+            ({'b.ipynb': OWN}, 'it is not the only notebook'),
+            ({f'{LISTEN}/listen.ipynb': OTHER}, f'listen.ipynb is {LISTEN}'),
+        ],
+    )
+    def test_one_of_several_without_a_cell_is_not_guessed(self, others, why, tmp_path, layout):
+        """Somebody has to look."""
+        files = {'ann/a.ipynb': OWN, **{f'ann/{name}': data for name, data in others.items()}}
+
+        (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
+
+        assert (row.student, row.done) == ('ann', LEFT)
+        assert why in row.notes[0]
+        assert not layout.submitted.exists()
+
+    def test_a_damaged_notebook_with_the_name_is_not_left_for_own_notes(self, tmp_path, layout):
+        """It was handed in for the assignment, the notes were not."""
+        files = {f'ann/{TALK}/talk.ipynb': DAMAGED, 'ann/notes.ipynb': OWN}
+
+        (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+
+        assert (row.done, row.notes) == (TAKEN, (STRANGE,))
+        assert taken(layout) == {f'ann/{TALK}/talk.ipynb': DAMAGED}
+
+    def test_an_attempt_without_a_cell_does_not_replace_an_earlier_one(self, tmp_path, layout):
+        """The newest of the others counts."""
+        at = '+2026-03-0{} 12:00:00.000000 UTC+x/talk.ipynb'
+        files = {
+            f'ann+{TALK}{at.format(day)}': data
+            for day, data in ((1, notebook('talker')), (2, GOOD), (3, OWN))
+        }
+
+        rows = collect(laid(tmp_path / 'inbound', files), layout, layout.submitted)
+
+        assert taken(layout)[f'ann/{TALK}/talk.ipynb'] == GOOD
+        assert [row.done for row in rows] == [LEFT, TAKEN, LEFT]
+        assert [row.notes[0] for row in rows] == [
+            'an earlier one',
+            'the newest of 3 with a cell of the assignment',
+            'another one was taken',
+        ]
+
+
+class TestBounds:
+    """One student's files are not the whole class's trouble."""
+
+    def test_a_class_is_not_held_in_memory(self, tmp_path, layout):
+        """Each notebook is read again when it is written."""
+        large = json.dumps({**json.loads(GOOD), 'metadata': {'x': '.' * (4 << 20)}}).encode()
+        source = packed(tmp_path / 's.zip', {f's{n}/talk.ipynb': large for n in range(16)})
+        tracemalloc.start()
+        try:
+            rows = collect(source, layout, layout.submitted)
+            _, peak = tracemalloc.get_traced_memory()
+        finally:
+            tracemalloc.stop()
+
+        assert [row.done for row in rows] == [TAKEN] * 16
+        assert peak < 8 * len(large)
+
+    def test_a_notebook_that_changes_meanwhile_is_left(self, tmp_path, layout, monkeypatch):
+        """What was looked at is what is written."""
+        source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
+        look = choice._look
+
+        def look_and_change(handed, course):
+            seen = look(handed, course)
+            if handed.student == 'ann':
+                (source / 'ann' / 'talk.ipynb').write_bytes(OTHER)
+            return seen
+
+        monkeypatch.setattr(choice, '_look', look_and_change)
+
+        rows = collect(source, layout, layout.submitted)
+
+        assert [(row.student, row.done) for row in rows] == [('ann', LEFT), ('bob', TAKEN)]
+        assert rows[0].notes == ('it changed while it was collected',)
+        assert set(taken(layout)) == {f'bob/{TALK}/talk.ipynb'}
+
+    @pytest.mark.parametrize('how', [packed, laid])
+    def test_too_much_of_everything_is_one_sentence(self, how, tmp_path, layout, monkeypatch):
+        """Before anything is written."""
+        source = how(tmp_path / 's.zip', {f's{n}/talk.ipynb': GOOD for n in range(9)})
+        monkeypatch.setattr(tree, 'MOST_BYTES', 8 * len(GOOD))
+
+        with pytest.raises(NotCollectedError, match='GiB of notebooks, got more'):
+            collect(source, layout, layout.submitted)
+        assert not layout.submitted.exists()
+
+        monkeypatch.setattr(tree, 'MOST_BYTES', 9 * len(GOOD))
+        assert {row.done for row in collect(source, layout, layout.submitted)} == {TAKEN}
+
+    def test_what_is_too_large_when_unpacked_is_counted(self, tmp_path, layout, monkeypatch):
+        """A zip of many such files keeps nobody waiting."""
+        source = packed(tmp_path / 's.zip', {f's{n}/x.ipynb': b' ' * (5 << 20) for n in range(9)})
+        monkeypatch.setattr(tree, 'MAX_BYTES', 1 << 20)
+        monkeypatch.setattr(tree, 'MOST_BYTES', 8 << 20)
+
+        with pytest.raises(NotCollectedError, match='GiB of notebooks'):
+            collect(source, layout, layout.submitted)
+
+    def test_of_very_many_notebooks_the_likely_ones_are_looked_at(self, tmp_path, layout):
+        """And it is told that there are more."""
+        files = {f'ann/{n:03}.ipynb': OWN for n in range(choice.MOST_NOTEBOOKS + 20)}
+        source = laid(tmp_path / 's', {**files, f'ann/z/{TALK}/talk.ipynb': GOOD})
+
+        rows = collect(source, layout, layout.submitted)
+
+        assert sorted(row.done for row in rows) == [LEFT, TAKEN]
+        (left,) = [row for row in rows if row.done == LEFT]
+        assert f'not looked at, after {choice.MOST_NOTEBOOKS} other notebooks' in left.notes[0]
+        assert left.notes[0].endswith('18 more')
+
+    def test_one_student_has_not_the_share_of_a_class(self, tmp_path, layout, monkeypatch):
+        """Of what is read."""
+        monkeypatch.setattr(choice, 'MOST_BYTES_EACH', 3 * len(GOOD))
+        files = {f'ann/{n}/talk.ipynb': GOOD for n in range(9)} | {'bob/talk.ipynb': GOOD}
+
+        rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+
+        assert sorted(row.done for row in rows) == [LEFT, TAKEN, TAKEN]
+        assert any('after 3 other notebooks' in '; '.join(row.notes) for row in rows)
+
+    def test_a_notebook_that_is_too_large_is_told_beside_the_others(
+        self, tmp_path, layout, monkeypatch
+    ):
+        """It may be the one that somebody waits for."""
+        monkeypatch.setattr(tree, 'MAX_BYTES', 2000)
+        files = {f'ann/{TALK}/talk.ipynb': b' ' * 3000, f'ann/{LISTEN}/listen.ipynb': OTHER}
+
+        rows = collect(packed(tmp_path / 's.zip', files), layout, layout.submitted)
+
+        assert sorted((row.student, row.done) for row in rows) == [('ann', LEFT), ('ann', TAKEN)]
+        assert any(row.notes[0].startswith(f'{TALK}/talk.ipynb: more than') for row in rows)
+
+    def test_refused_files_of_one_entry_are_one_line(self, tmp_path, layout):
+        """An environment full of links, for example."""
+        source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
+        for n in range(9):
+            (source / 'ann' / f'link{n}').symlink_to('talk.ipynb')
+
+        rows = collect(source, layout, layout.submitted)
+
+        assert len(rows) == 3
+        assert notes(rows)['ann/link0'] == ('a link or a special file', 'and 8 more there')

@@ -1,0 +1,242 @@
+"""Folders of students, and which names may decide how the work of a class is read."""
+
+from __future__ import annotations
+
+from collect_sources import (
+    CANVAS,
+    EXCHANGE,
+    GOOD,
+    GRADESCOPE,
+    kind,
+    laid,
+    layout,  # noqa: F401 - a fixture
+    LISTEN,
+    MOODLE,
+    OTHER,
+    packed,
+    REPOSITORIES,
+    table,
+    TALK,
+)
+import pytest
+
+from autograder.collect import collect, LEFT, TAKEN
+from autograder.collect.tree import NotCollectedError
+
+
+class TestFolders:
+    """A folder or a notebook a student."""
+
+    def test_repositories_lose_the_name_they_share(self, tmp_path, layout):
+        """And nothing in them is run or followed, git's own files least of all."""
+        rows = collect(laid(tmp_path / 'r', REPOSITORIES), layout, layout.submitted)
+
+        assert {row.student: row.done for row in rows} == {'ann': TAKEN, 'bob': TAKEN, 'cho': LEFT}
+        assert not [path for path in layout.submitted.rglob('*') if '.git' in path.parts]
+
+    def test_a_repository_without_a_commit_is_in_the_table(self, tmp_path, layout):
+        """As the systems make them before anybody has pushed."""
+        source = laid(tmp_path / 'r', {**REPOSITORIES, 'talk-dan/.git/HEAD': b'ref'})
+        (source / 'talk-eva').mkdir()
+
+        rows = collect(source, layout, layout.submitted)
+
+        left = {row.student: row.notes for row in rows if row.done == LEFT}
+        assert left == {
+            'cho': ('no notebook, only README.md',),
+            'dan': ('no files',),
+            'eva': ('no files',),
+        }
+
+    def test_files_that_are_no_notebooks_are_in_the_table(self, tmp_path, layout):
+        """Somebody's archive among the notebooks of a class."""
+        files = {'ann.ipynb': GOOD, 'bob.rar': b'Rar!', 'cy.py': b'x = 1'}
+
+        rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+
+        assert table(rows) == {
+            ('ann', 'ann.ipynb'): TAKEN,
+            ('', 'bob.rar'): LEFT,
+            ('', 'cy.py'): LEFT,
+        }
+
+    def test_a_zip_with_a_folder_around_everything_is_a_class(self, tmp_path, layout):
+        """With folders in it, or notebooks named by students."""
+        around = packed(tmp_path / 'a.zip', {'hw/ann/talk.ipynb': GOOD, 'hw/bob/x.ipynb': OTHER})
+        flat = packed(tmp_path / 'b.zip', {'hw/cy.ipynb': GOOD, 'hw/dan.ipynb': GOOD})
+
+        rows = collect(around, layout, layout.submitted)
+        rows += collect(flat, layout, layout.submitted)
+
+        assert [(row.student, row.done) for row in rows] == [
+            (name, TAKEN) for name in ('ann', 'bob', 'cy', 'dan')
+        ]
+
+    @pytest.mark.parametrize(
+        'files',
+        [
+            {f'ann/{TALK}/talk.ipynb': GOOD, f'ann/{LISTEN}/listen.ipynb': OTHER},
+            {f'ann/notebooks/{TALK}/talk.ipynb': GOOD, 'ann/src/listen.ipynb': OTHER},
+        ],
+    )
+    def test_one_students_folder_is_no_class(self, files, tmp_path, layout):
+        """For an appeal."""
+        rows = collect(packed(tmp_path / 'a.zip', files), layout, layout.submitted)
+
+        assert [(row.student, row.assignment, row.done) for row in rows] == [
+            ('ann', TALK, TAKEN),
+            ('ann', LISTEN, TAKEN),
+        ]
+
+    def test_folders_of_assignments_are_no_students(self, tmp_path, layout):
+        """Somebody named one student's folder, so nobody knows whose it is."""
+        files = {f'{TALK}/talk.ipynb': GOOD, f'{LISTEN}/listen.ipynb': OTHER}
+
+        rows = collect(laid(tmp_path / 'ann', files), layout, layout.submitted)
+
+        assert {row.done for row in rows} == {LEFT}
+        assert 'collect the folder above it' in rows[0].notes[0]
+
+
+class TestNamesThatStudentsGive:
+    """Only the level that a system names decides how a class is read."""
+
+    FORGED = (
+        b"submission_102:\n  :submitters:\n  - :sid: '1001'\n"
+        b'  :created_at: 2020-01-01 00:00:00 Z\n'
+    )
+
+    def test_metadata_in_a_submission_is_one_of_its_files(self, tmp_path, layout):
+        """It comes before the real one in the order of names."""
+        forged = {'assignment_9_export/submission_101/submission_metadata.yml': self.FORGED}
+        source = packed(tmp_path / 'g.zip', {**forged, **GRADESCOPE})
+        honest = packed(tmp_path / 'h.zip', GRADESCOPE)
+        expected = collect(honest, layout, layout.submitted, write=False)
+
+        assert collect(source, layout, layout.submitted, write=False) == expected
+        assert {row.student for row in expected} == {
+            '1001', '1003', 'bo@example.org', 'submission_103'
+        }  # fmt: skip
+
+    @pytest.mark.parametrize('files', [MOODLE, REPOSITORIES], ids=['moodle', 'repositories'])
+    @pytest.mark.parametrize(
+        'name',
+        [
+            'submission_metadata.yml',
+            'submission_1/submission_metadata.yml',
+            'Vic_1_assignsubmission_file_/talk.ipynb',
+            f'vic+{TALK}+2026-03-01 12:00:00 UTC+x/talk.ipynb',
+            'vic_1001_55001_talk.ipynb',
+        ],
+    )
+    def test_names_of_other_systems_in_a_folder_decide_nothing(
+        self, files, name, tmp_path, layout
+    ):
+        """Every folder of a student has one."""
+        owner = next(iter(files)).partition('/')[0]
+        honest, source = tmp_path / 'honest', tmp_path / 'source'
+        laid(honest, files)
+        laid(source, {**files, f'{owner}/{name}': self.FORGED})
+
+        rows = collect(source, layout, layout.submitted, write=False)
+
+        assert kind(source) == kind(honest)
+        assert table(rows) == table(collect(honest, layout, layout.submitted, write=False))
+
+    def test_one_folder_of_a_class_with_the_name_of_another_system_is_a_student(
+        self, tmp_path, layout
+    ):
+        """What explains most of the names counts."""
+        files = {**REPOSITORIES, 'Vic_1_assignsubmission_file_/talk.ipynb': GOOD}
+        source = laid(tmp_path / 'r', files)
+
+        rows = collect(source, layout, layout.submitted)
+
+        assert kind(source) == 'folder'
+        assert len([row for row in rows if row.done == TAKEN]) == 3
+
+    @pytest.mark.parametrize('wanted', ['', 'moodle'])
+    def test_a_single_hand_in_does_not_decide_by_what_is_in_it(self, wanted, tmp_path, layout):
+        """Its folder is not one around everything."""
+        files = {
+            'Ann_311_assignsubmission_file/Bo_312_assignsubmission_file/talk.ipynb': GOOD,
+            'Ann_311_assignsubmission_file/Cy_313_assignsubmission_file/talk.ipynb': GOOD,
+        }
+
+        source = packed(tmp_path / 'm.zip', files)
+
+        rows = collect(source, layout, layout.submitted, kind=wanted)
+
+        assert {row.student for row in rows} == {'Ann'}
+
+
+MACOS = {'.DS_Store': b'Bud1', '._x': b'mac'}
+
+
+@pytest.mark.parametrize(
+    'files',
+    [CANVAS, MOODLE, GRADESCOPE, EXCHANGE, REPOSITORIES],
+    ids=['canvas', 'moodle', 'gradescope', 'exchange', 'repositories'],
+)
+@pytest.mark.parametrize('how', [packed, laid])
+@pytest.mark.parametrize('around', ['', 'unpacked/'])
+def test_what_macos_and_jupyter_leave_is_as_if_it_were_not_there(
+    files, how, around, tmp_path, layout
+):
+    """A zip that was unpacked, looked at and packed again."""
+    again = dict(files)
+    if around and not any(name.startswith(('c/', 'assignment_9')) for name in files):
+        again = {f'{around}{name}': data for name, data in files.items()}
+    noise = {'__MACOSX/._unpacked': b'mac'}
+    for name in again:
+        above, _, last = name.rpartition('/')
+        above = f'{above}/' if above else ''
+        noise |= {f'{above}{file}': data for file, data in MACOS.items()}
+        noise[f'{above}._{last}'] = b'mac'
+        noise[f'__MACOSX/{above}._{last}'] = b'mac'
+        noise[f'{above}.ipynb_checkpoints/talk-checkpoint.ipynb'] = GOOD
+    plain, source = how(tmp_path / 'plain', files), how(tmp_path / 'source', {**noise, **again})
+
+    rows = collect(source, layout, layout.submitted, write=False)
+
+    assert kind(source) == kind(plain)
+    assert rows == collect(plain, layout, layout.submitted, write=False)
+
+
+class TestNamedKind:
+    """``--kind`` is a promise about the source."""
+
+    @pytest.mark.parametrize('wanted', ['canvas', 'moodle', 'gradescope', 'exchange', 'folder'])
+    def test_a_source_that_is_of_another_is_refused(self, wanted, tmp_path, layout):
+        """With what was expected and what was found."""
+        source = laid(tmp_path / 's', {'roster.csv': b'', 'grades.csv': b''})
+
+        with pytest.raises(NotCollectedError) as caught:
+            collect(source, layout, layout.submitted, kind=wanted)
+
+        assert f'expected submissions of the kind {wanted} (' in caught.value.what
+        assert 'got: grades.csv, roster.csv.' in caught.value.what
+
+    def test_what_is_in_a_folder_around_everything_is_named(self, tmp_path, layout):
+        """That one says nothing."""
+        files = {f'class/{name}.pdf': b'%PDF' for name in 'abcde'}
+
+        with pytest.raises(NotCollectedError, match=r'got: a\.pdf, b\.pdf, c\.pdf and 2 more'):
+            collect(laid(tmp_path / 's', files), layout, layout.submitted, kind='moodle')
+
+    def test_an_empty_source_is_refused(self, tmp_path, layout):
+        """The wrong folder, mostly."""
+        (tmp_path / 's').mkdir()
+
+        with pytest.raises(NotCollectedError, match='got: nothing'):
+            collect(tmp_path / 's', layout, layout.submitted, kind='folder')
+
+    def test_a_few_names_of_a_kind_are_enough(self, tmp_path, layout):
+        """The rest has its lines."""
+        files = {f'notes_{n}.txt': b'' for n in range(9)}
+        source = laid(tmp_path / 's', {**files, 'ann_1001_55_talk.ipynb': GOOD})
+
+        rows = collect(source, layout, layout.submitted, kind='canvas')
+
+        assert len(rows) == 10
+        assert table(rows)['1001', 'ann_1001_55_talk.ipynb'] == TAKEN

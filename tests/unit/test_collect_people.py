@@ -1,0 +1,105 @@
+"""The names of people, for those whose student id is a number."""
+
+from __future__ import annotations
+
+import json
+
+from collect_sources import GOOD, layout, packed, taken, TALK  # noqa: F401 - a fixture
+import pytest
+
+from autograder.collect import collect, TAKEN, UNCHANGED
+from autograder.collect.people import keep_people, read_people
+
+CANVAS = {'exampleann_1001_55001_talk.ipynb': GOOD, 'berg_1002_55002_essay.pdf': b'%PDF'}
+
+
+def test_names_of_what_was_taken_are_kept(tmp_path, layout):
+    """Those of every source, the last one counts."""
+    collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
+    assert read_people(layout) == {'1001': 'exampleann'}
+
+    text = b'submission_1:\n  :submitters:\n  - :name: "Ann \xc3\x89xample"\n    :sid: \'1001\'\n'
+    metadata = text + b'submission_2:\n  :submitters:\n  - :name: Bo\n    :email: b@x.org\n'
+    files = {
+        'submission_metadata.yml': metadata,
+        'submission_1/talk.ipynb': GOOD,
+        'submission_2/talk.ipynb': GOOD,
+    }
+    rows = collect(packed(tmp_path / 'g.zip', files), layout, layout.submitted)
+
+    assert [row.done for row in rows] == [UNCHANGED, TAKEN]
+    assert read_people(layout) == {'1001': 'Ann Éxample', 'b@x.org': 'Bo'}
+    assert 'Éxample' in layout.people.read_text(encoding='utf-8')
+    assert list(json.loads(layout.people.read_bytes())) == ['1001', 'b@x.org']
+
+
+def test_moodle_names_are_kept_only_if_the_id_is_another(tmp_path, layout):
+    """Most are ids themselves."""
+    place = '{}_assignsubmission_file/talk.ipynb'
+    files = {place.format(who): GOOD for who in ("Bo O'Neil_1", 'Ann_2', 'Li_3', 'Li_4')}
+
+    collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+
+    assert read_people(layout) == {'Bo O_Neil': "Bo O'Neil", 'Li 3': 'Li', 'Li 4': 'Li'}
+
+
+def test_a_dry_run_and_a_second_run_write_no_names(tmp_path, layout):
+    """The file stays as it is."""
+    source = packed(tmp_path / 'c.zip', CANVAS)
+    collect(source, layout, layout.submitted, write=False)
+    assert not layout.people.exists()
+
+    collect(source, layout, layout.submitted)
+    before = layout.people.stat()
+    collect(source, layout, layout.submitted)
+    assert layout.people.stat().st_ino == before.st_ino
+
+
+def test_names_are_text_of_one_line(layout):
+    """Whatever somebody calls themselves."""
+    keep_people(
+        layout,
+        {
+            '1': 'Ann\x1b[31m\n Ex\u202eample\x00',
+            '2': 'x' * 999,
+            '3': '\x07',
+            '4': 'می\u200cخواهم \ud800',
+        },
+    )
+
+    assert read_people(layout) == {
+        '1': 'Ann[31m Example',
+        '2': 'x' * 200,
+        '4': 'می\u200cخواهم',
+    }
+
+
+@pytest.mark.parametrize(
+    ('data', 'known'),
+    [
+        (b'', {}),
+        (b'{"1": "Ann"', {}),
+        (b'["Ann"]', {}),
+        (b'\xff\xfe', {}),
+        (b'[' * 100_000, {}),
+        (b'{"1": "Ann", "2": 5, "3": ["x"], "4": "B\\u001b"}', {'1': 'Ann', '4': 'B'}),
+    ],
+)
+def test_a_damaged_file_is_no_trouble(data, known, layout):
+    """And is replaced by the next names."""
+    layout.work.mkdir(parents=True)
+    layout.people.write_bytes(data)
+    assert read_people(layout) == known
+
+    keep_people(layout, {'9': 'Zoë'})
+    assert read_people(layout) == {**known, '9': 'Zoë'}
+
+
+def test_names_that_cannot_be_kept_do_not_hide_the_table(tmp_path, layout):
+    """The notebooks are there all the same."""
+    layout.people.mkdir(parents=True)
+
+    rows = collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
+
+    assert rows[0].notes[0].startswith('names cannot be written')
+    assert f'1001/{TALK}/talk.ipynb' in taken(layout)

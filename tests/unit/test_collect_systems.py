@@ -1,0 +1,346 @@
+"""What each system makes of a class, down to its odd corners: whose is it, and nothing is lost."""
+
+from __future__ import annotations
+
+from collect_sources import (
+    CANVAS,
+    EXCHANGE,
+    GOOD,
+    GRADESCOPE,
+    kind,
+    laid,
+    layout,  # noqa: F401 - a fixture
+    LISTEN,
+    METADATA,
+    MOODLE,
+    notebook,
+    notes,
+    packed,
+    table,
+    taken,
+    TALK,
+)
+import pytest
+
+from autograder.collect import collect, LEFT, TAKEN
+from autograder.collect.tree import NotCollectedError
+
+LATE = 'late, as Canvas says; no time known, so a late policy cannot act'
+
+
+class TestCanvas:
+    """``NAME_[LATE_]USER_ATTACHMENT_FILE``."""
+
+    def test_ids_are_user_ids_and_the_newest_counts(self, tmp_path, layout):
+        """Late marks, files called otherwise and what is no notebook are in the table."""
+        rows = collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
+
+        assert table(rows) == {
+            ('1001', 'exampleann_1001_55077_talk-1.ipynb'): TAKEN,
+            ('1001', 'exampleann_1001_55001_talk.ipynb'): LEFT,
+            ('1002', 'berg_LATE_1002_55002_talk.ipynb'): TAKEN,
+            ('1003', 'chang_1003_55003_listen.ipynb'): TAKEN,
+            ('1004', 'diaz_1004_55004_essay.pdf'): LEFT,
+            ('1005', 'evans_1005_55005_My work (2).ipynb'): TAKEN,
+            ('1006', 'fox_1006_text.html'): LEFT,
+        }
+        said = notes(rows)
+        assert said['berg_LATE_1002_55002_talk.ipynb'] == (LATE,)
+        assert said['exampleann_1001_55077_talk-1.ipynb'] == ('the newest of 2',)
+        assert said['exampleann_1001_55001_talk.ipynb'] == ('an earlier one',)
+        assert said['diaz_1004_55004_essay.pdf'] == ('no notebook, only essay.pdf',)
+        assert said['evans_1005_55005_My work (2).ipynb'] == (
+            "the file was called 'My work (2).ipynb'",
+        )
+        assert b'second' in taken(layout)[f'1001/{TALK}/talk.ipynb']
+
+    def test_attachments_are_compared_as_numbers(self, tmp_path, layout):
+        """99 was there before 100, and what is newer counts even if a cell was deleted."""
+        files = {
+            'ann_1001_99_talk.ipynb': notebook('talker', 'talk_rate', text='old'),
+            'ann_1001_100_talk-1.ipynb': notebook('talker', text='new'),
+        }
+
+        collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
+
+        assert b'new' in taken(layout)[f'1001/{TALK}/talk.ipynb']
+
+    @pytest.mark.parametrize(
+        ('name', 'what'),
+        [
+            ('exampleann_1001_text.html', 'a text was handed in instead of a file'),
+            ('exampleann_1001_link.html', 'a link was handed in instead of a file'),
+            ('exampleann_LATE_1001_text.html', 'a text was handed in instead of a file'),
+        ],
+    )
+    def test_what_was_typed_in_is_told(self, name, what, tmp_path, layout):
+        """As nobody else will."""
+        files = {name: b'<html>', 'berg_1002_56_talk.ipynb': GOOD}
+
+        rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
+
+        (row,) = [row for row in rows if row.done == LEFT]
+        assert (row.student, row.place, row.notes[0]) == ('1001', name, what)
+        assert (row.notes[1:] == (LATE,)) is ('LATE' in name)
+
+    @pytest.mark.parametrize(
+        'name',
+        [
+            'anon_aB3dE_55_talk.ipynb',
+            'LATE_anon_aB3dE_55_talk.ipynb',
+            'anon_aB3dE_LATE_55_talk.ipynb',
+        ],
+    )
+    def test_anonymous_grading_has_ids_of_its_own(self, name, tmp_path, layout):
+        """Canvas writes them in place of name and number, and LATE before them."""
+        files = {name: GOOD, 'anon_Zz9kQ_56_link.html': b'<html>'}
+        source = packed(tmp_path / 'c.zip', files)
+
+        rows = collect(source, layout, layout.submitted)
+
+        assert kind(source) == 'canvas'
+        assert {row.student: row.done for row in rows} == {'anon_aB3dE': TAKEN, 'anon_Zz9kQ': LEFT}
+        assert (LATE in notes(rows)[name]) is ('LATE' in name)
+
+    @pytest.mark.parametrize(
+        ('name', 'student'),
+        [
+            ('jane_doe_1003_55003_talk.ipynb', '1003'),
+            ('jane_doe_LATE_1003_55003_talk.ipynb', '1003'),
+            ('_1003_55003_talk.ipynb', '1003'),
+            ('jane_1003_55003_07_talk.ipynb', '1003'),
+            ('jane_1003_55003_7_talk.ipynb', '1003'),
+            ('jane_1003_55003_LATE_1001_55001_talk.ipynb', '1003'),
+            ('jane_1003_55003_1001_55001_talk.ipynb', '1003'),
+            ('jane_102_1003_55003_talk.ipynb', '1003'),
+            ('jane_1001_1003_55003_talk.ipynb', '1003'),
+        ],
+    )
+    def test_numbers_in_names_are_told_from_ids(self, name, student, tmp_path, layout):
+        """By the others, if need be: their numbers are near, and each has one name."""
+        files = {
+            name: GOOD,
+            'exampleann_1001_55001_talk.ipynb': notebook('talker', text='of ann'),
+            'berg_1002_55002_talk.ipynb': notebook('talker', text='of berg'),
+        }
+
+        rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
+
+        assert table(rows)[student, name] == TAKEN
+        assert b'of ann' in taken(layout)[f'1001/{TALK}/talk.ipynb']
+        assert len(rows) == 3
+
+    def test_two_attachments_of_one_user_tell_where_the_name_ends(self, tmp_path, layout):
+        """An attachment has one number, so 1001 is none."""
+        files = {
+            'a_102_1001_55_talk.ipynb': notebook('talker', text='old'),
+            'a_102_1001_77_talk-1.ipynb': notebook('talker', text='new'),
+        }
+
+        rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
+
+        assert {row.student for row in rows} == {'1001'}
+        assert 'user 1001, as the other files tell' in notes(rows)['a_102_1001_77_talk-1.ipynb']
+        assert b'new' in taken(layout)[f'1001/{TALK}/talk.ipynb']
+
+    def test_what_cannot_be_told_is_nobodys(self, tmp_path, layout):
+        """Rather than the work of another student."""
+        source = packed(tmp_path / 'c.zip', {'a_102_1001_55_talk.ipynb': GOOD})
+
+        (row,) = collect(source, layout, layout.submitted)
+
+        assert (row.student, row.done) == ('', LEFT)
+        assert row.notes == (
+            'it cannot be told whose it is: user 1001 or user 102; rename the file',
+        )
+
+    def test_a_class_whose_files_all_begin_with_a_number_is_read(self, tmp_path, layout):
+        """As the lesson is called so."""
+        files = {f'{name}_{n}_55{n}_7_talk.ipynb': GOOD for n, name in ((101, 'a'), (102, 'b'))}
+
+        rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
+
+        assert {row.student: row.done for row in rows} == {'101': TAKEN, '102': TAKEN}
+
+    def test_what_has_no_name_of_canvas_is_in_the_table(self, tmp_path, layout):
+        """One line an entry, not a file."""
+        files = {**CANVAS, 'roster.csv': b'', 'extra/one.txt': b'', 'extra/two.txt': b''}
+
+        rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
+
+        why = ('not named as canvas names what is handed in',)
+        said = notes(rows)
+        assert (said['roster.csv'], said['extra']) == (why, why)
+        assert len(rows) == len(CANVAS) + 2
+
+
+class TestMoodle:
+    """``NAME_NUMBER_assignsubmission_file``, a folder or the beginning of a file's name."""
+
+    def test_names_become_ids_and_two_of_one_name_stay_two(self, tmp_path, layout):
+        """The number alone is another one in the next assignment."""
+        rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+
+        done = {row.student: row.done for row in rows}
+        assert done == {
+            'Ann Example': TAKEN,
+            'Bo Berg': TAKEN,
+            'Li Wei 313': TAKEN,
+            'Li Wei 314': TAKEN,
+            'Dee': LEFT,
+        }
+        place = 'Dee_315_assignsubmission_onlinetext'
+        assert notes(rows)[place] == ('an online text, which is not collected',)
+
+    def test_files_without_folders_are_read(self, tmp_path, layout):
+        """With "Download submissions in folders" off."""
+        files = {
+            'Ann Example_311_assignsubmission_file_talk.ipynb': GOOD,
+            'Bo Berg_312_assignsubmission_file_notes.pdf': b'%PDF',
+            'Bo Berg_312_assignsubmission_file_talk.ipynb': GOOD,
+            'Dee_315_assignsubmission_onlinetext_onlinetext.html': b'<p>hello',
+        }
+        source = packed(tmp_path / 'm.zip', files)
+
+        rows = collect(source, layout, layout.submitted)
+
+        assert kind(source) == 'moodle'
+        assert table(rows) == {
+            ('Ann Example', 'Ann Example_311_assignsubmission_file_talk.ipynb'): TAKEN,
+            ('Bo Berg', 'Bo Berg_312_assignsubmission_file_notes.pdf'): LEFT,
+            ('Bo Berg', 'Bo Berg_312_assignsubmission_file_talk.ipynb'): TAKEN,
+            ('Dee', 'Dee_315_assignsubmission_onlinetext_onlinetext.html'): LEFT,
+        }
+
+    def test_a_file_called_like_somebody_elses_stays_its_owners(self, tmp_path, layout):
+        """What follows the first number was named by a student."""
+        files = {
+            'Ann_311_assignsubmission_file_Bo_312_assignsubmission_file_talk.ipynb': GOOD,
+            'Cy_313_assignsubmission_file_talk.ipynb': GOOD,
+        }
+
+        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+
+        assert {row.student for row in rows} == {'Ann', 'Cy'}
+
+    def test_file_and_text_of_one_student_are_two_lines(self, tmp_path, layout):
+        """The file is taken."""
+        files = {
+            'Ann_311_assignsubmission_file/talk.ipynb': GOOD,
+            'Ann_311_assignsubmission_onlinetext/onlinetext.html': b'<p>see file',
+            'Default group_assignsubmission_file/talk.ipynb': GOOD,
+        }
+
+        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+
+        assert table(rows) == {
+            ('Ann', 'Ann_311_assignsubmission_file'): TAKEN,
+            ('Ann', 'Ann_311_assignsubmission_onlinetext'): LEFT,
+            ('', 'Default group_assignsubmission_file'): LEFT,
+        }
+
+
+class TestGradescope:
+    """``submission_metadata.yml`` and a folder a submission."""
+
+    def test_submissions_belong_to_everybody_named(self, tmp_path, layout):
+        """With the time of delivery, for nbgrader's late policy."""
+        collect(packed(tmp_path / 'g.zip', GRADESCOPE), layout, layout.submitted)
+
+        found = taken(layout)
+        assert set(found) == {
+            f'{student}/{TALK}/{file}'
+            for student in ('1001', 'bo@example.org', '1003')
+            for file in ('talk.ipynb', 'timestamp.txt')
+        } | {f'submission_103/{TALK}/talk.ipynb'}
+        assert found[f'1001/{TALK}/timestamp.txt'] == b'2026-03-01 12:00:00 UTC\n'
+        assert found[f'1003/{TALK}/timestamp.txt'] == b'2026-03-02 13:00:00 UTC\n'
+
+    def test_what_is_only_in_the_table_or_only_a_folder_is_told(self, tmp_path, layout):
+        """An export that was cut short, or packed by hand."""
+        files = {
+            'submission_metadata.yml': METADATA,
+            'submission_101/talk.ipynb': GOOD,
+            'submission_999/talk.ipynb': GOOD,
+        }
+
+        rows = collect(packed(tmp_path / 'g.zip', files), layout, layout.submitted)
+
+        assert table(rows) == {
+            ('1001', 'submission_101'): TAKEN,
+            ('1003', 'submission_102'): LEFT,
+            ('bo@example.org', 'submission_102'): LEFT,
+            ('submission_103', 'submission_103'): LEFT,
+            ('', 'submission_999'): LEFT,
+        }
+        said = notes(rows)
+        assert said['submission_102'] == ('no files',)
+        assert said['submission_999'][0].startswith('not in submission_metadata.yml')
+
+    def test_a_time_that_yaml_refuses_is_one_sentence(self, tmp_path, layout):
+        """It is no text to YAML, but no day either."""
+        table_ = b'submission_1:\n  :created_at: 2026-13-45 10:00:00\n'
+        source = packed(tmp_path / 'g.zip', {'submission_metadata.yml': table_})
+
+        with pytest.raises(NotCollectedError, match='expected YAML'):
+            collect(source, layout, layout.submitted)
+
+    @pytest.mark.parametrize(
+        'created', [b'0001-01-01 00:00:00 +14:00', b'[a, b]', b'noon', b'2026-03-01']
+    )
+    def test_a_time_that_is_none_stops_nobody(self, created, tmp_path, layout):
+        """The notebook is taken without one."""
+        table_ = b"submission_1:\n  :submitters:\n  - :sid: '7'\n  :created_at: " + created
+        files = {'submission_metadata.yml': table_, 'submission_1/talk.ipynb': GOOD}
+        source = packed(tmp_path / 'g.zip', files)
+
+        (row,) = collect(source, layout, layout.submitted)
+
+        assert (row.done, row.handed_in) == (TAKEN, '')
+
+
+class TestExchange:
+    """``inbound/USER+ASSIGNMENT+TIME+RANDOM`` of nbgrader."""
+
+    def test_the_newest_counts(self, tmp_path, layout):
+        """Of each assignment; what is released beside is nobody's work."""
+        rows = collect(laid(tmp_path / 'exchange', EXCHANGE), layout, layout.submitted)
+
+        found = taken(layout)
+        assert found[f'ann/{TALK}/talk.ipynb'] == notebook('talker', text='2')
+        assert found[f'ann/{TALK}/timestamp.txt'] == b'2026-03-02 12:00:00 UTC\n'
+        assert f'bob/{LISTEN}/listen.ipynb' in found
+        assert sorted(row.student for row in rows) == ['ann', 'ann', 'bob']
+
+    def test_each_folder_of_an_exchange_can_be_named(self, tmp_path, layout):
+        """The exchange, the course in it, and inbound/."""
+        source = laid(tmp_path / 'exchange', EXCHANGE)
+        first = collect(source, layout, layout.submitted)
+
+        for inside in (source / 'c', source / 'c' / 'inbound'):
+            again = collect(inside, layout, layout.submitted)
+            assert [(row.student, row.place) for row in again] == [
+                (row.student, row.place) for row in first
+            ]
+
+    def test_an_exchange_of_several_courses_is_not_mixed(self, tmp_path, layout):
+        """With what to name instead."""
+        files = {**EXCHANGE, **{name.replace('c/', 'd/', 1): GOOD for name in EXCHANGE}}
+
+        with pytest.raises(NotCollectedError, match='the exchange of one course, got 2'):
+            collect(laid(tmp_path / 'exchange', files), layout, layout.submitted)
+
+    def test_releases_are_nobodys_work_before_the_first_hand_in(self, tmp_path, layout):
+        """An exchange whose inbound/ is empty."""
+        source = laid(tmp_path / 'exchange', {f'c/outbound/{TALK}/talk.ipynb': GOOD})
+        (source / 'c' / 'inbound').mkdir()
+
+        assert collect(source, layout, layout.submitted) == []
+
+    def test_work_for_another_assignment_is_not_taken_for_the_one_wanted(self, tmp_path, layout):
+        """Whatever is in it."""
+        files = {f'inbound/ann+{LISTEN}+2026-03-01 12:00:00 UTC+x/listen.ipynb': b'{}'}
+
+        (row,) = collect(laid(tmp_path / 'e', files), layout, layout.submitted, assignment=TALK)
+
+        assert (row.done, row.notes) == (LEFT, (f'handed in for {LISTEN}',))

@@ -1,0 +1,305 @@
+"""When work was handed in, and whether it was late: in the table and for a late policy."""
+
+from __future__ import annotations
+
+from datetime import datetime, timedelta, timezone
+import json
+import os
+from pathlib import Path
+import sqlite3
+import sys
+
+from collect_sources import (
+    GOOD,
+    GRADESCOPE,
+    laid,
+    layout,  # noqa: F401 - a fixture
+    notebook,
+    packed,
+    taken,
+    TALK,
+)
+import pytest
+
+from autograder import __main__ as command
+from autograder.collect import collect, REPLACED, TAKEN, times, UNCHANGED
+from autograder.collect.times import due_dates, late_notes, read_time
+from autograder.layout import Layout
+
+NOON = datetime(2026, 3, 1, 12, tzinfo=timezone.utc)
+
+
+def inbound(*times_: str, student: str = 'ann') -> dict[str, bytes]:
+    """Return an exchange with hand-ins at such times."""
+    return {
+        f'{student}+{TALK}+{time}+q3rYx_-a/talk.ipynb': notebook('talker', text=time)
+        for time in times_
+    }
+
+
+@pytest.fixture
+def gradebook(layout) -> Path:
+    """Return a gradebook with the columns of nbgrader 0.9 that are asked, due at noon."""
+    return made_gradebook(layout)
+
+
+def made_gradebook(layout: Layout) -> Path:
+    """Write it, and the settings that say where it is."""
+    layout.work.mkdir(parents=True)
+    path = layout.work / 'gradebook.db'
+    settings = f"c = get_config()\nc.CourseDirectory.db_url = 'sqlite:///{path}'\n"
+    (layout.root / 'nbgrader_config.py').write_text(settings, encoding='utf-8')
+    book = sqlite3.connect(path)
+    book.executescript(f"""
+        create table assignment (id varchar(32), name varchar(128), duedate datetime);
+        create table submitted_assignment (
+            id varchar(32), assignment_id varchar(32), student_id varchar(128),
+            timestamp datetime, extension datetime);
+        insert into assignment values ('a1', '{TALK}', '2026-03-01 12:00:00.000000');
+        insert into assignment values ('a2', '04_listen', null);
+        insert into submitted_assignment values ('s1', 'a1', 'eve', null, null);
+        insert into submitted_assignment values
+            ('s2', 'a1', 'dan', null, '1970-01-02 00:00:00.000000');
+    """)
+    book.close()
+    return path
+
+
+class TestReading:
+    """Times as nbgrader and Gradescope write them."""
+
+    @pytest.mark.parametrize(
+        ('text', 'hour'),
+        [
+            ('2026-03-01 12:00:00.123456 UTC', 12),
+            ('2026-03-01 12:00:00 UTC', 12),
+            ('2026-03-01 12:00:00 GMT', 12),
+            ('2026-03-01T12:00:00Z', 12),
+            ('2026-03-01 12:00:00.000000000 Z', 12),
+            ('2026-03-01 12:00:00', 12),
+            ('2026-03-01 12:00\n', 12),
+            ('2026-03-01 12:00:00.5 +0100', 11),
+            ('2026-03-01 12:00:00+01:00', 11),
+            ('2026-03-01 12:00:00 -08', 20),
+        ],
+    )
+    def test_offsets_are_understood(self, text, hour):
+        """To UTC."""
+        assert read_time(text) == (NOON.replace(hour=hour), '')
+
+    @pytest.mark.parametrize(
+        ('text', 'note'),
+        [
+            ('2026-03-01 12:00:00.1 CET', 'time zone CET not understood: no time'),
+            (
+                '2026-03-01 12:00:00 Europe/Berlin',
+                'time zone Europe/Berlin not understood: no time',
+            ),
+            ('2026-02-30 12:00:00 UTC', "time '2026-02-30 12:00:00 UTC' not understood: no time"),
+            (
+                '0001-01-01 00:00:00 +1400',
+                "time '0001-01-01 00:00:00 +1400' not understood: no time",
+            ),
+            ('soon', "time 'soon' not understood: no time"),
+            ('', ''),
+            (None, ''),
+        ],
+    )
+    def test_what_is_not_understood_is_no_time(self, text, note):
+        """Nobody knows which of four zones CST is."""
+        assert read_time(text) == (None, note)
+
+    @pytest.mark.parametrize(
+        ('late', 'words'),
+        [
+            (timedelta(hours=2, minutes=5, seconds=59), 'late by 2 h 5 min'),
+            (timedelta(days=3, minutes=1), 'late by 3 d 1 min'),
+            (timedelta(seconds=1), 'late by less than a minute'),
+        ],
+    )
+    def test_lateness_is_told_to_the_minute(self, late, words):
+        """In the units that people use."""
+        assert late_notes('', NOON + late, NOON) == (words,)
+        assert late_notes('Canvas', NOON + late, NOON) == (words,)
+        assert late_notes('', NOON, NOON) == ()
+
+
+class TestExchange:
+    """The time is in the folder's name."""
+
+    def test_the_time_is_kept_and_shown(self, tmp_path, layout):
+        """In UTC, to the minute in the table."""
+        source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 +0100'))
+
+        (row,) = collect(source, layout, layout.submitted)
+
+        assert (row.done, row.handed_in) == (TAKEN, '2026-03-01 11:34')
+        assert taken(layout)[f'ann/{TALK}/timestamp.txt'] == b'2026-03-01 11:34:56 UTC\n'
+
+    def test_a_zone_by_name_is_no_time(self, tmp_path, layout):
+        """Rather than a wrong one."""
+        source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 CET'))
+
+        (row,) = collect(source, layout, layout.submitted)
+
+        assert (row.done, row.handed_in) == (TAKEN, '')
+        assert row.notes == ('time zone CET not understood: no time',)
+        assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
+
+
+class TestStampBesideANotebook:
+    """``STUDENT/ASSIGNMENT/timestamp.txt``, as nbgrader's own collect leaves it."""
+
+    @pytest.mark.parametrize('how', [packed, laid])
+    def test_it_is_kept(self, how, tmp_path, layout):
+        """Of each assignment its own."""
+        files = {
+            f'ann/{TALK}/talk.ipynb': GOOD,
+            f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:34:56.789012 UTC',
+            'ann/04_listen/listen.ipynb': notebook('listener'),
+            f'bob/{TALK}/talk.ipynb': GOOD,
+            f'bob/{TALK}/timestamp.txt': b'2026-03-01 12:34:56 MEZ',
+        }
+
+        rows = collect(how(tmp_path / 's.zip', files), layout, layout.submitted)
+
+        assert [row.handed_in for row in rows] == ['2026-03-01 12:34', '', '']
+        assert rows[0].notes == (f'time from {TALK}/timestamp.txt',)
+        assert rows[2].notes == ('time zone MEZ not understood: no time',)
+        stamp = taken(layout)[f'ann/{TALK}/timestamp.txt']
+        assert stamp == b'2026-03-01 12:34:56 UTC\n'
+        assert [name for name in taken(layout) if name.endswith('.txt')] == [
+            f'ann/{TALK}/timestamp.txt'
+        ]
+
+    def test_one_of_a_student_counts_for_nothing_else(self, tmp_path, layout):
+        """The system knows better."""
+        files = {
+            **GRADESCOPE,
+            'assignment_9_export/submission_101/timestamp.txt': b'2020-01-01 00:00',
+        }
+
+        collect(packed(tmp_path / 'g.zip', files), layout, layout.submitted)
+
+        assert b'2026-03-01' in taken(layout)[f'1001/{TALK}/timestamp.txt']
+
+
+class TestStaleTime:
+    """A time belongs to the notebook beside it."""
+
+    def test_newer_work_without_a_time_loses_the_old_one(self, tmp_path, layout):
+        """Else a late hand-in looks like one in time."""
+        collect(
+            laid(tmp_path / 'inbound', inbound('2026-03-01 12:00:00 UTC')),
+            layout,
+            layout.submitted,
+        )
+        newer = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
+
+        dry = collect(newer, layout, layout.submitted, write=False)
+        assert f'ann/{TALK}/timestamp.txt' in taken(layout)
+        rows = collect(newer, layout, layout.submitted)
+
+        assert [row.done for row in dry] == [row.done for row in rows] == [REPLACED]
+        assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
+        assert [row.done for row in collect(newer, layout, layout.submitted)] == [UNCHANGED]
+
+    def test_the_same_work_keeps_its_time(self, tmp_path, layout):
+        """Somebody may have written it there by hand."""
+        source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
+        collect(source, layout, layout.submitted)
+        laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:00:00 UTC\n'})
+
+        (row,) = collect(source, layout, layout.submitted)
+
+        assert row.done == UNCHANGED
+        assert f'ann/{TALK}/timestamp.txt' in taken(layout)
+
+
+class TestDueDates:
+    """As the gradebook has them."""
+
+    def test_late_work_is_told(self, tmp_path, layout, gradebook):
+        """With extensions of single students."""
+        late = '2026-03-01 14:05:30.000000 UTC'
+        files = {
+            **inbound('2026-03-01 11:59:59.999999 UTC', student='bob'),
+            **inbound(late, student='ann'),
+            **inbound(late, student='dan'),
+            **inbound(late, student='eve'),
+        }
+
+        rows = collect(laid(tmp_path / 'inbound', files), layout, layout.submitted)
+
+        assert {row.student: row.notes for row in rows} == {
+            'ann': ('late by 2 h 5 min',),
+            'bob': (),
+            'dan': (),
+            'eve': ('late by 2 h 5 min',),
+        }
+
+    def test_looking_makes_no_gradebook_and_changes_none(self, tmp_path, layout, gradebook):
+        """There may be none before the first grading."""
+        source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
+        before = gradebook.read_bytes()
+        collect(source, layout, layout.submitted)
+        assert gradebook.read_bytes() == before
+        gradebook.unlink()
+
+        (row,) = collect(source, layout, layout.submitted)
+
+        assert row.notes == ()
+        assert not gradebook.exists()
+
+    def test_a_damaged_gradebook_is_one_line(self, tmp_path, layout, gradebook):
+        """The work is taken all the same."""
+        gradebook.write_bytes(b'SQLite format 3\x00' + b'\xff' * 4096)
+        source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
+
+        rows = collect(source, layout, layout.submitted)
+
+        assert [row.done for row in rows] == ['not taken', TAKEN]
+        assert rows[0].notes[0].startswith('no due dates, the gradebook cannot be read')
+
+    def test_nbgrader_is_not_imported(self, tmp_path, layout, gradebook):
+        """It takes seconds."""
+        before = set(sys.modules)
+        due_dates(layout)
+
+        assert not [name for name in set(sys.modules) - before if name.startswith('nbgrader')]
+
+    @pytest.mark.nbgrader
+    def test_a_gradebook_of_nbgrader_is_read(self, layout, gradebook, monkeypatch):
+        """One that nbgrader itself made."""
+        from nbgrader.api import Gradebook
+
+        gradebook.unlink()
+        beside = str(Path(sys.prefix) / 'bin')  # alembic
+        monkeypatch.setenv('PATH', os.pathsep.join([beside, os.environ['PATH']]))
+        with Gradebook(f'sqlite:///{gradebook}', 'course') as book:
+            book.add_assignment(TALK, duedate='2026-03-01 13:00:00 +0100')
+            book.add_student('dan')
+            book.add_submission(TALK, 'dan')
+            book.grant_extension(TALK, 'dan', hours=3)
+
+        found = due_dates(layout)
+
+        assert found.of('dan', TALK) - found.of('ann', TALK) == timedelta(hours=3)
+        assert found.of('ann', '04_listen') is None
+
+
+def test_the_table_has_the_time(tmp_path, layout, gradebook, monkeypatch, capsys):
+    """For people, and in JSON."""
+    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
+    source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:05:30.000000 UTC'))
+
+    assert command.main(['collect', str(source), '--json']) == command.OK
+    (row,) = json.loads(capsys.readouterr().out)
+    assert row['handed_in'] == '2026-03-01 14:05'
+
+    assert command.main(['collect', str(source)]) == command.OK
+    said = capsys.readouterr().out
+    assert 'Handed in' in said
+    assert '2026-03-01 14:05' in said
+    assert 'late by 2 h 5 min' in said
+    assert times.STAMP == 'timestamp.txt'
