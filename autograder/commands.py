@@ -109,12 +109,17 @@ def _run(chosen: argparse.Namespace) -> int:
 def _collect(chosen: argparse.Namespace) -> int:
     """Take in a class."""
     from autograder.collect import collect, LEFT, print_rows
+    from autograder.sample_class import take_out_sample_class
 
     layout = Layout.here()
     assignment = layout.assignment_named(chosen.assignment) if chosen.assignment else ''
     to = chosen.to or layout.submitted
     write = not chosen.dry_run
     rows = collect(chosen.source, layout, to, assignment, chosen.kind, write)
+    taken = write and to == layout.submitted and any(row.done != LEFT for row in rows)
+    if taken and (count := take_out_sample_class(layout)):
+        said = f'The {count} example students were taken out of {to.name}/ and the gradebook.'
+        print(said, file=sys.stderr)
     if chosen.json:
         print(json.dumps([row.to_json() for row in rows]))
     else:

@@ -224,11 +224,16 @@ def take_out_sample_class(layout: Layout) -> int:
             if (above / name).is_dir() and not (above / name).is_symlink():
                 shutil.rmtree(above / name)
                 gone.add(name)
+    if gone:
+        _forget_in_gradebook(layout, names)
+    return len(gone)
+
+
+def _forget_in_gradebook(layout: Layout, names: set[str]) -> None:
     from autograder.gradebook.settings import gradebook_file  # needs packages
 
     file = gradebook_file(layout)
-    if gone and (file is None or file.is_file()):
+    if file is None or file.is_file():
         from autograder.gradebook.record import forget_students
 
-        gone |= forget_students(layout, names)
-    return len(gone)
+        forget_students(layout, names)

@@ -17,10 +17,10 @@ from autograder.collect.choice import choose, Chosen, student_id
 from autograder.collect.course import Course
 from autograder.collect.kinds import handed_in
 from autograder.collect.laying import lay
-from autograder.collect.people import keep_people
 from autograder.collect.table import LEFT, print_rows, REPLACED, Row, TAKEN, UNCHANGED
 from autograder.collect.tree import opened, Tree, UnreadableError
 from autograder.layout import Layout
+from autograder.whole_class.people import keep_people
 
 __all__ = [
     'LEFT',

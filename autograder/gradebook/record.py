@@ -77,21 +77,14 @@ def _name(layout: Layout, students: Collection[str]) -> None:
                 )
 
 
-def forget_students(layout: Layout, names: Collection[str]) -> set[str]:
-    """
-    Remove students from the gradebook, with all they have there.
-
-    :returns: who was in it
-    """
+def forget_students(layout: Layout, names: Collection[str]) -> None:
+    """Remove students from the gradebook, with all they have there."""
     from autograder.gradebook import converters
 
-    gone = set()
     with converters.opened_gradebook(layout) as gradebook:
         for student in list(gradebook.students):
             if student.id in names:
-                gone.add(student.id)
                 gradebook.remove_student(student.id)
-    return gone
 
 
 def _stage(folder: Path, notebook: str, graded: Graded) -> None:

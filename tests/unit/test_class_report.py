@@ -292,4 +292,4 @@ def test_names_are_with_their_ids():
     """Where a learning platform has numbers for ids."""
     page = class_page(CLASS, numbers_of(*CLASS.results), people={'eve': 'Eve Example'})
 
-    assert page.count('eve (Eve Example)</a>') == 2
+    assert page.count('eve (Eve Example)</a>') == page.count('>eve') > 1

@@ -240,6 +240,21 @@ class TestCommand:
         assert (row['student'], row['done']) == ('ann', TAKEN)
         assert not layout.submitted.exists()
 
+    def test_the_example_students_leave_when_a_class_comes(self, tmp_path, layout, capsys):
+        """Not before something is taken."""
+        laid(layout.sample_class, {f'{TALK}/pass__example/expected.json': b'{}'})
+        example = laid(layout.submitted, {f'pass__example/{TALK}/talk.ipynb': GOOD})
+        empty = laid(tmp_path / 'empty', {'ann/x.txt': b''})
+        settings = f"c.CourseDirectory.db_url = 'sqlite:///{tmp_path}/none.db'\n"
+        (layout.root / 'nbgrader_config.py').write_text(f'c = get_config()\n{settings}', 'utf-8')
+
+        command.main(['collect', str(empty)])
+        assert (example / 'pass__example').is_dir()
+
+        command.main(['collect', str(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}))])
+        assert [path.name for path in layout.submitted.iterdir()] == ['ann']
+        assert '1 example students were taken out' in capsys.readouterr().err
+
     def test_what_is_not_there_is_one_line(self, tmp_path, capsys):
         """Exit code 2."""
         assert command.main(['collect', str(tmp_path / 'no.zip')]) == command.USAGE

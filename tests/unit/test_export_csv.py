@@ -88,7 +88,9 @@ def test_checks_of_a_submission_for_review_have_no_points():
 def test_a_mark_that_is_not_complete_is_an_empty_cell():
     """What is to be graded by hand has no mark yet."""
     graded = ClassResults('01_talker', (submission(),))
-    rows = rfc4180(marks_csv([(graded, [Mark('ann', None, 8.0, BY_HAND)])], {'ann': 'Ann Example'}))
+    rows = rfc4180(
+        marks_csv([(graded, [Mark('ann', None, 8.0, BY_HAND)])], {'ann': 'Ann Example'})
+    )
 
     assert rows[1][:6] == ['01_talker', 'ann', 'Ann Example', 'to be graded by hand', '', '8']
 

@@ -8,7 +8,7 @@ from collect_sources import GOOD, layout, packed, taken, TALK  # noqa: F401 - a 
 import pytest
 
 from autograder.collect import collect, TAKEN, UNCHANGED
-from autograder.collect.people import keep_people, read_people
+from autograder.whole_class.people import keep_people, read_people
 
 CANVAS = {'exampleann_1001_55001_talk.ipynb': GOOD, 'berg_1002_55002_essay.pdf': b'%PDF'}
 
