@@ -86,7 +86,7 @@ def unfit_exams(layout: Layout) -> Iterator[str]:
     prefixes = ament_prefixes()
     for assignment in layout.assignments():
         for exam in for_assignment(assignment):
-            yield from mistakes_of(exam, prefixes)
+            yield from mistakes_of(exam, prefixes, layout.notebooks)
 
 
 def notebook_files(layout: Layout) -> Iterator[Path]:

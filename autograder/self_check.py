@@ -25,7 +25,7 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
     """
     for assignment in layout.assignments():
         lesson = load_lesson(layout, assignment, engine)
-        mistakes = [line for exam in lesson.exams for line in _mistakes(exam)]
+        mistakes = [line for exam in lesson.exams for line in _mistakes(exam, layout)]
         if mistakes:
             yield from ((False, f'{assignment}: {line}') for line in mistakes)
             continue
@@ -40,11 +40,13 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
         yield _line(lesson, result, 0.0)
 
 
-def _mistakes(exam: Exam) -> list[str]:
+def _mistakes(exam: Exam, layout: Layout) -> list[str]:
     """Return what can be said of an exam without a run: a run of it might never end well."""
     from autograder.judging.exam_mistakes import ament_prefixes, mistakes_of
 
-    return mistakes_of(exam, ament_prefixes()) if isinstance(exam, Exam) else []
+    if not isinstance(exam, Exam):
+        return []
+    return mistakes_of(exam, ament_prefixes(), layout.notebooks)
 
 
 def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:

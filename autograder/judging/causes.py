@@ -121,6 +121,8 @@ def why_no_node(run: Run, wanted: str) -> Cause:
 
     :param wanted: full node name, ``/name``
     """
+    from autograder.judging import stalled
+
     others = [name for name in run.recording.nodes if name != wanted]
     near = close_name(wanted, others) or (others[0] if others else '')
     if near:
@@ -129,7 +131,11 @@ def why_no_node(run: Run, wanted: str) -> Cause:
             f'There is a node called {near[1:]}.',
             f"Give super().__init__() the name '{wanted.rpartition('/')[2]}'.",
         )
-    return why_it_ended(run) or _why_unseen('\n'.join(run.files.values()))
+    return (
+        why_it_ended(run)
+        or stalled.why_thread_ended(run)
+        or _why_unseen('\n'.join(run.files.values()))
+    )
 
 
 def _why_unseen(code: str) -> Cause:
@@ -230,21 +236,23 @@ def why_no_verdict(run: Run) -> Cause | None:
 
 def why_silent(run: Run) -> Cause | None:
     """Explain a node whose endpoints are right and from which nothing comes."""
+    from autograder.judging import stalled
+
     ended = why_it_ended(run)
     if ended and ended.cause_id not in LIMITS:
         return ended
     # A program that waits for a node that nobody spins reaches a limit; the limit explains less.
-    other = _why_other_is_spun(run)
+    other = stalled.why_thread_ended(run) or _why_other_is_spun(run)
     if ended or other:
-        return other or ended
+        slow = ended is not None and ended.cause_id == 'wall_time_limit'
+        return other or (stalled.why_it_sleeps(run) if slow else None) or ended
     if run.recording.end_reason == 'unresponsive':
-        return Cause(
+        return stalled.why_it_sleeps(run, waits=True) or Cause(
             'blocked',
             'A callback of your node does not come to an end.',
             'A callback must return: use a timer instead of a loop or time.sleep().',
         )
-    barriers = run.recording.of('barrier')
-    if barriers and not any(event['answered'] for event in barriers):
+    if stalled.nobody_answers(run):
         return Cause(
             'never_spun',
             'Your node exists but nobody spins it, so no callback ever runs.',

@@ -20,6 +20,7 @@ from typing import Any
 from autograder.judging.causes import why_no_endpoint, why_no_message, why_no_node, why_silent
 from autograder.judging.exam import Cause, Failed, Run
 from autograder.judging.own_time import is_regular, names_another_clock
+from autograder.judging.stalled import why_it_sleeps
 from autograder.runs.recording import Event
 
 SECOND = 1_000_000_000
@@ -197,7 +198,7 @@ def require_period(
         if lucky
         else f'{len(seconds)} messages'
         + (f', with gaps from {min(gaps):.2g} to {max(gaps):.2g} s' if gaps else ''),
-        why=OTHER_CLOCK if lucky else why,
+        why=why_it_sleeps(run) or OTHER_CLOCK if lucky else why,
         at=round(odd[0] * SECOND) if odd and not lucky else None,
         every_s=period_s,
     )

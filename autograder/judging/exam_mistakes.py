@@ -3,12 +3,14 @@ Mistakes in an exam that would otherwise show when a class is graded: each a lin
 
 What a scenario says of itself is looked at when an exam is made: steps that name a topic nobody
 announced, a malformed type.  Whether the types exist and have the fields that are sent needs an
-installed ROS, and is asked by ``course check`` and ``self-check``.
+installed ROS, and whether a section to read exists needs the lessons: ``course check`` and
+``self-check`` ask.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
@@ -20,6 +22,7 @@ from autograder.runs.scenario import Advance, Call, Feed, FeedTopic, Join, Leave
 if TYPE_CHECKING:
     from autograder.judging.exam import Exam
 
+_ELSEWHERE = re.compile(r'^lesson (\d\d), (.+)$')
 _TYPE = re.compile(r'^[a-z]\w*/(msg|srv)/[A-Z]\w*$')
 MOST_IN_A_BURST = 10
 
@@ -188,6 +191,73 @@ def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:
             )
 
 
+# -- with the lessons -----------------------------------------------------------------------
+
+
+def read_mistakes(exam: Exam, headings: Mapping[str, AbstractSet[str]]) -> Iterator[str]:
+    """
+    Yield checks that send a learner to no section, or to one that no lesson has.
+
+    :param headings: of each lesson, see :func:`lesson_headings`; without those of the exam's own
+        lesson it is only asked whether there is a section
+    """
+    for check in exam.checks:
+        where, section = f'exam {exam.name}, check {check.name}', check.read or exam.read
+        if not section.strip():
+            yield f'{where}: expected a section to read, got none'
+        elif exam.assignment in headings and (
+            problem := no_section(section, exam.assignment, headings)
+        ):
+            yield f'{where}: {problem}'
+
+
+def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str]]) -> str:
+    """
+    Return what is wrong with a section to read, empty if it is a heading.
+
+    :param section: such as ``Part 2: Names``, ``lesson 02, When a timer ticks``, or, in words that
+        are no heading, ``lesson 02, on clocks``
+    :param lesson: the one that a section without a lesson is in
+    """
+    heading = section
+    if elsewhere := _ELSEWHERE.match(section):
+        number, heading = elsewhere.groups()
+        lesson = next((name for name in sorted(headings) if name.startswith(f'{number}_')), '')
+        if not lesson:
+            return f'expected a lesson to read, got {section!r}: there is no lesson {number}'
+        if heading.startswith('on '):  # what a question is about, in words
+            return ''
+    if heading in headings[lesson]:
+        return ''
+    close = get_close_matches(heading, headings[lesson], n=1, cutoff=0.6)
+    hint = f'; did you mean {close[0]!r}?' if close else ''
+    return f'expected a heading of {lesson} to read, got {heading!r}{hint}'
+
+
+def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
+    """
+    Return the headings of every released lesson that can be read, by its folder.
+
+    :param notebooks: folder of the released notebooks
+    """
+    from autograder.handed_in.submission import read_release
+
+    found: dict[str, AbstractSet[str]] = {}
+    for path in sorted(notebooks.glob('*/*.ipynb')):
+        try:
+            cells = read_release(path)['cells']
+        except (OSError, ValueError):
+            continue  # whether it is a notebook is not the question here
+        texts = [cell['source'] for cell in cells if cell['cell_type'] == 'markdown']
+        lines = '\n'.join(texts).splitlines()
+        titles = {line.lstrip('#').strip() for line in lines if line.startswith('#')}
+        found[path.parent.name] = titles
+    return found
+
+
+# -- all of it ------------------------------------------------------------------------------
+
+
 def ament_prefixes() -> tuple[Path, ...]:
     """Return where the ROS packages of the prepared environment are installed."""
     from environment.ros import ros_environment
@@ -195,11 +265,12 @@ def ament_prefixes() -> tuple[Path, ...]:
     return tuple(map(Path, ros_environment().variables['AMENT_PREFIX_PATH'].split(':')))
 
 
-def mistakes_of(exam: Exam, prefixes: Sequence[Path]) -> list[str]:
+def mistakes_of(exam: Exam, prefixes: Sequence[Path], notebooks: Path) -> list[str]:
     """
     Return all that can be said of a graded exam without running it, one line each.
 
     :param exam: a hidden exam of the course
+    :param notebooks: folder of the released notebooks
     """
     from autograder import exams
 
@@ -208,5 +279,6 @@ def mistakes_of(exam: Exam, prefixes: Sequence[Path]) -> list[str]:
     return [
         *([] if needless else [f'exam {exam.name}: runs {file!r}, which it does not require']),
         *type_mistakes(exam, prefixes),
+        *read_mistakes(exam, lesson_headings(notebooks)),
         *differs_from_visible(exam, exams.load(exam.name, hidden=False)),
     ]

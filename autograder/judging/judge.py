@@ -7,8 +7,13 @@ from collections.abc import Mapping
 from autograder.errors import GraderError
 from autograder.judging.causes import how_to_look
 from autograder.judging.exam import Cause, Check, Exam, Failed, Run
+from autograder.judging.reading_list import where_to_read
 from autograder.judging.results import CheckResult, Verdict
 from autograder.runs.recording import Recording
+
+SLOW = ('wall_time_limit', 'sleeps_in_callback')
+"""Causes that a faster machine gets further with: what had come by then is luck, and not told."""
+CUT_OFF = 'a part of it: the run was ended before all of it could come'
 
 
 def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
@@ -46,8 +51,12 @@ def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
     return False
 
 
+def _is_luck(run: Run, why: Cause) -> bool:
+    ends = (run.recording.end_reason, run.recording.process.get('killed'))
+    return 'wall_time_limit' in ends and why.cause_id in SLOW
+
+
 def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResult]) -> CheckResult:
-    read = check.read or exam.read
     waits = [name for name in check.needs if earlier[name].verdict is not Verdict.PASSED]
     if waits:
         return CheckResult(
@@ -70,11 +79,11 @@ def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResul
             points=round(check.points * failure.share, 2),
             max_points=check.points,
             expected=failure.expected,
-            observed=failure.observed,
+            observed=CUT_OFF if _is_luck(run, why) else failure.observed,
             cause=why.text,
             cause_id=why.cause_id,
             try_this=why.try_this,
-            read=read,
+            read=where_to_read(why.cause_id) or check.read or exam.read,
         )
     except Exception as error:  # noqa: BLE001 - any other exception is ours, whatever its type
         raise GraderError(

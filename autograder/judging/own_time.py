@@ -15,6 +15,7 @@ from itertools import pairwise
 import math
 import re
 
+from autograder.judging.learners_code import timer_periods, without_texts
 from autograder.runs.inputs import generator
 from autograder.runs.recording import Recording
 from autograder.runs.scenario import Advance, Scenario
@@ -78,14 +79,34 @@ def is_regular(recording: Recording, times_s: Sequence[float], period_s: float) 
 
 def names_another_clock(files: Mapping[str, str]) -> bool:
     """
-    Tell whether a program names a clock that is not the node's.
+    Tell whether a program names a clock that is not the node's, in its code and not in a comment.
 
     How much it then sends in simulated time depends on how fast the machine is, so no text should
     tell a count.  It decides words only, never a verdict.
 
     :param files: relative path to text
     """
-    return any(_OTHER_CLOCK.search(text) for text in files.values())
+    return any(_OTHER_CLOCK.search(without_texts(text)) for text in files.values())
+
+
+def keeps_its_timer(files: Mapping[str, str], times_s: Sequence[float], step_s: float) -> bool:
+    """
+    Tell whether messages come in the period that the code gives a timer, and so on no other clock.
+
+    A program may name another clock and be paced by its timer all the same: ``time.time()`` in a
+    formula makes a value.  Its rhythm is then no luck, and may be told.
+
+    :param files: relative path to text
+    :param times_s: ``clock_ns`` of the messages in seconds, in order
+    :param step_s: of the simulated clock, at which messages are seen [s]
+    """
+    return len(times_s) > 2 and any(
+        all(
+            abs(time_s - times_s[0] - number * max(period_s, step_s)) <= step_s
+            for number, time_s in enumerate(times_s)
+        )
+        for period_s in timer_periods(files)
+    )
 
 
 def is_flood(count: int, due: float) -> bool:

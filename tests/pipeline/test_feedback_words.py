@@ -17,7 +17,8 @@ from autograder import __main__ as command
 from autograder import exams, sample_class
 from autograder.explaining.feedback import check_lines, MOST_LINES, titles_of, told, WIDTH
 from autograder.gradebook.record import record
-from autograder.handed_in.submission import read_release
+from autograder.judging.exam_mistakes import lesson_headings, no_section, read_mistakes
+from autograder.judging.reading_list import SECTIONS, where_to_read
 from autograder.judging.results import Verdict
 from autograder.layout import Layout
 from autograder.sandboxes.sandbox import strongest
@@ -195,24 +196,24 @@ def test_every_failing_text_of_the_sample_class_is_short(assignment):
                     assert len(lines) > 1, (name, lines)
 
 
+@pytest.mark.parametrize('hidden', [True, False], ids=['graded', 'visible'])
 @pytest.mark.parametrize('assignment', EXAMINED)
-def test_every_section_to_read_is_a_heading_of_the_lesson(assignment):
-    """Else the link leads nowhere; another lesson is named by its number, without a link."""
-    cells = read_release(HERE.release(assignment))['cells']
-    headings = {
-        line.lstrip('#').strip()
-        for cell in cells
-        if cell['cell_type'] == 'markdown'
-        for line in ''.join(cell['source']).splitlines()
-        if line.startswith('#')
-    }
-    for exam in exams.for_assignment(assignment):
-        for section in {check.read or exam.read for check in exam.checks}:
-            if section.startswith('lesson '):
-                number = section.removeprefix('lesson ')[:2]
-                assert any(one.startswith(number) for one in HERE.assignments()), section
-            else:
-                assert section in headings, (exam.name, section)
+def test_every_section_to_read_is_a_heading_of_a_lesson(assignment, hidden):
+    """Else the link leads nowhere; a section of another lesson is named without a link."""
+    headings = lesson_headings(HERE.notebooks)
+
+    assert headings.keys() >= set(EXAMINED)
+    for exam in exams.for_assignment(assignment, hidden):
+        assert list(read_mistakes(exam, headings)) == []
+
+
+def test_every_section_about_an_exception_is_a_heading():
+    """The judge puts it in the place of the check's own."""
+    headings = lesson_headings(HERE.notebooks)
+
+    for causes in SECTIONS.values():
+        for cause_id in causes:
+            assert no_section(where_to_read(cause_id), '', headings) == ''
 
 
 def test_results_with_pictures_survive_json(result):

@@ -21,7 +21,7 @@ COMMANDS = [
     for line in block.splitlines()
 ]
 SAMPLES = Path('tests', 'submissions', '20_doors')
-TEXT = 'Count the visitors at a door: see the table. ' * 4
+TEXT = '# Count the visitors\n\n' + 'Count the visitors at a door: see the table. ' * 4
 COPIED = ('autograder', 'drawing', 'environment', 'roslab', 'tests')
 TEMPORARY = ('__pycache__', '_work', 'ros_ws', 'submissions', 'attacks')
 
@@ -168,6 +168,11 @@ def test_the_samples_are_graded_once_there_are_three_right_ones(course, tmp_path
         ("Feed('/door_open'", "Feed('/door'", "did you mean '/door_open'?"),
         ('std_msgs/msg/Int32', 'std_msgs/msg/Int', 'expected a type of std_msgs, got '),
         ("[{'data': door}", "[{'date': door}", "got 'date'; did you mean 'data'?"),
+        (
+            "read='Count the visitors'",
+            "read='Count the visitor'",
+            "got 'Count the visitor'; did you mean 'Count the visitors'?",
+        ),
         ('points=4, ', 'points=0, ', 'check counts_each_opening_once: expected points > 0'),
         ("needs=['answers_", "needs=['answer_", "needs 'answer_every_message', which is no earl"),
         ('!= number:', '== number:', 'visitor_counter/counts_each_opening_once: FAILED'),

@@ -9,7 +9,13 @@ import pytest
 from autograder import course
 from autograder.errors import ExamInvalid
 from autograder.judging.exam import Exam
-from autograder.judging.exam_mistakes import ament_prefixes, differs_from_visible, type_mistakes
+from autograder.judging.exam_mistakes import (
+    ament_prefixes,
+    differs_from_visible,
+    lesson_headings,
+    read_mistakes,
+    type_mistakes,
+)
 from autograder.layout import Layout
 from autograder.runs.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario
 from autograder.self_check import self_check
@@ -139,6 +145,79 @@ class TestWithRos:
     def test_every_exam_of_the_course_is_free_of_them(self):
         """The same as ``make check`` says."""
         assert list(course.unfit_exams(Layout.here())) == []
+
+
+HEADINGS = {'01_x': {'Part 1: Doors', 'Summary'}, '02_y': {'Part 2: Timers'}}
+
+
+class TestWithTheLessons:
+    """Where a learner is sent to read."""
+
+    @staticmethod
+    def reads(section='', own=''):
+        """Return an exam with one check, and where the two send a learner."""
+        made = exam()
+        made.read = section
+
+        def opens(run):
+            """It opens."""
+
+        made.check(points=1, read=own)(opens)
+        return made
+
+    @pytest.mark.parametrize(
+        ('section', 'own', 'said'),
+        [
+            ('', '', 'expected a section to read, got none'),
+            (
+                'Part 1: Dors',
+                '',
+                "heading of 01_x to read, got 'Part 1: Dors'; did you mean 'Part",
+            ),
+            ('Part 1: Doors', 'Part 2: Timers', "of 01_x to read, got 'Part 2: Timers'"),
+            (
+                'lesson 02, Part 1: Doors',
+                '',
+                "expected a heading of 02_y to read, got 'Part 1: Do",
+            ),
+            ('lesson 03, Part 1: Doors', '', 'there is no lesson 03'),
+        ],
+    )
+    def test_a_section_that_no_lesson_has_is_refused(self, section, own, said):
+        """A check's own comes before the exam's."""
+        (line,) = read_mistakes(self.reads(section, own), HEADINGS)
+
+        assert line.startswith('exam sample, check opens: ')
+        assert said in line
+
+    @pytest.mark.parametrize(
+        ('section', 'own'),
+        [
+            ('Part 1: Doors', ''),
+            ('', 'Summary'),
+            ('Summary', 'lesson 02, Part 2: Timers'),
+            ('lesson 02, on clocks', ''),
+        ],
+    )
+    def test_a_heading_is_fine(self, section, own):
+        """Of this lesson or of another one."""
+        assert list(read_mistakes(self.reads(section, own), HEADINGS)) == []
+
+    def test_without_the_lesson_only_an_empty_section_is_refused(self):
+        """Its headings cannot be known."""
+        assert list(read_mistakes(self.reads('Part 7'), {})) == []
+        assert len(list(read_mistakes(self.reads(), {}))) == 1
+
+    def test_headings_are_those_of_the_released_lessons(self, tmp_path: Path):
+        """A file that is no notebook has none."""
+        for name, text in (
+            ('01_x', '{"cells": [{"cell_type": "markdown", "source": ["# A\\n", "## B"]}]}'),
+            ('02_y', '{}'),
+        ):
+            (tmp_path / name).mkdir()
+            (tmp_path / name / 'a.ipynb').write_text(text)
+
+        assert lesson_headings(tmp_path) == {'01_x': {'A', 'B'}}
 
 
 class TestBeforeItIsUsed:

@@ -46,6 +46,51 @@ class TestJudge:
 
         assert (result.verdict, result.points, result.title) == (Verdict.PASSED, 3, 'It works.')
 
+    @pytest.mark.parametrize(
+        ('cause_id', 'place'),
+        [
+            ('no_field', 'lesson 08, Part 5: Messages and fields'),
+            ('because', 'Part 2'),
+        ],
+    )
+    def test_exception_is_read_about_where_it_is_explained(self, cause_id, place):
+        """Else the check's own section comes before the exam's."""
+        exam = make_exam(read='Part 1')
+
+        def dies(run):
+            """It lives."""
+            raise Failed(expected='1', observed='2', why=Cause(cause_id, 'why', 'this'))
+
+        exam.check(points=2, read='Part 2')(dies)
+
+        (result,) = judge(exam, Run({}, NOTHING))
+
+        assert result.read == place
+
+    @pytest.mark.parametrize(
+        ('cause_id', 'reason', 'told'),
+        [
+            ('sleeps_in_callback', 'wall_time_limit', False),
+            ('wall_time_limit', 'wall_time_limit', False),
+            ('sleeps_in_callback', 'unresponsive', True),
+            ('wrong_value', 'wall_time_limit', True),
+        ],
+    )
+    def test_count_that_depends_on_the_machine_is_not_told(self, cause_id, reason, told):
+        """A faster one gets further before the limit."""
+        exam = make_exam()
+
+        def counts(run):
+            """It counts."""
+            raise Failed(expected='60', observed='41', why=Cause(cause_id, 'why', 'this'))
+
+        exam.check(points=2)(counts)
+        events = ({'event': 'end', 'reason': reason}, {'event': 'process', 'killed': ''})
+
+        (result,) = judge(exam, Run({}, Recording({}, events)))
+
+        assert ('41' in result.observed) is told
+
     def test_failed_check_tells_five_things(self):
         """Expected, observed, cause, what to try and where to read reach the result."""
         exam = make_exam(read='Part 1')

@@ -5,7 +5,13 @@ from __future__ import annotations
 import pytest
 
 from autograder.judging import own_time
-from autograder.judging.own_time import is_flood, is_regular, least_messages, names_another_clock
+from autograder.judging.own_time import (
+    is_flood,
+    is_regular,
+    keeps_its_timer,
+    least_messages,
+    names_another_clock,
+)
 from autograder.runs import inputs
 from autograder.runs.recording import header, Recording
 from autograder.runs.scenario import Advance, Feed, Scenario
@@ -113,11 +119,31 @@ class TestRhythm:
         ('Clock(clock_type=ClockType.STEADY_TIME)', True),
         ("Parameter('use_sim_time', value=False)", True),
         ('threading.Timer(1.0, tick)', True),
+        ('tick()  # better than time.sleep(1.0)', False),
+        ('"""It needs no time.sleep()."""', False),
+        ("log.info(f'{time.time()}')", True),
     ],
 )
 def test_another_clock_is_found_in_the_text(text, found):
     """It decides about words only."""
     assert names_another_clock({'a.py': '', 'b.py': text}) is found
+
+
+@pytest.mark.parametrize(
+    ('code', 'times', 'kept'),
+    [
+        ('node.create_timer(0.5, tick)', [0.5, 1.0, 1.5, 2.0], True),
+        ('node.create_timer(0.6, tick)', [0.75, 1.25, 2.0, 2.5], True),
+        ('node.create_timer(0.1, tick)', [0.25, 0.5, 0.75, 1.0], True),
+        ('node.create_timer(0.5, tick)', [0.5, 1.5, 2.5, 3.5], False),
+        ('node.create_timer(0.5, tick)', [0.5, 1.0, 1.5, 4.0], False),
+        ('node.create_timer(0.5, tick)', [0.5, 1.0], False),
+        ('node.create_timer(period(), tick)', [0.5, 1.0, 1.5, 2.0], False),
+    ],
+)
+def test_messages_in_the_period_of_the_codes_own_timer_are_no_luck(code, times, kept):
+    """From the first to the last, to one step of the clock."""
+    assert keeps_its_timer({'a.py': code}, times, 0.25) is kept
 
 
 def test_a_flood_is_far_more_than_was_due():

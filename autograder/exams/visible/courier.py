@@ -27,6 +27,7 @@ TOPIC = '/parcels'
 TYPE = 'std_msgs/msg/String'
 TEXT = 'for you'
 AFTER_S = 3.0  # simulated time for a node that looks around with a timer [s]
+EXERCISE = 'Exercise 2: the courier who waits'
 
 
 def parcels(run: Run, listener: str) -> list[Event]:
@@ -172,11 +173,14 @@ def build(alone_s: float, between_s: float = AFTER_S) -> Exam:
         scenario=Scenario(file='courier.py', steps=steps),
         read='Part 3: Discovery takes time',
     )
-    exam.check(points=1)(starts_its_node)
-    exam.check(points=1)(offers_parcels)
+    exam.check(points=1, read=EXERCISE)(starts_its_node)
+    exam.check(points=1, read='Part 1: Speaking and listening')(offers_parcels)
     exam.check(points=4, needs=['offers_parcels'])(delivers_to_who_comes_late)
-    for points, judge in ((1, addresses_the_parcel), (3, delivers_once)):
-        exam.check(points=points, needs=['delivers_to_who_comes_late'])(judge)
+    for points, judge, read in (
+        (1, addresses_the_parcel, EXERCISE),
+        (3, delivers_once, ''),
+    ):
+        exam.check(points=points, needs=['delivers_to_who_comes_late'], read=read)(judge)
     return exam
 
 

@@ -33,6 +33,7 @@ NEITHER_SPUN = Cause(
     'timer can call anything.',
     'Make one executor, add both nodes with add_node(), and call executor.spin() instead.',
 )
+EXERCISE = 'Exercise 1: two nodes, one program'
 
 
 def both_nodes_exist(run: Run) -> None:
@@ -246,9 +247,13 @@ def build(seconds: int, phase_s: float) -> Exam:
         facts={'simulated_s': seconds},
     )
     exam.check(points=2)(both_nodes_exist)
-    exam.check(points=2, needs=['both_nodes_exist'])(both_are_served)
-    exam.check(points=2, needs=['both_nodes_exist'])(lookout_reports_every_second)
-    exam.check(points=2, needs=['both_nodes_exist'])(keeper_reports_every_two_seconds)
+    exam.check(points=2, needs=['both_nodes_exist'], read='lesson 02, Part 1: Who spins')(
+        both_are_served
+    )
+    exam.check(points=2, needs=['both_nodes_exist'], read=EXERCISE)(lookout_reports_every_second)
+    exam.check(points=2, needs=['both_nodes_exist'], read=EXERCISE)(
+        keeper_reports_every_two_seconds
+    )
     return exam
 
 

@@ -63,6 +63,7 @@ TOO_LATE = Cause(
     'Call self.create_lifecycle_publisher() in on_configure().',
 )
 GRID = 0.25  # a phase of one step goes on with the ticks of the Advance before
+EXERCISE = 'Exercise 1: a managed beacon'
 
 
 def node_of(run: Run) -> str:
@@ -273,13 +274,13 @@ def build(namespace: str = '', seconds: float = 4.0, phase_s: float = 0.1) -> Ex
         read='Part 2: A publisher with a switch',
         facts={'namespace': namespace, 'active_s': seconds},
     )
-    exam.check(points=1)(starts_its_node)
-    exam.check(points=1, needs=['starts_its_node'])(is_managed)
+    exam.check(points=1, read=EXERCISE)(starts_its_node)
+    exam.check(points=1, needs=['starts_its_node'], read='Part 1: Two kinds of life')(is_managed)
     exam.check(points=2, needs=['is_managed'])(takes_every_transition)
     exam.check(points=2, needs=['is_managed'])(creates_its_publisher)
     exam.check(points=2, needs=['takes_every_transition'])(publishes_while_active)
     exam.check(points=1, needs=['publishes_while_active'])(is_silent_otherwise)
-    exam.check(points=1, needs=['publishes_while_active'])(cleans_up)
+    exam.check(points=1, needs=['publishes_while_active'], read=EXERCISE)(cleans_up)
     return exam
 
 

@@ -46,6 +46,7 @@ from autograder.runs.scenario import (
 
 NODE, TOPIC = '/pressure_monitor', '/pressure'
 TYPE = 'std_msgs/msg/Float64'
+EXERCISE = 'Exercise 2: a monitor that refuses nonsense'
 EVENTS = f'{NODE}/transition_event'
 EVENT_TYPE = 'lifecycle_msgs/msg/TransitionEvent'
 CHANGE = f'{NODE}/change_state'
@@ -367,13 +368,13 @@ def build(numbers: Inputs) -> Exam:
         read='Part 3: When a transition goes wrong',
         facts={'inputs': numbers, 'secret': True},
     )
-    exam.check(points=1)(starts_its_node)
+    exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(points=2, needs=['starts_its_node'])(refuses_a_senseless_limit)
     exam.check(points=1, needs=['refuses_a_senseless_limit'])(tells_why)
     exam.check(points=2, needs=['refuses_a_senseless_limit'])(recovers)
-    exam.check(points=2, needs=['recovers'])(warns_above_the_limit)
-    exam.check(points=1, needs=['warns_above_the_limit'])(ignores_while_not_active)
-    exam.check(points=1, needs=['warns_above_the_limit'])(takes_the_new_limit)
+    exam.check(points=2, needs=['recovers'], read=EXERCISE)(warns_above_the_limit)
+    for judge in (ignores_while_not_active, takes_the_new_limit):
+        exam.check(points=1, needs=['warns_above_the_limit'], read=EXERCISE)(judge)
     return exam
 
 

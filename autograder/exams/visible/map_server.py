@@ -37,6 +37,7 @@ ASKS_TOO_MUCH = Cause(
     'publisher offers.',
     "Subscribe with the plain number: create_subscription(String, 'survey', self.take, 10).",
 )
+EXERCISE = 'Exercise 1: a map server'
 
 
 def maps_of(run: Run, listener: str | None = None) -> list[str]:
@@ -258,14 +259,14 @@ def build(surveys: Sequence[str]) -> Exam:
         read='Part 4: Those who come late',
         facts={'surveys': list(surveys)},
     )
-    exam.check(points=1)(starts_its_node)
+    exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(points=2)(offers_a_latched_map)
-    for points, judge in (
-        (2, has_a_map_from_the_start),
-        (2, publishes_each_survey),
-        (3, keeps_only_the_newest),
+    for points, judge, read in (
+        (2, has_a_map_from_the_start, ''),
+        (2, publishes_each_survey, EXERCISE),
+        (3, keeps_only_the_newest, ''),
     ):
-        exam.check(points=points, needs=['starts_its_node'])(judge)
+        exam.check(points=points, needs=['starts_its_node'], read=read)(judge)
     return exam
 
 

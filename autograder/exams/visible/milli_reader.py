@@ -32,6 +32,7 @@ TARGET_TYPE = 'temp_monitor_pkg/msg/Temperature'
 BETWEEN_S = 2.0  # simulated time before each number [s]
 MOST_MICROSECONDS = 1_000_000  # in a second
 CLOSE_S = 0.5  # how far a stamp may be from the moment it was heard [s]
+EXERCISE = 'Exercise 4.2: from one type to another'
 
 
 def readings(run: Run) -> list[Event]:
@@ -217,15 +218,17 @@ def build(numbers: Sequence[int], names: Sequence[str]) -> Exam:
         read='Part 5: The choice',
         facts={'numbers': tuple(numbers), 'names': tuple(names)},
     )
-    exam.check(points=1)(starts_its_node)
-    exam.check(points=1, needs=['starts_its_node'])(hears_and_publishes)
-    exam.check(points=2, needs=['hears_and_publishes'])(answers_one_for_one)
-    for points, judge in (
-        (2, divides_by_a_thousand),
-        (2, names_unit_and_sensor),
-        (2, stamps_with_its_own_clock),
+    exam.check(points=1, read=EXERCISE)(starts_its_node)
+    exam.check(
+        points=1, needs=['starts_its_node'], read='lesson 03, Part 1: Speaking and listening'
+    )(hears_and_publishes)
+    exam.check(points=2, needs=['hears_and_publishes'], read=EXERCISE)(answers_one_for_one)
+    for points, judge, read in (
+        (2, divides_by_a_thousand, EXERCISE),
+        (2, names_unit_and_sensor, EXERCISE),
+        (2, stamps_with_its_own_clock, 'Part 4: Time'),
     ):
-        exam.check(points=points, needs=['answers_one_for_one'])(judge)
+        exam.check(points=points, needs=['answers_one_for_one'], read=read)(judge)
     return exam
 
 

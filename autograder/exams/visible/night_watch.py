@@ -33,6 +33,7 @@ from autograder.runs.scenario import Advance, Await, Scenario
 
 STEP_S = 0.25
 EVERY = 5
+EXERCISE = 'Exercise 2: the night watch'
 
 
 def node_of(run: Run) -> str:
@@ -296,9 +297,9 @@ def build(seconds: int, phase_s: float, namespace: str) -> Exam:
         read='Part 4: Logging',
         facts={'simulated_s': seconds, 'namespace': namespace},
     )
-    exam.check(points=2)(starts_in_the_namespace)
-    exam.check(points=3, needs=['starts_in_the_namespace'])(reports_every_second)
-    exam.check(points=2, needs=['starts_in_the_namespace'])(lines_are_numbered)
+    exam.check(points=2, read='Part 3: Names and worlds')(starts_in_the_namespace)
+    exam.check(points=3, needs=['starts_in_the_namespace'], read=EXERCISE)(reports_every_second)
+    exam.check(points=2, needs=['starts_in_the_namespace'], read=EXERCISE)(lines_are_numbered)
     exam.check(points=3, needs=['starts_in_the_namespace'])(every_fifth_is_a_warning)
     return exam
 

@@ -20,6 +20,7 @@ from autograder.runs.scenario import Feed, Scenario
 NODE = '/running_mean'
 SOURCE, TARGET = '/readings', '/mean'
 TYPE = 'std_msgs/msg/Float64'
+EXERCISE = 'Exercise 3: a running mean'
 
 
 def means_of(numbers: Sequence[float]) -> list[float]:
@@ -282,11 +283,13 @@ def build(singles: Sequence[float], burst: Sequence[float] = (), secret: bool = 
         read='Part 4: One topic, one type',
         facts={'singles': tuple(singles), 'burst': tuple(burst), 'secret': secret},
     )
-    exam.check(points=1)(starts_its_node)
+    exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(points=2)(reads_and_writes)
-    exam.check(points=2, needs=['reads_and_writes'])(answers_every_number)
-    exam.check(points=3, needs=['answers_every_number'])(publishes_the_mean)
-    exam.check(points=2, needs=['publishes_the_mean'])(ignores_nan)
+    exam.check(points=2, needs=['reads_and_writes'], read='Part 1: Speaking and listening')(
+        answers_every_number
+    )
+    exam.check(points=3, needs=['answers_every_number'], read=EXERCISE)(publishes_the_mean)
+    exam.check(points=2, needs=['publishes_the_mean'], read=EXERCISE)(ignores_nan)
     return exam
 
 

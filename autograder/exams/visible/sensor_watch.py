@@ -56,6 +56,7 @@ ONE_LINE = Cause(
     'One refused publisher gives more than one ERROR line.',
     'Put all there is to say into one line.',
 )
+EXERCISE = 'Exercise 2: a listener that notices silence'
 
 
 def numbers_in(text: str) -> list[float]:
@@ -287,15 +288,15 @@ def build(distances: Sequence[float]) -> Exam:
         read='Part 5: Promises over time',
         facts={'distances': list(distances)},
     )
-    exam.check(points=1)(starts_its_node)
-    for points, judge in (
-        (2, asks_for_no_more_than_is_offered),
-        (2, requests_the_deadline),
-        (2, logs_each_distance),
-        (3, warns_of_silence),
-        (2, names_the_policy),
+    exam.check(points=1, read=EXERCISE)(starts_its_node)
+    for points, judge, read in (
+        (2, asks_for_no_more_than_is_offered, 'Part 3: Offer and request'),
+        (2, requests_the_deadline, ''),
+        (2, logs_each_distance, EXERCISE),
+        (3, warns_of_silence, ''),
+        (2, names_the_policy, 'Part 3: Offer and request'),
     ):
-        exam.check(points=points, needs=['starts_its_node'])(judge)
+        exam.check(points=points, needs=['starts_its_node'], read=read)(judge)
     return exam
 
 

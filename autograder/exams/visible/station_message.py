@@ -205,9 +205,9 @@ def build() -> Exam:
         scenario=Scenario(program='build', build_type=TYPE, appear_s=50.0, first_log_s=0.0),
         read='Part 2: The package',
     )
-    exam.check(points=3, static=True)(defines_the_fields)
-    exam.check(points=1, static=True)(names_the_states)
-    exam.check(points=1, static=True)(starts_at_the_lowest)
+    exam.check(points=3, static=True, read='Part 1: The text')(defines_the_fields)
+    exam.check(points=1, static=True, read='Defaults and constants')(names_the_states)
+    exam.check(points=1, static=True, read='Defaults and constants')(starts_at_the_lowest)
     exam.check(points=2, static=True)(declares_its_dependencies)
     exam.check(points=3, needs=['defines_the_fields'])(builds_the_type)
     return exam

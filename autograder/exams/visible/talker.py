@@ -24,6 +24,7 @@ TYPE = 'std_msgs/msg/String'
 ABSOLUTE = '/chatter'
 PERIOD_S, STEP_S = 0.5, 0.125
 GREETING = re.compile(r'hello (\d{1,9})')
+EXERCISE = 'Exercise 1: a talker that can move'
 
 
 def relative(run: Run) -> str:
@@ -250,14 +251,14 @@ def build(space: str, seconds: float, phase_s: float) -> Exam:
         facts={'space': space, 'seconds': seconds},
     )
     exam.check(points=1)(starts_its_node)
-    exam.check(points=2)(publishes_greetings)
-    for points, judge in (
-        (3, moves_with_its_namespace),
-        (2, speaks_twice_a_second),
-        (1, counts_its_greetings),
-        (1, offers_reliable_qos),
+    exam.check(points=2, read='Part 1: Speaking and listening')(publishes_greetings)
+    for points, judge, read in (
+        (3, moves_with_its_namespace, ''),
+        (2, speaks_twice_a_second, 'lesson 02, When a timer ticks'),
+        (1, counts_its_greetings, EXERCISE),
+        (1, offers_reliable_qos, 'lesson 05, Part 1: A profile'),
     ):
-        exam.check(points=points, needs=['publishes_greetings'])(judge)
+        exam.check(points=points, needs=['publishes_greetings'], read=read)(judge)
     return exam
 
 

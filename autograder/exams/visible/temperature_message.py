@@ -220,10 +220,12 @@ def build(sent: Sequence[dict[str, Any]]) -> Exam:
         read='Part 1: The message',
         facts={'sent': list(sent)},
     )
-    exam.check(points=3, static=True)(defines_the_fields)
-    exam.check(points=2, static=True)(declares_its_dependencies)
-    exam.check(points=2, static=True)(generates_the_interface)
-    exam.check(points=3, needs=['defines_the_fields'])(builds_and_travels)
+    exam.check(points=3, static=True, read='Exercise 1.1: the message file')(defines_the_fields)
+    exam.check(points=2, static=True, read='Exercise 1.2: the manifest')(declares_its_dependencies)
+    exam.check(points=2, static=True, read='Exercise 1.3: the build rules')(
+        generates_the_interface
+    )
+    exam.check(points=3, needs=['defines_the_fields'], read='Build it')(builds_and_travels)
     return exam
 
 

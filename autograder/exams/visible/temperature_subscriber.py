@@ -16,6 +16,12 @@ import math
 from autograder.judging.causes import why_silent
 from autograder.judging.checks import LEVELS, require_endpoint, require_node, require_partner
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.reading_errors import (
+    refuses_fahrenheit,
+    why_fahrenheit_is_refused,
+    why_nan,
+    why_refused,
+)
 from autograder.judging.readings import (
     cool_groups,
     Reading,
@@ -42,16 +48,12 @@ OTHER_LOGGER = Cause(
     "The lines come from a logger that is not the node's own; they reach no /rosout.",
     'Use self.get_logger(), not rclpy.logging.get_logger(...).',
 )
-NO_UNIT = Cause(
-    'unit_text',
-    'Readings in Celsius are answered with an ERROR, as if nobody knew their unit.',
-    "Compare with the whole words, letter by letter: msg.unit == 'Celsius', 'Fahrenheit'.",
-)
 QUEUE_DEPTH = Cause(
     'queue_depth',
     'Readings that come at once are lost: the queue of your subscription is too short.',
     'Pass the depth 10 as quality of service.',
 )
+EXERCISE = 'Exercise 3: the subscriber node'
 
 
 def starts_its_node(run: Run) -> None:
@@ -116,6 +118,10 @@ def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Ca
     if group is not None and len(group.readings) > 1:
         return QUEUE_DEPTH
     if reading is not None and group is not None:
+        if refuses_fahrenheit(run, group):
+            return why_fahrenheit_is_refused(run, group)
+        if not group.count(INFO) and (refused := why_refused(run, [group])):
+            return refused
         levels = [entry['level'] for entry in group.logs if shown_in(reading, [entry], None)]
         if levels:
             return Cause(
@@ -171,8 +177,8 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
     if too_many:
         return REPEATED
     levels = {entry['level'] for entry in group.logs} - {INFO, WARN}
-    if ERROR in levels and any(one.count(ERROR) for one in cool_groups(run)):
-        return NO_UNIT
+    if ERROR in levels and (refused := why_refused(run, cool_groups(run))):
+        return refused
     if levels:
         return Cause(
             'wrong_level',
@@ -232,9 +238,7 @@ def _can_warn(run: Run) -> None:
 
 
 def _never_warns(run: Run) -> Cause:
-    if any(group.count(ERROR) for group in cool_groups(run)):
-        return NO_UNIT
-    return Cause(
+    return why_refused(run, cool_groups(run)) or Cause(
         'no_warning',
         'No warning is ever logged.',
         'In the callback: if the value is above 30.0, call self.get_logger().warning(...).',
@@ -276,6 +280,8 @@ def converts_fahrenheit(run: Run) -> None:
 
 
 def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
+    if not too_many and refuses_fahrenheit(run, group):
+        return why_silent(run) or why_fahrenheit_is_refused(run, group)
     # Without a conversion the usual Fahrenheit numbers are all above 30: too many warnings.
     if not too_many or group.count(WARN) > len(group.readings):
         return _why_no_warning(run, group, too_many)
@@ -325,11 +331,7 @@ def does_not_warn_about_nan(run: Run) -> None:
             raise Failed(
                 expected='no WARN line after NaN',
                 observed=_lines(group.count(WARN), 'WARN'),
-                why=Cause(
-                    'nan',
-                    'NaN is not above 30, nor below: every comparison with it is false.',
-                    'Ask value > 30.0, not not (value <= 30.0); or test math.isnan(value).',
-                ),
+                why=why_nan(run),
             )
     _was_listening(run, groups)
     _can_warn(run)
@@ -382,17 +384,17 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = (), secret: boo
         read='Part 3: The subscriber',
         facts={'singles': tuple(singles), 'burst': tuple(burst), 'secret': secret},
     )
-    exam.check(points=1)(starts_its_node)
+    exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(points=1)(subscribes_to_readings)
-    for points, judge in (
-        (3, logs_every_reading),
-        (3, warns_when_too_hot),
-        (3, stays_quiet_otherwise),
-        (2, converts_fahrenheit),
-        (1, reports_an_unknown_unit),
-        (1, does_not_warn_about_nan),
+    for points, judge, read in (
+        (3, logs_every_reading, EXERCISE),
+        (3, warns_when_too_hot, ''),
+        (3, stays_quiet_otherwise, ''),
+        (2, converts_fahrenheit, ''),
+        (1, reports_an_unknown_unit, EXERCISE),
+        (1, does_not_warn_about_nan, ''),
     ):
-        exam.check(points=points, needs=['subscribes_to_readings'])(judge)
+        exam.check(points=points, needs=['subscribes_to_readings'], read=read)(judge)
     return exam
 
 

@@ -1,0 +1,284 @@
+"""
+What a learner's code says, read as Python and never run: it decides words, not verdicts.
+
+Comments and texts are no code: a clock that is named in a comment drives nothing.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+import io
+import re
+import tokenize
+import warnings
+
+_UNREADABLE = (SyntaxError, ValueError, RecursionError, MemoryError)
+_TEXTS = ('COMMENT', 'STRING', 'FSTRING_MIDDLE')
+_PARAMETER = re.compile(r'^[a-z]{0,2}[\'"]use_sim_time(:=\w+)?[\'"]$', re.IGNORECASE)
+_CALLBACKS = {'create_timer': 1, 'create_subscription': 2, 'create_service': 2}
+"""At which place the functions of rclpy take a callback."""
+SHORT_S = 0.1
+"""A pause [s] that nobody notices."""
+FOR_EVER_S = 1e9
+"""Longer than any period [s]; a whole number may be too large for a float."""
+
+
+def without_texts(code: str) -> str:
+    """
+    Return code with blanks for its comments and texts; lines and columns stay.
+
+    The name of the parameter ``use_sim_time`` stays, although it is a text: it chooses a clock.
+    """
+    lines = list(io.StringIO(code))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')  # about odd escapes in a learner's text
+            tokens = list(tokenize.generate_tokens(io.StringIO(code).readline))
+    except (tokenize.TokenError, *_UNREADABLE):
+        return code
+    for token in tokens:
+        if tokenize.tok_name[token.type] not in _TEXTS or _PARAMETER.match(token.string):
+            continue
+        (first, begin), (last, end) = token.start, token.end
+        for number in range(first - 1, min(last, len(lines))):
+            line = lines[number]
+            left = begin if number == first - 1 else 0
+            right = end if number == last - 1 else len(line.rstrip('\r\n'))
+            lines[number] = line[:left] + ' ' * (right - left) + line[right:]
+    return ''.join(lines)
+
+
+def trees(files: Mapping[str, str]) -> Iterator[ast.Module]:
+    """Yield the syntax tree of each file that Python can read."""
+    for name, text in sorted(files.items()):
+        if name.endswith('.py'):
+            try:
+                with warnings.catch_warnings():
+                    warnings.simplefilter('ignore')
+                    tree = ast.parse(text)
+            except _UNREADABLE:
+                continue
+            yield tree
+
+
+def texts_in(files: Mapping[str, str]) -> set[str]:
+    """Return the texts between quotes, documentation among them."""
+    return {
+        node.value
+        for tree in trees(files)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+
+
+def calls(files: Mapping[str, str], name: str) -> bool:
+    """
+    Tell whether a function of a name is called, by itself or as a method.
+
+    :param name: its last part, such as ``isnan``
+    """
+    return any(
+        isinstance(node, ast.Call) and _last_name(node.func) == name
+        for tree in trees(files)
+        for node in ast.walk(tree)
+    )
+
+
+def _last_name(node: ast.AST) -> str:
+    """Return the last part of a name with or without dots, empty for anything else."""
+    if isinstance(node, ast.Attribute):
+        return node.attr
+    return node.id if isinstance(node, ast.Name) else ''
+
+
+# -- fields of messages ---------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class FieldUse:
+    """
+    What code does with a field of a message.
+
+    :param given: whether it may get a value: it, a part of it or an argument of its name is there
+    :param empty: whether one of those values is a call of ``Time`` without arguments
+    :param local: whether a variable of the field's name gets a value
+    """
+
+    given: bool
+    empty: bool
+    local: bool
+
+
+def use_of_field(files: Mapping[str, str], field: str) -> FieldUse:
+    """
+    Return what code does with a field.
+
+    :param field: its name, such as ``timestamp``
+    """
+    values: list[ast.AST | None] = []
+    local = False
+    for tree in trees(files):
+        for node in ast.walk(tree):
+            values += _values_given(node, field)
+            stored = isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+            local = local or (stored and _last_name(node) == field)
+    return FieldUse(bool(values), any(map(_is_empty_time, values)), local)
+
+
+def _values_given(node: ast.AST, field: str) -> list[ast.AST | None]:
+    """Return what a field gets in one place of the tree, None for what cannot be told."""
+    if isinstance(node, ast.Assign):
+        return [node.value for target in node.targets if _reaches(target, field)]
+    if isinstance(node, ast.keyword) and node.arg == field:
+        return [node.value]
+    # A name in quotes is given to setattr(), or is the key of a dictionary of fields.
+    named = isinstance(node, ast.Constant) and node.value == field
+    # What is written by a way of its own: a loop, with, another name for the same object.
+    written = isinstance(node, ast.Attribute) and node.attr == field
+    return [None] if named or written else []
+
+
+def _reaches(target: ast.AST, field: str) -> bool:
+    """Tell whether an assignment's target is a field or a part of it."""
+    while isinstance(target, ast.Attribute):
+        if target.attr == field:
+            return True
+        target = target.value
+    return False
+
+
+def _is_empty_time(value: ast.AST | None) -> bool:
+    """Tell whether a value is ``Time()``, or that turned into a message."""
+    if isinstance(value, ast.Call) and _last_name(value.func) == 'to_msg':
+        value = value.func.value if isinstance(value.func, ast.Attribute) else None
+    if not isinstance(value, ast.Call):
+        return False
+    return _last_name(value.func) == 'Time' and not value.args and not value.keywords
+
+
+# -- timers ---------------------------------------------------------------------------------
+
+
+def timer_periods(files: Mapping[str, str]) -> set[float]:
+    """Return the periods [s] that timers get, as far as they are numbers or names of numbers."""
+    known: dict[str, float] = {}
+    written: list[ast.AST] = []
+    for tree in trees(files):
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Assign) and (number := _number(node.value, {})) is not None:
+                known.update({_last_name(target): number for target in node.targets})
+            if isinstance(node, ast.Call) and _last_name(node.func) == 'create_timer':
+                named = [one.value for one in node.keywords if one.arg == 'timer_period_sec']
+                written += named or node.args[:1]
+    found = (_number(node, known) for node in written)
+    return {number for number in found if number is not None and number > 0}
+
+
+def _number(node: ast.AST, known: Mapping[str, float]) -> float | None:
+    """Return the number that an expression is: 0.5, PERIOD_S, 1 / 2, 1.0 / self.rate."""
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
+        above, below = (_plain_number(part, known) for part in (node.left, node.right))
+        return above / below if above is not None and below else None
+    return _plain_number(node, known)
+
+
+def _plain_number(node: ast.AST, known: Mapping[str, float]) -> float | None:
+    if not isinstance(node, ast.Constant):
+        return known.get(_last_name(node))
+    if isinstance(node.value, (int, float)) and abs(node.value) < FOR_EVER_S:
+        return float(node.value)
+    return None
+
+
+# -- pauses in callbacks --------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Pause:
+    """
+    A call of ``sleep`` that a callback comes to.
+
+    :param callback: name of the function that ROS calls, empty for a lambda
+    :param line: of the file, from 1
+    :param looped: whether it is inside of a ``while`` loop
+    """
+
+    callback: str
+    line: int
+    looped: bool
+
+
+def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
+    """
+    Return the first pause in a function that is given to a timer, a subscription or a service.
+
+    What such a function calls in the same file belongs to it; ``await asyncio.sleep()`` lets
+    others work and is none.
+    """
+    for tree in trees(files):
+        functions = {
+            node.name: node
+            for node in ast.walk(tree)
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+        }
+        for callback in _callbacks(tree):
+            name = _last_name(callback)
+            for body in _reached(functions.get(name, callback), functions):
+                if found := _pause(body):
+                    return Pause(name, *found)
+    return None
+
+
+def _callbacks(tree: ast.Module) -> Iterator[ast.AST]:
+    """Yield what is given as a callback: a name, a method or a lambda."""
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Call) or _last_name(node.func) not in _CALLBACKS:
+            continue
+        place = _CALLBACKS[_last_name(node.func)]
+        given = [one.value for one in node.keywords if one.arg == 'callback']
+        for callback in given or node.args[place : place + 1]:
+            if isinstance(callback, ast.Call) and _last_name(callback.func) == 'partial':
+                yield from callback.args[:1]
+            else:
+                yield callback
+
+
+def _reached(first: ast.AST, functions: Mapping[str, ast.AST]) -> Iterator[ast.AST]:
+    """Yield a function and those that it calls, in this file."""
+    seen: list[ast.AST] = [first]
+    for body in seen:
+        yield body
+        for node in ast.walk(body):
+            called = functions.get(_last_name(node.func)) if isinstance(node, ast.Call) else None
+            if called is not None and called not in seen:
+                seen.append(called)
+
+
+def _pause(body: ast.AST) -> tuple[int, bool] | None:
+    """Return the line of the first pause in a function, and whether it is in a loop."""
+    if not isinstance(body, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+        return None
+    awaited = {id(node.value) for node in ast.walk(body) if isinstance(node, ast.Await)}
+    looped = {
+        id(inner)
+        for node in ast.walk(body)
+        if isinstance(node, ast.While)
+        for inner in ast.walk(node)
+    }
+    found = [
+        (node.lineno, id(node) in looped)
+        for node in ast.walk(body)
+        if isinstance(node, ast.Call)
+        and _last_name(node.func) == 'sleep'
+        and id(node) not in awaited
+        and not _is_short(node)
+    ]
+    return min(found, default=None)
+
+
+def _is_short(call: ast.Call) -> bool:
+    """Tell whether a pause is surely so short that nothing waits for it."""
+    value = call.args[0].value if call.args and isinstance(call.args[0], ast.Constant) else None
+    return isinstance(value, (int, float)) and value < SHORT_S

@@ -1,0 +1,67 @@
+"""
+Why a node that was made does not answer, or answers late, in a program that lives on.
+
+Its thread has ended with an exception, or one of its callbacks sleeps.  :mod:`causes` asks here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+import re
+
+from autograder.judging.exam import Cause, Run
+from autograder.judging.learners_code import pause_in_callback
+from autograder.judging.raised import exception_cause, traceback_of
+from autograder.runs.recording import Recording
+
+THREAD = 'Exception in thread '
+"""How Python begins what it prints when an exception has ended a thread, and not the program."""
+SPINS = re.compile(r'^ +File .*, in _?spin\w*$', re.MULTILINE)
+
+
+def nobody_answers(run: Run) -> bool:
+    """Tell whether the probe has asked, and no node of the program has ever answered."""
+    barriers = run.recording.of('barrier')
+    return bool(barriers) and not any(event['answered'] for event in barriers)
+
+
+def why_thread_ended(run: Run) -> Cause | None:
+    """
+    Explain a program that lives on after an exception has ended the thread that spins its node.
+
+    An exception in another thread explains only that there is no node, or nobody ever spins it.
+    """
+    said = str(run.recording.process.get('stderr', ''))
+    for thread in said.split(THREAD)[1:]:
+        # With what a hidden exam has sent: the words of an exception must not show it.
+        events = [*run.recording.of('input'), {**run.recording.process, 'stderr': thread}]
+        trace = traceback_of(replace(run, recording=Recording({}, events)))
+        spins = bool(SPINS.search(thread))
+        idle = not run.recording.nodes or nobody_answers(run)
+        if trace is None or not trace.line or not (spins or idle):
+            continue
+        why = exception_cause(trace)
+        # It is not the program that stopped.
+        text = why.text.replace('The program stopped with an exception', 'An exception was raised')
+        which = 'the thread that spins the node' if spins else 'a thread of your program'
+        return replace(why, text=f'{text.removesuffix(".")}. It ended {which}.')
+    return None
+
+
+def why_it_sleeps(run: Run, waits: bool = False) -> Cause | None:
+    """
+    Explain a node that is late because a callback sleeps, if its code says so.
+
+    :param waits: leave out a pause in a ``while`` loop: there it is the loop that does not end
+    """
+    pause = pause_in_callback(run.files)
+    if pause is None or (waits and pause.looped):
+        return None
+    name = f'{pause.callback[:60]}()' if pause.callback else 'A callback'
+    return Cause(
+        'sleeps_in_callback',
+        # Line 1 of the cell is the magic line.
+        f'{name} sleeps in line {pause.line + 1} of the cell, and while a callback sleeps, the '
+        'node does nothing else: no timer ticks, no message is taken.',
+        'Take the sleep out. The period of a timer is the pause, and a callback returns at once.',
+    )

@@ -1,0 +1,154 @@
+"""What a learner's code says: comments and texts say nothing, and files need not be Python."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.judging.learners_code import (
+    calls,
+    FieldUse,
+    Pause,
+    pause_in_callback,
+    texts_in,
+    timer_periods,
+    use_of_field,
+    without_texts,
+)
+
+BROKEN = 'def tick(:\n    time.sleep(1.0)\n'
+
+
+def node(callback: str, made: str = 'self.create_timer(1.0, self.tick)') -> dict[str, str]:
+    """Return the file of a node with one callback, whose body stands in line 5."""
+    code = f'class N(Node):\n    def __init__(self):\n        {made}\n    def tick(self):\n'
+    return {'n.py': f'{code}        {callback}\n'}
+
+
+class TestTexts:
+    """Comments and texts are blanked, and the rest stays where it is."""
+
+    @pytest.mark.parametrize(
+        ('code', 'left'),
+        [
+            ('a = 1  # time.sleep(1)\n', 'a = 1'),
+            ("'time.sleep(1)'\na = 1\n", '\na = 1'),
+            ('"""one\ntime.time()\n"""\na = 1\n', 'a = 1'),
+            ("a = f'time.sleep {b}'\n", "a = f'{b}'"),
+            ("Parameter('use_sim_time', value=False)\n", "Parameter('use_sim_time', value=False)"),
+        ],
+    )
+    def test_only_code_is_left(self, code, left):
+        """The parameter that chooses a clock is no mere text."""
+        found = without_texts(code)
+
+        assert found.count('\n') == code.count('\n')
+        assert found.replace(' ', '').strip() == left.replace(' ', '').strip()
+
+    @pytest.mark.parametrize('code', ['a = (', "a = 'open\n", 'if a:\n  b\n c\n', '\x00'])
+    def test_what_is_no_python_stays_as_it_is(self, code):
+        """Nothing is known of it."""
+        assert without_texts(code) == code
+        assert calls({'n.py': code}, 'b') is False
+
+    def test_texts_and_calls_are_found_in_python_files_only(self):
+        """A package has other files too."""
+        files = {'n.py': "math.isnan(a) or 'Farenheit'", 'package.xml': "<a b='c'>isfinite(1)</a>"}
+
+        assert texts_in(files) == {'Farenheit'}
+        assert calls(files, 'isnan')
+        assert not calls(files, 'isfinite')
+
+    def test_an_escape_that_python_warns_of_is_the_learners(self):
+        """The grader prints no warnings of it."""
+        assert texts_in({'n.py': "a = '\\d'"}) == {'\\d'}
+
+
+@pytest.mark.parametrize(
+    ('code', 'use'),
+    [
+        ('message.timestamp = now', FieldUse(True, False, False)),
+        ('message.timestamp.sec = 3', FieldUse(True, False, False)),
+        ('Temperature(timestamp=now)', FieldUse(True, False, False)),
+        ("setattr(message, 'timestamp', now)", FieldUse(True, False, False)),
+        ('message.timestamp = Time()', FieldUse(True, True, False)),
+        ('message.timestamp = rclpy.time.Time().to_msg()', FieldUse(True, True, False)),
+        ('message.timestamp = Time(sec=3)', FieldUse(True, False, False)),
+        ('timestamp = now', FieldUse(False, False, True)),
+        ('# message.timestamp = now', FieldUse(False, False, False)),
+    ],
+)
+def test_what_is_done_with_a_field(code, use):
+    """A variable of the same name is none."""
+    assert use_of_field({'n.py': code}, 'timestamp') == use
+
+
+@pytest.mark.parametrize(
+    ('code', 'periods'),
+    [
+        ('node.create_timer(0.5, tick)', {0.5}),
+        ('PERIOD_S = 2\nnode.create_timer(PERIOD_S, tick)', {2.0}),
+        ('self.rate = 4.0\nself.create_timer(1 / self.rate, tick)', {0.25}),
+        ('node.create_timer(timer_period_sec=1.5, callback=tick)', {1.5}),
+        ('node.create_timer(period(), tick)', set()),
+        ('node.create_timer(1 / 0, tick)', set()),
+        (f'node.create_timer(1{"0" * 400}, tick)', set()),
+        ('# node.create_timer(0.5, tick)', set()),
+    ],
+)
+def test_period_of_a_timer_is_read_if_it_is_a_number(code, periods):
+    """Or the name of one."""
+    assert timer_periods({'n.py': code}) == periods
+
+
+class TestPauses:
+    """A sleep counts where ROS calls the function."""
+
+    @pytest.mark.parametrize(
+        'made',
+        [
+            'self.create_timer(1.0, self.tick)',
+            'self.create_timer(1.0, callback=self.tick)',
+            "self.create_subscription(String, 'chatter', self.tick, 10)",
+            "self.create_service(Trigger, 'now', self.tick)",
+            'self.create_timer(1.0, partial(self.tick, 3))',
+            'self.create_timer(1.0, tick)',
+        ],
+    )
+    @pytest.mark.parametrize('code', ['time.sleep(1.0)', 'sleep(PAUSE_S)', 'self.rate.sleep()'])
+    def test_a_callback_that_sleeps_is_found_with_its_line(self, made, code):
+        """Whatever it is given to, and whoever sleeps."""
+        assert pause_in_callback(node(code, made)) == Pause('tick', 5, False)
+
+    def test_what_a_callback_calls_belongs_to_it(self):
+        """A method of its own that waits."""
+        files = node('self.work()\n    def work(self):\n        time.sleep(1.0)')
+
+        assert pause_in_callback(files) == Pause('tick', 7, False)
+
+    def test_a_lambda_has_no_name(self):
+        """It sleeps all the same."""
+        files = {'n.py': 'node.create_timer(1.0, lambda: time.sleep(1.0))'}
+
+        assert pause_in_callback(files) == Pause('', 1, False)
+
+    def test_a_pause_in_a_loop_is_told_from_another(self):
+        """There, it is the loop that does not end."""
+        files = node('while True:\n            time.sleep(1.0)')
+
+        assert pause_in_callback(files) == Pause('tick', 6, True)
+
+    @pytest.mark.parametrize(
+        'code', ['pass  # time.sleep(1)', 'time.sleep(0.01)', 'await asyncio.sleep(1.0)']
+    )
+    def test_what_nobody_waits_for_is_none(self, code):
+        """A comment, an instant, and what lets others work."""
+        files = {name: text.replace('def t', 'async def t') for name, text in node(code).items()}
+
+        assert pause_in_callback(files) is None
+
+    def test_a_function_that_ros_does_not_call_may_sleep(self):
+        """A thread of one's own, for example."""
+        files = {'n.py': 'def work():\n    time.sleep(1.0)\nThread(target=work).start()\n'}
+
+        assert pause_in_callback(files) is None
+        assert pause_in_callback({'n.py': BROKEN}) is None

@@ -1,0 +1,129 @@
+"""A program that lives on and does not answer: its thread has ended, or a callback sleeps."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.judging.causes import why_no_node, why_silent
+from autograder.judging.exam import Run
+from autograder.runs.recording import Recording
+
+SPUN = (
+    '  File "/usr/lib/python3.12/threading.py", line 1010, in run\n'
+    '  File "/opt/ros/jazzy/lib/python3.12/site-packages/rclpy/__init__.py", line 226, in spin\n'
+)
+ERROR = 'TypeError: can only concatenate str (not "int") to str'
+SLEEPS = (
+    'class Talker(Node):\n'
+    '    def __init__(self):\n'
+    '        self.create_timer(1.0, self.speak)\n'
+    '    def speak(self):\n'
+    '        time.sleep(1.5)\n'
+)
+LOOPS = SLEEPS.replace('        time', '        while rclpy.ok():\n            time')
+
+
+def died(frames=SPUN, file='/submission/talker.py', error=ERROR):
+    """Return what Python prints when an exception ends a thread."""
+    return (
+        'Exception in thread Thread-1 (spin):\nTraceback (most recent call last):\n'
+        f'{frames}  File "{file}", line 4, in speak\n    x\n{error}\n'
+    )
+
+
+def run(*events, reason='unresponsive', answered=False, code=SLEEPS, facts=None, **process):
+    """
+    Return a run in the middle of which something has stopped.
+
+    :param answered: whether its node has ever answered, None if it has no node
+    """
+    nodes = ['/talker'] if answered is not None else []
+    last = (
+        *({'event': 'barrier', 'node': node, 'answered': answered} for node in nodes),
+        {'event': 'graph', 'when': 'end', 'nodes': nodes, 'endpoints': []},
+        {'event': 'end', 'reason': reason},
+        {'event': 'process', 'exit': None, 'killed': '', 'stdout': '', 'stderr': '', **process},
+    )
+    return Run({'talker.py': code}, Recording({}, (*events, *last)), facts or {})
+
+
+class TestThreads:
+    """An exception that ends a thread does not end the program."""
+
+    @pytest.mark.parametrize('reason', ['unresponsive', 'complete', 'wall_time_limit'])
+    def test_exception_in_the_thread_that_spins_is_told_with_its_line(self, reason):
+        """Line 4 of the file is line 5 of the cell; no callback is blamed for not ending."""
+        found = why_silent(run(reason=reason, stderr=died(), code=LOOPS))
+
+        assert found.cause_id == 'exception'
+        assert 'line 5 of the cell' in found.text
+        assert found.text.endswith('to str. It ended the thread that spins the node.')
+        assert 'The program stopped' not in found.text
+
+    def test_known_exception_keeps_its_own_words(self):
+        """They are those of a program that dies of it."""
+        error = "AttributeError: 'String' object has no attribute 'dat'"
+
+        found = why_silent(run(stderr=died(error=error)))
+
+        assert found.cause_id == 'no_field'
+        assert 'A String has no field dat' in found.text
+
+    def test_another_thread_explains_a_node_that_nobody_ever_spins(self):
+        """It should have spun, perhaps; a helper's end says nothing of a node that answers."""
+        helper = died(frames='')
+
+        never = why_silent(run(stderr=helper, code='', reason='complete'))
+        served = why_silent(run(stderr=helper, code='', reason='complete', answered=True))
+
+        assert never.text.endswith('It ended a thread of your program.')
+        assert served is None
+
+    def test_thread_that_ends_before_it_has_a_node_is_told(self):
+        """No loop is looked for that keeps main() from making one."""
+        found = why_no_node(run(stderr=died(frames=''), answered=None), '/talker')
+
+        assert found.cause_id == 'exception'
+        assert 'It ended a thread' in found.text
+
+    def test_exception_below_code_that_is_not_the_learners_is_not_theirs(self):
+        """No line of the cell can be named."""
+        found = why_silent(run(stderr=died(file='/opt/ros/x.py'), code=''))
+
+        assert found.cause_id == 'blocked'
+
+    def test_words_of_an_exception_do_not_show_what_was_sent(self):
+        """A hidden exam's inputs stay hidden here too."""
+        sent = {'event': 'input', 'index': 0, 'data': {'data': 47.25}}
+        error = 'ValueError: 47.25 is too much'
+
+        found = why_silent(run(sent, stderr=died(error=error), facts={'secret': True}))
+
+        assert found.cause_id == 'exception'
+        assert '47' not in found.text
+
+
+class TestSleep:
+    """A pause in a callback stops the node."""
+
+    def test_pause_is_told_before_the_limit(self):
+        """How far the program came is luck; its line is not."""
+        found = why_silent(run(reason='wall_time_limit', answered=True))
+
+        assert found.cause_id == 'sleeps_in_callback'
+        assert found.text.startswith('speak() sleeps in line 6 of the cell')
+
+    def test_long_pause_is_told_of_a_node_that_does_not_answer(self):
+        """With the line, in place of words about loops."""
+        assert why_silent(run(answered=True)).cause_id == 'sleeps_in_callback'
+
+    def test_pause_in_an_endless_loop_is_the_loops_fault(self):
+        """Without the sleep it would not end either."""
+        assert why_silent(run(answered=True, code=LOOPS)).cause_id == 'blocked'
+
+    def test_limit_of_a_program_without_a_pause_is_told_as_it_is(self):
+        """And a program that answers has no such cause."""
+        limit = why_silent(run(reason='wall_time_limit', answered=True, code=''))
+
+        assert limit.cause_id == 'wall_time_limit'
+        assert why_silent(run(reason='complete', answered=True)) is None

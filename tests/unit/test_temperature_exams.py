@@ -1,0 +1,304 @@
+"""The exams of lesson 07, asked about recordings made by hand: clocks, stamps and log lines."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from autograder.exams.visible import temperature_publisher as publisher
+from autograder.exams.visible import temperature_subscriber as subscriber
+from autograder.judging.exam import Failed, Run
+from autograder.judging.readings import Reading
+from autograder.runs.recording import ERROR, INFO, Recording, WARN
+
+ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})
+STEADY = 'clock = Clock(clock_type=ClockType.STEADY_TIME)'
+SLEEP = 'def publish_reading():\n    time.sleep(1)'
+TIMER = 'self.create_timer({}, self.publish_reading)\n'
+
+
+def why(check, run):
+    """Return why a check fails."""
+    with pytest.raises(Failed) as failed:
+        check(run)
+    return failed.value.why
+
+
+# -- the publisher --------------------------------------------------------------------------
+
+
+def published(moments_s, code='', stamp_s=0.0):
+    """Return a run of the publisher with readings at these moments."""
+    stamp = {'sec': int(stamp_s), 'nanosec': 0}
+    events = [
+        {
+            'event': 'message',
+            'topic': publisher.TOPIC,
+            'listener': None,
+            'clock_ns': round(moment * 1e9),
+            'data': {'timestamp': stamp},
+        }
+        for moment in moments_s
+    ]
+    facts = {'simulated_s': 10, 'step_ns': 250_000_000, 'phase_ns': 100_000_000}
+    return Run({'temp_publisher.py': code}, Recording({}, (*events, *ENDS)), facts)
+
+
+class TestRhythm:
+    """A clock that is named need not be the one that paces."""
+
+    HALF = tuple(0.6 + 0.5 * number for number in range(20))
+    UNSTEADY = (1.1, 3.85, 5.1, 9.35)
+
+    def test_wrong_period_is_told_although_a_value_comes_of_the_time_of_day(self):
+        """The messages keep the period that the code gives its timer."""
+        code = TIMER.format('PERIOD_S') + 'PERIOD_S = 0.5\nvalue = 22 + math.sin(time.time())\n'
+
+        found = why(publisher.publishes_once_per_second, published(self.HALF, code))
+
+        assert found.cause_id == 'wrong_rate'
+        assert 'about 2 times a second' in found.text
+
+    def test_clock_in_a_comment_paces_nothing(self):
+        """Not even where the period cannot be read."""
+        code = TIMER.format('period()') + '# no time.sleep() here\n'
+
+        found = why(publisher.publishes_once_per_second, published(self.HALF, code))
+
+        assert found.cause_id == 'wrong_rate'
+
+    @pytest.mark.parametrize(
+        ('code', 'cause_id'),
+        [
+            (
+                TIMER.format('0.5') + 'clock = Clock(clock_type=ClockType.STEADY_TIME)',
+                'other_clock',
+            ),
+            (
+                TIMER.format('0.5') + 'def publish_reading():\n    time.sleep(1)',
+                'sleeps_in_callback',
+            ),
+        ],
+    )
+    def test_messages_out_of_any_rhythm_are_told_without_a_count(self, code, cause_id):
+        """How many they are, is luck."""
+        run = published(self.UNSTEADY, code)
+
+        with pytest.raises(Failed) as failed:
+            publisher.publishes_once_per_second(run)
+
+        assert failed.value.why.cause_id == cause_id
+        assert failed.value.observed == 'messages in another rhythm'
+
+
+@pytest.mark.parametrize(
+    ('count', 'reason', 'judged'),
+    [
+        (29, 'wall_time_limit', True),
+        (11, 'wall_time_limit', True),
+        (9, 'wall_time_limit', False),
+        (29, 'complete', False),
+        (30, 'complete', True),
+    ],
+)
+def test_how_far_a_slow_program_comes_does_not_matter_for_its_readings(count, reason, judged):
+    """A pause of two seconds lets 29 of 60 come before the limit, or 30 on another machine."""
+    run = published([1.1 + number for number in range(count)])
+    events = (
+        *run.recording.events[:count],
+        {'event': 'end', 'reason': reason},
+        {'event': 'process'},
+    )
+    run = Run(run.files, Recording({}, events), {**run.facts, 'simulated_s': 60})
+
+    if judged:
+        assert len(publisher.enough_readings(run)) == count
+    else:
+        with pytest.raises(Failed):
+            publisher.enough_readings(run)
+
+
+@pytest.mark.parametrize(
+    ('code', 'cause_id', 'words'),
+    [
+        ('timestamp = self.get_clock().now().to_msg()', 'missing_stamp', 'a variable of its own'),
+        ('# msg.timestamp = now', 'missing_stamp', 'never set'),
+        ('msg.timestamp = Time()', 'empty_time', 'An empty Time is 0'),
+        ('msg.timestamp = self.start', 'stale_stamp', 'before the clock ran, as in __init__, or'),
+        ('msg = Temperature(timestamp=self.start)', 'stale_stamp', 'or never set'),
+    ],
+)
+def test_stamp_of_zero_is_explained_by_what_the_code_does(code, cause_id, words):
+    """What cannot be known is not claimed."""
+    run = published([1.1 + number for number in range(10)], code)
+
+    found = why(publisher.stamps_follow_the_clock, run)
+
+    assert found.cause_id == cause_id
+    assert words in found.text
+
+
+# -- the subscriber -------------------------------------------------------------------------
+
+COOL, HOT = Reading(21.5, 'a cool reading'), Reading(45.25, 'a hot reading')
+WARM_F = Reading(95.0, 'a warm reading in °F', 'Fahrenheit')
+NAN = Reading(math.nan, 'a reading that is not a number')
+ODD = Reading(300.0, 'a reading in an unknown unit', 'QXZ')
+
+
+def heard(readings, answer, code='', secret=False):
+    """Return a run of the subscriber, which logs for each reading what a function says."""
+    events = []
+    for number, reading in enumerate(readings):
+        events.append({'event': 'input', 'index': number, 'data': reading.message(number)})
+        events += [
+            {
+                'event': 'log',
+                'name': 'temperature_subscriber',
+                'level': level,
+                'text': text,
+                'after_input': number,
+                'clock_ns': None,
+            }
+            for level, text in answer(reading)
+        ]
+    facts = {'singles': tuple(readings), 'burst': (), 'secret': secret}
+    return Run({'temp_subscriber.py': code}, Recording({}, (*events, *ENDS)), facts)
+
+
+def right(reading):
+    """Log as the lesson asks for."""
+    lines = [(INFO, f'{reading.celsius:.2f}')]
+    return [*lines, (WARN, 'too hot')] if reading.hot else lines
+
+
+CHECKS = (
+    subscriber.logs_every_reading,
+    subscriber.warns_when_too_hot,
+    subscriber.stays_quiet_otherwise,
+)
+
+
+class TestErrors:
+    """A proper reading that is answered with an ERROR: the line says why."""
+
+    @pytest.mark.parametrize('check', CHECKS)
+    @pytest.mark.parametrize(
+        ('text', 'cause_id', 'words'),
+        [
+            (
+                "went wrong: 'Temperature' object has no attribute 'temperature'",
+                'no_field',
+                'A Temperature has no field temperature',
+            ),
+            (
+                "something: name 'limit' is not defined",
+                'logged_error',
+                "logs this error: 'something: name 'limit' is not defined'",
+            ),
+            ("unsupported operand type(s) for -: 'str'", 'logged_error', 'unsupported operand'),
+            ('nicht lesbar', 'logged_error', "'nicht lesbar'"),
+            ('unknown unit Celsius', 'unit_text', 'as if nobody knew their unit'),
+            ('Celsius ist unbekannt', 'unit_text', 'as if nobody knew their unit'),
+        ],
+    )
+    def test_text_of_the_error_is_told_and_no_unit_invented(self, check, text, cause_id, words):
+        """Only a line about the unit is one about the unit."""
+        found = why(check, heard([COOL, HOT, COOL], lambda _: [(ERROR, text)]))
+
+        assert found.cause_id == cause_id
+        assert words in found.text
+
+    def test_except_is_named_as_what_hides_the_place(self):
+        """Without one, the condition is asked for."""
+        code = 'try:\n    x\nexcept Exception as error:\n    log(error)\n'
+
+        hidden = why(CHECKS[0], heard([COOL], lambda _: [(ERROR, 'oh no')], code))
+        plain = why(CHECKS[0], heard([COOL], lambda _: [(ERROR, 'oh no')]))
+
+        assert 'take try and except out' in hidden.try_this
+        assert 'which condition' in plain.try_this
+
+    def test_readings_that_are_all_logged_as_errors_have_the_wrong_level(self):
+        """The value is in the line, so nothing has gone wrong but the level."""
+        run = heard([COOL, HOT], lambda reading: [(ERROR, f'{reading.value} Celsius')])
+
+        assert why(subscriber.logs_every_reading, run).cause_id == 'wrong_level'
+        assert why(subscriber.warns_when_too_hot, run).cause_id == 'wrong_level'
+
+    def test_line_of_a_hidden_exam_is_quoted_without_what_was_sent(self):
+        """Neither numbers nor units that nobody can know."""
+        text = "bad 21.5, heard 45.25 and qxz, name 'x' is not defined " + 'long ' * 99
+
+        found = why(CHECKS[0], heard([COOL, HOT, ODD], lambda _: [(ERROR, text)], secret=True))
+
+        assert "'bad …, heard … and …, name 'x' is not defined" in found.text
+        assert len(found.text) < 200
+
+    def test_name_of_an_attribute_carries_nothing_out_of_a_hidden_exam(self):
+        """Whoever logs such a line on purpose."""
+        text = "'N' object has no attribute 'v4525'"
+
+        found = why(CHECKS[0], heard([COOL], lambda _: [(ERROR, text)], secret=True))
+
+        assert found.cause_id == 'logged_error'
+        assert '4525' not in found.text
+
+
+class TestFahrenheit:
+    """Readings in Fahrenheit that are refused, while Celsius is understood."""
+
+    @staticmethod
+    def refusing(code, text='unknown unit'):
+        """Return a run of a node that does not know Fahrenheit."""
+        return heard(
+            [COOL, HOT, WARM_F, COOL],
+            lambda one: [(ERROR, text)] if one.unit == 'Fahrenheit' else right(one),
+            code,
+        )
+
+    @pytest.mark.parametrize('check', [subscriber.converts_fahrenheit, CHECKS[0]])
+    @pytest.mark.parametrize(
+        ('code', 'hint'),
+        [
+            ("elif msg.unit == 'Farenheit':", "Your code has 'Farenheit'"),
+            ("if msg.unit == 'F': pass", "Your code has 'F'"),
+            ("if msg.unit == 'Farenheit': pass", "Your code has 'Farenheit'"),
+            ("if msg.unit != 'Celsius': error()", "Add a branch: if msg.unit == 'Fahrenheit'"),
+            ("if msg.unit.lower() == 'Fahrenheit': pass", 'Which condition'),
+        ],
+    )
+    def test_no_other_level_is_advised(self, check, code, hint):
+        """A warning in place of that ERROR would spoil the check of unknown units."""
+        if code.startswith('elif'):
+            code = f"if msg.unit == 'Celsius':\n    pass\n{code}\n    pass\n"
+
+        found = why(check, self.refusing(code))
+
+        assert found.cause_id == 'fahrenheit_refused'
+        assert 'as if their unit were unknown' in found.text
+        assert hint in found.try_this
+        assert 'warning' not in found.try_this
+
+    def test_mistake_in_the_conversion_is_quoted(self):
+        """What Python says is no unknown unit."""
+        run = self.refusing('', "unsupported operand type(s) for -: 'str' and 'int'")
+
+        assert why(subscriber.converts_fahrenheit, run).cause_id == 'logged_error'
+
+
+@pytest.mark.parametrize(
+    ('code', 'cause_id'),
+    [
+        ('if math.isnan(value):\n    log.warning("invalid")\n', 'warns_of_nan'),
+        ('if not numpy.isfinite(value):\n    log.warning("invalid")\n', 'warns_of_nan'),
+        ('if not (value <= 30.0):\n    log.warning("hot")\n', 'nan'),
+        ('if not (value <= 30.0):  # not isnan(value)\n    log.warning("hot")\n', 'nan'),
+    ],
+)
+def test_warning_of_nan_on_purpose_is_no_wrong_comparison(code, cause_id):
+    """Who asks for NaN knows that it compares with nothing."""
+    run = heard([COOL, NAN, HOT], lambda one: [(WARN, 'oh')] if one.odd else right(one), code)
+
+    assert why(subscriber.does_not_warn_about_nan, run).cause_id == cause_id
