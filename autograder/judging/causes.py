@@ -11,6 +11,7 @@ from collections.abc import Iterable
 import difflib
 import re
 
+from autograder.judging import stalled
 from autograder.judging.exam import Cause, Run
 from autograder.judging.raised import exception_cause
 from autograder.judging.tracebacks import traceback_of
@@ -27,7 +28,7 @@ LONG_S = 50.0
 """A period [s] that no exercise has; who writes it thinks of milliseconds."""
 
 LIMITS = {
-    'wall_time_limit': ('the run took longer than 60 s', 'a loop that never ends or waits'),
+    'wall_time_limit': ('the run took longer than 75 s', 'a loop that never ends or waits'),
     'cpu_limit': ('it used more than 20 s of processor time', 'a loop that never waits'),
     'busy_before_node': (
         'it computes and computes without making a node',
@@ -121,8 +122,6 @@ def why_no_node(run: Run, wanted: str) -> Cause:
 
     :param wanted: full node name, ``/name``
     """
-    from autograder.judging import stalled
-
     others = [name for name in run.recording.nodes if name != wanted]
     near = close_name(wanted, others) or (others[0] if others else '')
     if near:
@@ -236,8 +235,6 @@ def why_no_verdict(run: Run) -> Cause | None:
 
 def why_silent(run: Run) -> Cause | None:
     """Explain a node whose endpoints are right and from which nothing comes."""
-    from autograder.judging import stalled
-
     ended = why_it_ended(run)
     if ended and ended.cause_id not in LIMITS:
         return ended

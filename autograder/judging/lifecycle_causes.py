@@ -13,7 +13,7 @@ import re
 
 from autograder.judging.causes import why_no_verdict, why_silent
 from autograder.judging.exam import Cause, Run
-from autograder.judging.raised import HOMES
+from autograder.judging.raised_names import HOMES
 from autograder.runs.recording import Recording
 
 _IMPORT = re.compile(

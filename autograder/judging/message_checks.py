@@ -28,7 +28,7 @@ _BOUNDS = (
     (re.compile(r'<=(\d+)$'), '<={0} is at most {0} characters'),
 )
 ENDED = {
-    'wall_time_limit': 'it took longer than 60 s',
+    'wall_time_limit': 'it took longer than 75 s',
     'cpu_limit': 'it used more than 30 s of processor time, three times what it needs',
     'memory_limit': 'it used more than 1 GiB of memory',
     'output_limit': 'it printed more than 8 MB',

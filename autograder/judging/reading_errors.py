@@ -13,8 +13,9 @@ import re
 from autograder.judging.causes import close_name
 from autograder.judging.exam import Cause, Run
 from autograder.judging.learners_code import calls, texts_in
-from autograder.judging.raised import exception_cause, PUBLIC, Traceback
-from autograder.judging.readings import cool_groups, Reading, Sent, shown_in
+from autograder.judging.raised import exception_cause
+from autograder.judging.readings import Reading, Sent, sent, shown_in
+from autograder.judging.tracebacks import PUBLIC, Traceback
 from autograder.runs.recording import ERROR, Event
 
 NO_UNIT = Cause(
@@ -90,8 +91,11 @@ def quoted(run: Run, text: str) -> str:
 
 def refuses_fahrenheit(run: Run, group: Sent) -> bool:
     """Tell whether a reading in Fahrenheit is answered with an ERROR, and none in Celsius is."""
-    fahrenheit = group.readings[0].unit == 'Fahrenheit' and group.count(ERROR)
-    return bool(fahrenheit) and not any(one.count(ERROR) for one in cool_groups(run))
+    if group.readings[0].unit != 'Fahrenheit' or not group.count(ERROR):
+        return False
+    # A program that warns at the wrong level has ERROR lines for warm readings in Celsius too.
+    celsius = [one for one in sent(run) if one.readings[0].unit == 'Celsius']
+    return not any(one.count(ERROR) for one in celsius)
 
 
 def why_fahrenheit_is_refused(run: Run, group: Sent) -> Cause | None:

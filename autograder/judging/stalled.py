@@ -11,7 +11,8 @@ import re
 
 from autograder.judging.exam import Cause, Run
 from autograder.judging.learners_code import pause_in_callback
-from autograder.judging.raised import exception_cause, traceback_of
+from autograder.judging.raised import exception_cause
+from autograder.judging.tracebacks import traceback_of
 from autograder.runs.recording import Recording
 
 THREAD = 'Exception in thread '

@@ -25,7 +25,7 @@ class Limits:
     :param output: bytes printed
     """
 
-    wall_s: float = 60.0
+    wall_s: float = 75.0  # a simulated minute of callbacks that sleep a second each fits in
     cpu_s: int = 20
     memory: int = 1 << 30
     processes: int = 64
