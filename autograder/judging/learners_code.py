@@ -223,9 +223,10 @@ def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
             for node in ast.walk(tree)
             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
         }
+        seen: set[int] = set()
         for callback in _callbacks(tree):
             name = _last_name(callback)
-            for body in _reached(functions.get(name, callback), functions):
+            for body in _reached(functions.get(name, callback), functions, seen):
                 if found := _pause(body):
                     return Pause(name, *found)
     return None
@@ -245,15 +246,24 @@ def _callbacks(tree: ast.Module) -> Iterator[ast.AST]:
                 yield callback
 
 
-def _reached(first: ast.AST, functions: Mapping[str, ast.AST]) -> Iterator[ast.AST]:
-    """Yield a function and those that it calls, in this file."""
-    seen: list[ast.AST] = [first]
-    for body in seen:
+def _reached(
+    first: ast.AST, functions: Mapping[str, ast.AST], seen: set[int]
+) -> Iterator[ast.AST]:
+    """
+    Yield a function and those that it calls, in this file.
+
+    :param seen: what was yielded before, without a pause: a file may have thousands of callbacks
+    """
+    left = [first]
+    for body in left:
+        if id(body) in seen:
+            continue
+        seen.add(id(body))
         yield body
         for node in ast.walk(body):
             called = functions.get(_last_name(node.func)) if isinstance(node, ast.Call) else None
-            if called is not None and called not in seen:
-                seen.append(called)
+            if called is not None and id(called) not in seen:
+                left.append(called)
 
 
 def _pause(body: ast.AST) -> tuple[int, bool] | None:

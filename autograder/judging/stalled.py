@@ -17,6 +17,7 @@ from autograder.runs.recording import Recording
 
 THREAD = 'Exception in thread '
 """How Python begins what it prints when an exception has ended a thread, and not the program."""
+MOST_THREADS = 20  # that are looked at
 SPINS = re.compile(r'^ +File .*, in _?spin\w*$', re.MULTILINE)
 
 
@@ -33,7 +34,7 @@ def why_thread_ended(run: Run) -> Cause | None:
     An exception in another thread explains only that there is no node, or nobody ever spins it.
     """
     said = str(run.recording.process.get('stderr', ''))
-    for thread in said.split(THREAD)[1:]:
+    for thread in said.split(THREAD, MOST_THREADS)[1:]:
         # With what a hidden exam has sent: the words of an exception must not show it.
         events = [*run.recording.of('input'), {**run.recording.process, 'stderr': thread}]
         trace = traceback_of(replace(run, recording=Recording({}, events)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from autograder.judging import learners_code
 from autograder.judging.learners_code import (
     calls,
     FieldUse,
@@ -152,3 +153,13 @@ class TestPauses:
 
         assert pause_in_callback(files) is None
         assert pause_in_callback({'n.py': BROKEN}) is None
+
+    def test_each_function_is_looked_at_once(self, monkeypatch):
+        """However many callbacks come to it: a file of thousands must not stall a class."""
+        chain = '\n'.join(f'def f{n}():\n    f{n + 1}()' for n in range(200))
+        given = '\n'.join(f'node.create_timer(1.0, f{n})' for n in range(200))
+        looked = []
+        monkeypatch.setattr(learners_code, '_pause', looked.append)
+
+        assert pause_in_callback({'n.py': f'{chain}\n{given}\n'}) is None
+        assert len(looked) == 200
