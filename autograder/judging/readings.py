@@ -104,7 +104,13 @@ def cool_groups(run: Run) -> list[Sent]:
 
 
 def share_of(run: Run, right: int, all_of_them: int) -> float:
-    """Return the part of the points for what was right before a program ended in mid-run."""
+    """
+    Return the part of the points for what was right before a program ended in mid-run.
+
+    How far a slow program came until the limit of time is the machine's doing: no part of that.
+    """
+    if run.recording.end_reason == 'wall_time_limit':
+        return 0.0
     if all(group.sent for group in sent(run)) or not all_of_them:
         return 0.0
     return round(right / all_of_them, 2)

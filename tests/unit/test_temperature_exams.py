@@ -9,7 +9,7 @@ import pytest
 from autograder.exams.visible import temperature_publisher as publisher
 from autograder.exams.visible import temperature_subscriber as subscriber
 from autograder.judging.exam import Failed, Run
-from autograder.judging.readings import Reading
+from autograder.judging.readings import Reading, share_of
 from autograder.runs.recording import ERROR, INFO, Recording, WARN
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})
@@ -302,3 +302,14 @@ def test_warning_of_nan_on_purpose_is_no_wrong_comparison(code, cause_id):
     run = heard([COOL, NAN, HOT], lambda one: [(WARN, 'oh')] if one.odd else right(one), code)
 
     assert why(subscriber.does_not_warn_about_nan, run).cause_id == cause_id
+
+
+@pytest.mark.parametrize(('reason', 'share'), [('exited', 0.5), ('wall_time_limit', 0.0)])
+def test_how_far_a_slow_program_came_earns_nothing(reason, share):
+    """That is the machine's doing; how far one came that ended by itself is its own."""
+    reading = Reading(20.0, 'Celsius')
+    facts = {'singles': (reading, reading), 'burst': ()}
+    arrived = {'event': 'input', 'index': 0, 'clock_ns': 0, 'data': {}, 'topic': '/x'}
+    recording = Recording({}, (arrived, {'event': 'end', 'reason': reason}))
+
+    assert share_of(Run({}, recording, facts), 1, 2) == share
