@@ -11,15 +11,14 @@ from conftest import ASSIGNMENT
 import nbformat
 import pytest
 from test_nbgrader_round_trip import nbgrader
-from test_sample_class import EXAMINED, graded
+from test_sample_class import EXAMINED
 
 from autograder import __main__ as command
 from autograder import exams, sample_class
-from autograder.explaining.feedback import check_lines, MOST_LINES, titles_of, told, WIDTH
+from autograder.explaining.feedback import check_lines, titles_of, told
 from autograder.gradebook.record import record
 from autograder.judging.exam_mistakes import lesson_headings, no_section, read_mistakes
 from autograder.judging.reading_list import SECTIONS, where_to_read
-from autograder.judging.results import Verdict
 from autograder.layout import Layout
 from autograder.sandboxes.sandbox import strongest
 from autograder.whole_class.inbox import Submission
@@ -180,20 +179,6 @@ def test_the_visible_checks_of_a_notebook_say_them(result, said, tmp_path):
     assert facts_of(report._repr_html_()) == said
     assert f'{NOTEBOOK}#Part-2:-The-publisher' in read(report._repr_html_()).links
     assert read(report._repr_html_()).pictures == 1
-
-
-@pytest.mark.timeout(1800)  # it may be the first that needs the lesson's samples
-@pytest.mark.parametrize('assignment', EXAMINED)
-def test_every_failing_text_of_the_sample_class_is_short(assignment):
-    """Twelve lines of a readable width, whatever was handed in."""
-    for name, submission in graded(assignment).items():
-        for exam in submission.exams:
-            for check in exam.checks:
-                lines = check_lines(check, titles_of(exam))
-                assert len(lines) <= MOST_LINES, (name, lines)
-                assert max(map(len, lines)) <= WIDTH, (name, lines)
-                if check.verdict is not Verdict.PASSED:
-                    assert len(lines) > 1, (name, lines)
 
 
 @pytest.mark.parametrize('hidden', [True, False], ids=['graded', 'visible'])

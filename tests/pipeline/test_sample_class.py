@@ -9,6 +9,7 @@ import tempfile
 import pytest
 
 from autograder import exams, sample_class
+from autograder.explaining.feedback import check_lines, MOST_LINES, titles_of, WIDTH
 from autograder.judging.results import SubmissionResult, Verdict
 from autograder.layout import Layout
 from autograder.whole_class.inbox import Submission
@@ -95,3 +96,16 @@ def test_verdicts_and_causes_and_points_are_those_expected(assignment, name):
         assert any(
             Verdict.FAILED.value in one for exam in wanted.values() for one in exam.values()
         )
+
+
+@pytest.mark.parametrize('assignment', EXAMINED)
+def test_every_failing_text_is_short(assignment):
+    """Twelve lines of a readable width, whatever was handed in."""
+    for name, submission in graded(assignment).items():
+        for exam in submission.exams:
+            for check in exam.checks:
+                lines = check_lines(check, titles_of(exam))
+                assert len(lines) <= MOST_LINES, (name, lines)
+                assert max(map(len, lines)) <= WIDTH, (name, lines)
+                if check.verdict is not Verdict.PASSED:
+                    assert len(lines) > 1, (name, lines)
