@@ -17,6 +17,7 @@ import warnings
 _UNREADABLE = (SyntaxError, ValueError, RecursionError, MemoryError)
 _TEXTS = ('COMMENT', 'STRING', 'FSTRING_MIDDLE')
 _PARAMETER = re.compile(r'^[a-z]{0,2}[\'"]use_sim_time(:=\w+)?[\'"]$', re.IGNORECASE)
+_FORMATTED = re.compile(r'(?:[fF][rR]?|[rR][fF])(?P<quote>"""|\'\'\'|"|\')')
 _CALLBACKS = {'create_timer': 1, 'create_subscription': 2, 'create_service': 2}
 """At which place the functions of rclpy take a callback."""
 SHORT_S = 0.1
@@ -42,12 +43,29 @@ def without_texts(code: str) -> str:
         if tokenize.tok_name[token.type] not in _TEXTS or _PARAMETER.match(token.string):
             continue
         (first, begin), (last, end) = token.start, token.end
+        # Before Python 3.12, an f-string is one token, the code in its braces included.
+        parts = iter(_blanked(token.string).splitlines())
         for number in range(first - 1, min(last, len(lines))):
             line = lines[number]
             left = begin if number == first - 1 else 0
             right = end if number == last - 1 else len(line.rstrip('\r\n'))
-            lines[number] = line[:left] + ' ' * (right - left) + line[right:]
+            lines[number] = line[:left] + next(parts, '').ljust(right - left) + line[right:]
     return ''.join(lines)
+
+
+def _blanked(text: str) -> str:
+    """Return a token with blanks for what is text in it; an f-string keeps quotes and braces."""
+    found = _FORMATTED.match(text)
+    if found is None:
+        return ''.join(char if char in '\r\n' else ' ' for char in text)
+    begin, end = found.end(), len(text) - len(found['quote'])
+    inside = 0
+    kept = [text[:begin]]
+    for char in text[begin:end]:
+        inside += char == '{'
+        kept.append(char if inside > 0 or char in '\r\n' else ' ')
+        inside -= char == '}' and inside > 0
+    return ''.join([*kept, text[end:]])
 
 
 def trees(files: Mapping[str, str]) -> Iterator[ast.Module]:
