@@ -34,7 +34,7 @@ def kernel_spec(ros: RosEnvironment) -> dict[str, object]:
         'argv': [*launch, f'--ext={GUIDE}'],
         'display_name': KERNEL_TITLE,
         'language': 'python',
-        'metadata': {'debugger': True},
+        'metadata': {'debugger': True, 'supported_encryption': ['curve']},
         'env': variables,
     }
 
@@ -49,8 +49,17 @@ def write_kernel(places: Places, ros: RosEnvironment) -> None:
 
 
 def write_jupyter_settings(places: Places) -> None:
-    """Switch off JupyterLab's question about news: it asks the network and nags learners."""
-    path = places.venv / 'etc' / 'jupyter' / 'labconfig' / 'page_config.json'
+    """
+    Switch off JupyterLab's question about news: it asks the network and nags learners.
+
+    What the server and its kernels say to each other is encrypted: others who work on the machine
+    cannot read it, and no kernel writes a warning about that to the learner's terminal.
+    """
+    folder = places.venv / 'etc' / 'jupyter'
+    server = folder / 'jupyter_server_config.json'
+    encrypted = {'KernelManager': {'transport_encryption': 'auto'}}
+    write_atomically(server, json.dumps(encrypted, indent=1) + '\n')
+    path = folder / 'labconfig' / 'page_config.json'
     try:
         settings = json.loads(path.read_text(encoding='utf-8'))
     except (OSError, ValueError):

@@ -23,10 +23,9 @@ from typing import Any
 import weakref
 
 from IPython.core import interactiveshell
-import rclpy
 
 _RETRY_S = 0.01
-_RCLPY = Path(rclpy.__file__).parent
+_LEAVES_HALF_MADE = frozenset({'rclpy', 'ptyprocess'})  # their packages' folders
 _SHOWING_ERRORS = frozenset(
     {'wrapped', 'showtraceback', 'showsyntaxerror', '_format_exception_for_storage'}
 )
@@ -162,8 +161,8 @@ def _bringing_back_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any
     Not every place where that happens can be told by :func:`_moment`: the callback of a weak
     reference is any function.
 
-    It also keeps quiet about what an interrupted ``Executor()`` leaves: its ``__del__``, some time
-    later and in another cell, misses what was not there yet.
+    It also keeps quiet about what an interrupted ``Executor()`` or the start of a ``!command``
+    leaves: its ``__del__``, some time later and in another cell, misses what was not there yet.
 
     :param tell: for all other exceptions
     """
@@ -178,12 +177,12 @@ def _bringing_back_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any
 
 
 def _half_made(unraisable: Any) -> bool:
-    """Tell whether rclpy misses an attribute in an object whose making was interrupted."""
+    """Tell whether a library misses an attribute in an object whose making was interrupted."""
     trace = unraisable.exc_traceback
     if unraisable.exc_type is not AttributeError or trace is None:
         return False
     code = trace.tb_frame.f_code
-    return code.co_name == '__del__' and Path(code.co_filename).parent == _RCLPY
+    return code.co_name == '__del__' and Path(code.co_filename).parent.name in _LEAVES_HALF_MADE
 
 
 def _ending_the_cell(command: Callable[..., Any]) -> Callable[..., Any]:

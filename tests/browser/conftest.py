@@ -43,11 +43,13 @@ class Lab:
     :param address: of the server, with a slash at its end
     :param token: to be given once, a cookie does the rest
     :param course: the folder that it serves
+    :param log: file of what it writes to its terminal
     """
 
     address: str
     token: str
     course: Path
+    log: Path
 
     def url(self, path: str = '') -> str:
         """Return the address at which JupyterLab opens a file of the course, and no other one."""
@@ -127,7 +129,7 @@ def lab(course: Path) -> Iterator[Lab]:
             stderr=subprocess.STDOUT,
         )
     try:
-        yield Lab(_address(server, home / 'runtime', log), token, course)
+        yield Lab(_address(server, home / 'runtime', log), token, course, log)
     finally:
         server.terminate()  # ends its kernels too
         try:

@@ -2,12 +2,12 @@
 
 import os
 
+import live_kernels
 import pytest
-import test_roslab_kernel
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
-kernel = test_roslab_kernel.kernel
+kernel = live_kernels.kernel
 
 TWICE_A_SECOND = """%%node temp_publisher
 import rclpy
@@ -100,7 +100,7 @@ def test_interrupted_check_leaves_no_process(kernel):
 def test_validate_button_fails_on_a_failed_check(monkeypatch, tmp_path):
     """Under nbgrader's Validate a failed check is a failed cell; elsewhere it is a table."""
     monkeypatch.setitem(os.environ, 'NBGRADER_EXECUTION', 'validate')
-    validating = test_roslab_kernel.Kernel(tmp_path)
+    validating = live_kernels.Kernel(tmp_path)
     validating.run('from roslab import *')
     validating.run(TWICE_A_SECOND)
     outputs = validating.run(CHECK)

@@ -10,11 +10,11 @@ import pytest
 
 rclpy = pytest.importorskip('rclpy')
 
+from live_kernels import execute, kernel  # noqa: F401 - a fixture
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile
 from std_msgs.msg import Float64, String
-from test_roslab_kernel import execute, kernel  # noqa: F401 - a fixture
 
 from roslab import lookup
 from roslab.errors import NotHereError, RoslabError

@@ -3,10 +3,10 @@
 from pathlib import Path
 import shutil
 
+import live_kernels
 import pytest
-import test_roslab_kernel
 
-kernel = test_roslab_kernel.kernel
+kernel = live_kernels.kernel
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 

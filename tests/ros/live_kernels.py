@@ -1,0 +1,214 @@
+"""Real notebook kernels for the tests, and what their cells produced."""
+
+import os
+import queue
+import random
+import re
+import time
+
+import nbformat
+import pytest
+
+jupyter_client = pytest.importorskip('jupyter_client')
+
+from jupyter_client.kernelspec import NoSuchKernel
+from nbclient import NotebookClient
+
+KERNEL = 'ros2_jazzy'
+DEADLINE_S = 120.0
+BIND = 'mount --bind "$0" /dev/shm && exec "$@"'
+# The middleware never removes the files of a port that a killed process had opened, and the
+# programs of all tests share the numbers of ports: what a kernel leaves is seen in a folder of
+# its own.  The kernel keeps the process id of the shell.
+OWN_SHARED_MEMORY = ['unshare', '--map-root-user', '--mount', 'sh', '-c', BIND]
+
+TALKER = """
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+from roslab import *
+
+class Talker(Node):
+    def __init__(self):
+        super().__init__('talker')
+        self.count = 0
+        self.publisher = self.create_publisher(String, 'chatter', 10)
+        self.create_timer(0.02, self.on_timer)
+
+    def on_timer(self):
+        self.count += 1
+        self.publisher.publish(String(data=str(self.count)))
+"""
+
+
+def variables():
+    """Return the variables of a kernel that nobody else hears."""
+    env = {**os.environ, 'ROS_DOMAIN_ID': str(random.randrange(1, 101))}
+    env.pop('PYTEST_CURRENT_TEST', None)  # with it, ipykernel would not read its own stdout
+    return env
+
+
+class Outputs:
+    """What one cell produced."""
+
+    def __init__(self):
+        self.streams = {'stdout': '', 'stderr': ''}
+        self.data = []
+        self.error = None
+
+    @property
+    def text(self):
+        """All of stdout."""
+        return self.streams['stdout']
+
+    @property
+    def value(self):
+        """The text form of the cell's value or display."""
+        return next(data['text/plain'] for data in reversed(self.data) if data['text/plain'])
+
+
+class Kernel:
+    """A running kernel, its messages waited for with a deadline."""
+
+    def __init__(self, folder, *arguments, terminal=None, shared_memory=None):
+        self.manager = jupyter_client.KernelManager(kernel_name=KERNEL)
+        if shared_memory:
+            spec = self.manager.kernel_spec
+            spec.argv = [*OWN_SHARED_MEMORY, str(shared_memory), *spec.argv]
+        env = variables()
+        options = {'extra_arguments': list(arguments)} if arguments else {}
+        self.manager.start_kernel(
+            cwd=str(folder), env=env, stdout=terminal, stderr=terminal, **options
+        )
+        self.client = self.manager.client()
+        self.client.start_channels()
+        self.client.wait_for_ready(timeout=DEADLINE_S)
+        self.other_cells = ''
+        self.blocks = {}
+
+    @property
+    def pid(self):
+        """Process id of the kernel."""
+        return self.manager.provisioner.pid
+
+    def begin(self, code, cell_id=None):
+        """Send a cell without waiting for it."""
+        content = {'code': code, 'silent': False, 'store_history': True, 'allow_stdin': False}
+        metadata = {'cellId': cell_id} if cell_id else {}
+        message = self.client.session.msg('execute_request', content, metadata=metadata)
+        self.client.shell_channel.send(message)
+        return message['header']['msg_id']
+
+    def collect(self, message_id, until=None):
+        """Return the cell's outputs so far: to its end, or to where stdout matches."""
+        outputs, end = Outputs(), time.monotonic() + DEADLINE_S
+        while True:
+            try:
+                message = self.client.get_iopub_msg(timeout=max(0.0, end - time.monotonic()))
+            except queue.Empty:
+                raise AssertionError(f'no end of the cell; so far: {vars(outputs)}') from None
+            kind, content = message['msg_type'], message['content']
+            if message['parent_header'].get('msg_id') != message_id:
+                self.other_cells += content.get('text', '') if kind == 'stream' else ''
+                if kind in ('display_data', 'update_display_data'):
+                    self.blocks[content['transient']['display_id']] = content['data']['text/plain']
+                continue
+            if kind == 'stream':
+                outputs.streams[content['name']] += content['text']
+                if until and re.search(until, outputs.text):
+                    return outputs
+            elif kind in ('execute_result', 'display_data', 'update_display_data'):
+                outputs.data.append(content['data'])
+            elif kind == 'error':
+                outputs.error = content
+            elif kind == 'status' and content['execution_state'] == 'idle':
+                return outputs
+
+    def run(self, code, cell_id=None):
+        """Execute a cell and return what it produced."""
+        return self.collect(self.begin(code, cell_id))
+
+    def interrupt_at(self, code, marker):
+        """Execute a cell and interrupt it when it has printed a marker."""
+        message_id = self.begin(code)
+        self.collect(message_id, until=marker)
+        self.manager.interrupt_kernel()
+        return self.collect(message_id)
+
+    def shut_down(self):
+        """End the kernel as a frontend does and return how long it took [s]."""
+        begin = time.monotonic()
+        self.manager.shutdown_kernel()
+        seconds = time.monotonic() - begin
+        self.client.stop_channels()
+        return seconds
+
+
+@pytest.fixture
+def kernel(tmp_path):
+    """Return a kernel that works in an empty folder."""
+    try:
+        kernel = Kernel(tmp_path)
+    except NoSuchKernel:
+        pytest.skip(f'kernel {KERNEL} is not installed: make prepare')
+    yield kernel
+    if kernel.manager.has_kernel:
+        kernel.shut_down()
+
+
+@pytest.fixture(scope='module')
+def kernel_of_module(tmp_path_factory):
+    """Return one kernel for cells that leave nothing behind."""
+    folder = tmp_path_factory.mktemp('refused')
+    try:
+        kernel = Kernel(folder)
+    except NoSuchKernel:
+        pytest.skip(f'kernel {KERNEL} is not installed: make prepare')
+    kernel.run('import roslab; x = "hidden"')
+    yield kernel
+    kernel.shut_down()
+
+
+@pytest.fixture(scope='module')
+def kernel_with_node(tmp_path_factory):
+    """Return one kernel in which a node runs, and another node is idle."""
+    try:
+        kernel = Kernel(tmp_path_factory.mktemp('interrupts'))
+    except NoSuchKernel:
+        pytest.skip(f'kernel {KERNEL} is not installed: make prepare')
+    kernel.run(
+        'from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor\n'
+        f'from rclpy.wait_for_message import wait_for_message\n{TALKER}'
+    )
+    kernel.run('node = start(Talker); idle = rclpy.create_node("idle")')
+    kernel.run(
+        'from time import monotonic\nfrom weakref import ref\n'
+        'class Thing: pass\nthing = Thing()\n'
+        'def for_a_second(_):\n  end = monotonic() + 1\n  while monotonic() < end: pass\n'
+    )
+    yield kernel
+    kernel.shut_down()
+
+
+def execute(cells, folder):
+    """Execute cells with nbclient, as CI does, and return the notebook."""
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(c) for c in cells])
+    client = NotebookClient(
+        notebook,
+        kernel_name=KERNEL,
+        timeout=DEADLINE_S,
+        resources={'metadata': {'path': str(folder)}},
+        allow_error_names=['NotImplementedError', 'NameRefusedError', 'NodeSyntaxError'],
+    )
+    client.execute(env=variables())
+    return notebook
+
+
+def streams(cell, name='stdout'):
+    """Return what a cell of an executed notebook printed."""
+    return ''.join(o.text for o in cell.outputs if o.output_type == 'stream' and o.name == name)
+
+
+def errors(cell):
+    """Return the errors of a cell as one text each."""
+    return ['\n'.join(o.traceback) for o in cell.outputs if o.output_type == 'error']
