@@ -1,22 +1,32 @@
 """
-Keep what CMake found out about compilers and Python while it built the course's own package.
+Keep what the build of the course's own package found out, for the builds of the grader.
 
-A message package asks for the same again each time, and it is most of what CMake does there: 2.8
-of 3.7 s of processor time.  The grader's builds start from these notes.  They are no more than a
-short cut: where one is missing or does not fit any more, CMake looks for itself.
+A message package has CMake look for compilers and Python again each time, and it is most of what
+CMake does there: 2.8 of 3.7 s of processor time.  And the compiler reads the same headers again,
+0.7 of 0.9 s.  The grader's builds start from these notes.  They are no more than a short cut:
+where one is missing or does not fit any more, CMake looks for itself, and the compiler reads.
 """
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 import re
+import shlex
 import shutil
+import subprocess
 
 from environment.places import COURSE_PACKAGE, Places, write_atomically
 
 # An entry of CMakeCache.txt is NAME:TYPE=VALUE.
 ENTRY = re.compile(r'^(\w+):\w+=(.*)$', re.M)
 COMPILERS = ('CMakeSystem.cmake', 'CMakeCCompiler.cmake', 'CMakeCXXCompiler.cmake')
+HEADER = 'precompiled.hpp'
+# Of a Makefile: "# compile CXX with /usr/bin/c++", "CXX_FLAGS = -O3 -std=gnu++17 -fPIC -Wall".
+FLAGS = f'CMakeFiles/{COURSE_PACKAGE}__rosidl_typesupport_fastrtps_c.dir/flags.make'
+SETTING = re.compile(r'^(?:# (?=compile))?(CXX_\w+|compile CXX with)(?: =)? (.*)$', re.M)
+# A precompiled header fits where these are the same; a grader's build does not optimise.
+KEPT_OPTIONS = ('-std', '-f', '-W')
 # How FindPython lists an interpreter's properties; the ABI of extension modules comes seventh.
 MAJOR, MINOR, PATCH, SOABI = 1, 2, 3, 6
 
@@ -39,7 +49,32 @@ def keep(places: Places) -> bool:
     for note in _compilers(built):
         (known / note.parent.name).mkdir(exist_ok=True)
         shutil.copyfile(note, known / note.parent.name / note.name)
+    _precompile(places.cmake / HEADER, built, known / HEADER)
     return True
+
+
+def _precompile(source: Path, built: Path, header: Path) -> None:
+    """
+    Compile what every message includes, with the options that the build had; or leave nothing.
+
+    :param source: a header that includes it
+    :param header: its copy, beside which GCC looks for the compiled one, ``.gch``
+    """
+    compiled = header.with_name(f'{header.name}.gch')
+    try:
+        said = dict(SETTING.findall((built / FLAGS).read_text('utf-8')))
+        options = [o for o in shlex.split(said['CXX_FLAGS']) if o.startswith(KEPT_OPTIONS)]
+        options += [o for o in shlex.split(said['CXX_DEFINES']) if COURSE_PACKAGE not in o]
+        command = [said['compile CXX with'], *options, *shlex.split(said['CXX_INCLUDES'])]
+        shutil.copyfile(source, header)
+        for step in (
+            ['-x', 'c++-header', str(header), '-o', str(compiled)],
+            ['-Werror', '-Winvalid-pch', '-include', str(header)]
+            + ['-x', 'c++', os.devnull, '-o', os.devnull, '-c'],
+        ):
+            subprocess.run([*command, *step], check=True, capture_output=True)
+    except (OSError, KeyError, subprocess.CalledProcessError):
+        compiled.unlink(missing_ok=True)
 
 
 def _compilers(built: Path) -> list[Path]:

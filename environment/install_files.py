@@ -20,7 +20,7 @@ ROS2_MARK = "the course's own small ros2 command"
 
 def copy_cmake_files(places: Places) -> None:
     """Copy the CMake fix for the wheels into the venv."""
-    for source in (PROJECT / 'environment' / 'cmake').glob('*.cmake'):
+    for source in (PROJECT / 'environment' / 'cmake').iterdir():
         write_atomically(places.cmake / source.name, source.read_text(encoding='utf-8'))
 
 

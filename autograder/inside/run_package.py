@@ -15,6 +15,7 @@ import sys
 
 import build_package  # type: ignore[import-not-found]  # beside this file, inside the sandbox
 import gate  # type: ignore[import-not-found]
+import warm_python  # type: ignore[import-not-found]
 
 NO_EXECUTABLE, NOT_BUILT = 97, 98
 MARK = 'run_package: '
@@ -49,6 +50,7 @@ def command(file: Path) -> list[str]:
 
 def main() -> None:
     """Build and become the program."""
+    warm_python.import_all()
     gate.wait()
     source, package, name, *arguments = sys.argv[1:]
     try:

@@ -3,7 +3,7 @@
 # The search starts some ten interpreters (0.1 s each), which is most of what CMake does in a message
 # package. The set-up builds one, and keeps the result in known/python.cmake. A grader's builds take
 # it; learners' builds search, as they would at home.
-if(DEFINED ENV{ROS2_COURSE_WITHOUT_CPP} AND NOT DEFINED Python3_FIND_VERSION)
+if(DEFINED ENV{ROS2_COURSE_GRADED_BUILD} AND NOT DEFINED Python3_FIND_VERSION)
   set(_ros2_course_asked ${Python3_FIND_COMPONENTS})
   list(REMOVE_ITEM _ros2_course_asked Interpreter Development.Module NumPy)
   if(Python3_FIND_COMPONENTS AND NOT _ros2_course_asked)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+
 import pytest
 
-from environment.cmake_notes import keep
+from environment.cmake_notes import FLAGS, HEADER, keep
 from environment.places import COURSE_PACKAGE, Places
 
 CACHE = """# comment
@@ -57,3 +60,43 @@ def test_a_cache_of_another_form_leaves_nothing(places, gone):
 
     assert not keep(places)
     assert not (places.cmake / 'known').exists()
+
+
+MAKEFILE = """# CMAKE generated file: DO NOT EDIT!
+# compile CXX with {compiler}
+CXX_DEFINES = -DSHARED -DBUILDING_{package}
+CXX_INCLUDES = -isystem {folder}
+CXX_FLAGS = -O3 -DNDEBUG -std=gnu++17 -fPIC -Wall
+"""
+
+
+@pytest.fixture
+def header(places, tmp_path):
+    """Return the header that is compiled, in a set-up whose build compiled C++."""
+    text = MAKEFILE.format(compiler=shutil.which('c++'), package=COURSE_PACKAGE, folder=tmp_path)
+    flags = places.workspace / 'build' / COURSE_PACKAGE / FLAGS
+    flags.parent.mkdir()
+    flags.write_text(text, encoding='utf-8')
+    places.cmake.mkdir(parents=True)
+    (tmp_path / 'types.hpp').write_text('struct Reading { double value; };\n')
+    source = places.cmake / HEADER
+    source.write_text('#include <vector>\n#include "types.hpp"\n')
+    return source
+
+
+def test_headers_are_compiled_for_builds_that_do_not_optimise(places, header):
+    """Defines of the course's own package are no part of it, those of all packages are."""
+    assert keep(places)
+
+    kept = places.cmake / 'known' / HEADER
+    options = ['-std=gnu++17', '-fPIC', '-Wall', '-DSHARED', '-DBUILDING_other']
+    asked = [*options, '-Werror', '-Winvalid-pch', '-include', str(kept), '-x', 'c++', '-']
+    subprocess.run(['c++', *asked, '-fsyntax-only'], input=b'Reading reading{1.0};\n', check=True)
+
+
+def test_headers_that_do_not_compile_leave_nothing(places, header):
+    """Builds read them then, and the other notes are kept."""
+    header.write_text('#include "not_there.hpp"\n')
+
+    assert keep(places)
+    assert not list((places.cmake / 'known').glob('*.gch'))

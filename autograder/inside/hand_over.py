@@ -1,0 +1,61 @@
+"""
+Stand in for Python in a message build: let a warm process run the program, end as it ended.
+
+``warm_python.py`` writes this file behind a first line that names the interpreter, and CMake takes
+the copy for Python.  It exists to be quick, so it imports next to nothing.  What is none of
+:data:`PROGRAMS` is run by Python itself.
+"""
+
+import _socket as socket  # what socket imports would double the time
+from array import array
+import os
+import sys
+
+SOCKET = 'ROS2_COURSE_WARM_PYTHON'
+"""Environment variable with the path at which the warm process listens."""
+PROGRAMS = frozenset(
+    {
+        'package_xml_2_cmake.py',
+        'rosidl_adapter',
+        'rosidl_generator_c',
+        'rosidl_generator_py',
+        'rosidl_generator_type_description',
+        'rosidl_typesupport_c',
+        'rosidl_typesupport_fastrtps_c',
+        'setup.py',
+        'templates_2_cmake.py',
+    }
+)
+"""Names of files, and of modules that are started with ``-m``."""
+
+
+def main() -> None:
+    """Hand the program over, or become the Python that was asked for."""
+    words = sys.argv[1:]
+    named = words[1:2] if words[:1] == ['-m'] else words[:1]
+    if named and os.path.basename(named[0]) in PROGRAMS and SOCKET in os.environ:
+        handed_over(words)
+    os.execv(sys.executable, [sys.executable, *words])
+
+
+def handed_over(words: list[str]) -> None:
+    """
+    Send a command line and all that goes with it, and end with the answer.
+
+    Returns if nobody listens.
+    """
+    environment = [f'{name}={value}' for name, value in os.environ.items()]
+    fields = [str(len(words)), *words, os.getcwd(), *environment]
+    standard = [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array('i', (0, 1, 2)))]
+    server = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    try:
+        server.connect(os.environ[SOCKET])
+        server.sendmsg([os.fsencode('\0'.join(fields))], standard)
+    except OSError:
+        return
+    answer = server.recv(1)
+    os._exit(answer[0] if answer else 1)
+
+
+if __name__ == '__main__':
+    main()

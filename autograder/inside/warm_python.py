@@ -1,0 +1,181 @@
+"""
+Run the small Python programs of a message build in copies of a process that has all they import.
+
+A message package starts ten of them: colcon, the readers of ``package.xml``, the generators of
+code, ``setup.py``.  Each needs a tenth of a second for its work and more for its imports.  Here a
+process imports once, before the build begins, and each program is run by a fork of it.
+``hand_over.py`` is the other side, which CMake takes for Python.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+import contextlib
+from functools import partial
+import importlib
+from importlib.metadata import entry_points
+import os
+from pathlib import Path
+import runpy
+import select
+import signal
+import socket
+import sys
+from typing import NoReturn
+
+import hand_over  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+import parse_once  # type: ignore[import-not-found]
+
+IMPORTS = (
+    'catkin_pkg.package',
+    'ament_package.templates',
+    'rosidl_adapter.cli',
+    'rosidl_generator_type_description',
+    'rosidl_generator_c',
+    'rosidl_generator_py.generate_py_impl',
+    'rosidl_typesupport_c',
+    'rosidl_typesupport_fastrtps_c',
+    'setuptools.command.egg_info',
+    'colcon_core.command',
+)
+PLUGINS = 'colcon_core.'
+TRIAL = 'module trial { struct Trial { long number; }; };'
+MOST_BYTES = 1 << 18  # of a request: its command line and environment
+
+
+def import_all() -> None:
+    """Import what the programs need; what is not there is left to the one that needs it."""
+    for name in IMPORTS:
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
+    for point in entry_points():
+        if point.group.startswith(PLUGINS):
+            with contextlib.suppress(ImportError):
+                point.load()
+
+
+def parsing_once(folder: Path) -> None:
+    """Compile the grammar of definitions, and have what is parsed written down in a folder."""
+    try:
+        from rosidl_parser import parser  # type: ignore[import-not-found]
+    except ImportError:
+        return
+    parser.get_ast_from_idl_string(TRIAL)  # the grammar is compiled with the first text
+    folder.mkdir(parents=True)
+    parser.get_ast_from_idl_string = parse_once.parse_once(parser.get_ast_from_idl_string, folder)
+
+
+def install(folder: Path) -> tuple[socket.socket | None, dict[str, str]]:
+    """
+    Lay out what stands in for Python.
+
+    :param folder: for it and for the socket
+    :returns: the socket, and variables that make a build use both; nothing if the folder's path
+        is too long for a socket
+    """
+    stand_in = folder / 'python'
+    text = Path(hand_over.__file__).read_text(encoding='utf-8')
+    stand_in.write_text(f'#!{sys.executable} -SE\n{text}', encoding='utf-8')
+    stand_in.chmod(0o755)
+    listening = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    try:
+        listening.bind(str(folder / 'warm'))
+    except OSError:
+        listening.close()
+        return None, {}
+    listening.listen()
+    names = {hand_over.SOCKET: str(folder / 'warm'), 'ROS2_COURSE_PYTHON': str(stand_in)}
+    return listening, names
+
+
+def run_beside(program: Callable[[], object], listening: socket.socket | None) -> int:
+    """
+    Run a program and, until it ends, those that are handed over.
+
+    :returns: the program's exit code, 1 if a signal ended it
+    """
+    first = os.pidfd_open(_fork(program))
+    waiting: dict[int, socket.socket] = {}
+    doors = [listening] if listening else []
+    while True:
+        ready, _, _ = select.select([first, *doors, *waiting], [], [])
+        if first in ready:
+            return _ended(first)
+        for one in set(ready) & set(waiting):
+            with waiting.pop(one) as client, contextlib.suppress(OSError):  # it may be gone
+                client.send(bytes([_ended(one)]))
+        for door in set(ready) & set(doors):
+            client, _ = door.accept()
+            waiting[os.pidfd_open(_fork(partial(_asked, client)))] = client
+
+
+def _fork(program: Callable[[], object]) -> int:
+    """Run a program in a copy of this process and return the copy's process id."""
+    sys.stdout.flush()
+    copy = os.fork()
+    if copy == 0:
+        _be(program)
+    return copy
+
+
+def _ended(copy: int) -> int:
+    """Return the exit code of a copy that has ended, 1 if a signal ended it."""
+    told = os.waitid(os.P_PIDFD, copy, os.WEXITED)
+    os.close(copy)
+    return told.si_status if told and told.si_code == os.CLD_EXITED else 1
+
+
+def _be(program: Callable[[], object]) -> NoReturn:
+    """Become a program, which ends as ``python`` would end with it."""
+    code = 1
+    try:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        code = _exit_code(program())
+    except SystemExit as ended:
+        code = _exit_code(ended.code)
+    except BaseException:  # as Python itself does with what nobody catches
+        sys.excepthook(*sys.exc_info())
+    finally:
+        with contextlib.suppress(OSError, ValueError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
+
+
+def _exit_code(said: object) -> int:
+    if said is None or isinstance(said, int):
+        return (said or 0) & 0xFF
+    print(said, file=sys.stderr)
+    return 1
+
+
+def _asked(client: socket.socket) -> None:
+    """Run what a client asks for."""
+    text, descriptors, _, _ = socket.recv_fds(client, MOST_BYTES, 3)
+    client.close()
+    if not text:
+        return  # whoever asked was ended before it did
+    for number, descriptor in enumerate(descriptors):
+        os.dup2(descriptor, number)
+        os.close(descriptor)
+    count, *fields = os.fsdecode(text).split('\0')
+    words, folder, *environment = fields[: int(count)], *fields[int(count) :]
+    os.chdir(folder)
+    become(words, dict(entry.split('=', 1) for entry in environment))
+
+
+def become(words: list[str], env: Mapping[str, str]) -> None:
+    """
+    Run a program in this process as ``python`` runs it.
+
+    :param words: the command line without the interpreter
+    """
+    os.environ.clear()
+    os.environ.update(env)
+    if words[0] == '-m':
+        sys.argv = words[1:]
+        runpy.run_module(words[1], run_name='__main__', alter_sys=True)
+    else:
+        sys.argv = words
+        sys.path[0] = str(Path(words[0]).resolve().parent)
+        runpy.run_path(words[0], run_name='__main__')
