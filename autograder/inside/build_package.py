@@ -44,10 +44,9 @@ def build(source: str, package: str) -> Path:
     # limit of load (-l): with one, a busy machine builds one file at a time. What runs is Python,
     # so messages are not made for C++; environment/cmake says how.
     settings = {**os.environ, 'MAKEFLAGS': '-j4', 'ROS2_COURSE_GRADED_BUILD': '1'}
-    warm_python.parsing_once(workspace / 'parsed')
     listening, names = warm_python.install(workspace)
     colcon = partial(warm_python.become, [shutil.which('colcon'), *command], settings | names)
-    ended = warm_python.run_beside(colcon, listening)
+    ended = warm_python.run_beside(colcon, listening, workspace)
     if ended != 0:
         sys.exit(ended)
     return workspace / 'install'
@@ -89,7 +88,7 @@ def variables(prefix: Path) -> dict[str, str]:
 
 def main() -> None:
     """Build and carry on as the echo node, or end with colcon's exit code."""
-    warm_python.import_all()
+    warm_python.import_colcon()
     gate.wait()
     source, package, type_name = sys.argv[1:4]
     prefix = build(source, package)

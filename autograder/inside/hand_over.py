@@ -15,6 +15,7 @@ SOCKET = 'ROS2_COURSE_WARM_PYTHON'
 """Environment variable with the path at which the warm process listens."""
 PROGRAMS = frozenset(
     {
+        'compileall',
         'package_xml_2_cmake.py',
         'rosidl_adapter',
         'rosidl_generator_c',

@@ -50,7 +50,7 @@ def command(file: Path) -> list[str]:
 
 def main() -> None:
     """Build and become the program."""
-    warm_python.import_all()
+    warm_python.import_colcon()
     gate.wait()
     source, package, name, *arguments = sys.argv[1:]
     try:

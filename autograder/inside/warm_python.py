@@ -3,7 +3,7 @@ Run the small Python programs of a message build in copies of a process that has
 
 A message package starts ten of them: colcon, the readers of ``package.xml``, the generators of
 code, ``setup.py``.  Each needs a tenth of a second for its work and more for its imports.  Here a
-process imports once, before the build begins, and each program is run by a fork of it.
+process imports once, and each program is run by a fork of it.
 ``hand_over.py`` is the other side, which CMake takes for Python.
 """
 
@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 import contextlib
 from functools import partial
+import gc
 import importlib
 from importlib.metadata import entry_points
 import os
@@ -36,33 +37,41 @@ IMPORTS = (
     'rosidl_typesupport_c',
     'rosidl_typesupport_fastrtps_c',
     'setuptools.command.egg_info',
-    'colcon_core.command',
+    'compileall',
 )
 PLUGINS = 'colcon_core.'
 TRIAL = 'module trial { struct Trial { long number; }; };'
 MOST_BYTES = 1 << 18  # of a request: its command line and environment
 
 
-def import_all() -> None:
-    """Import what the programs need; what is not there is left to the one that needs it."""
-    for name in IMPORTS:
-        with contextlib.suppress(ImportError):
-            importlib.import_module(name)
+def import_colcon() -> None:
+    """Import colcon with all its plugins, and have it find CMake."""
+    with contextlib.suppress(ImportError):
+        from cmake import CMAKE_BIN_DIR  # type: ignore[import-not-found]
+
+        # PyPI's cmake is a Python program that starts CMake. Colcon looks once, when it is loaded.
+        os.environ['CMAKE_COMMAND'] = str(Path(CMAKE_BIN_DIR) / 'cmake')
     for point in entry_points():
         if point.group.startswith(PLUGINS):
             with contextlib.suppress(ImportError):
                 point.load()
 
 
-def parsing_once(folder: Path) -> None:
-    """Compile the grammar of definitions, and have what is parsed written down in a folder."""
-    try:
+def _import_all(folder: Path) -> None:
+    """
+    Import what the programs need; what is not there is left to the one that needs it.
+
+    :param folder: where the copies write down what they parse
+    """
+    for name in IMPORTS:
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
+    with contextlib.suppress(ImportError):
         from rosidl_parser import parser  # type: ignore[import-not-found]
-    except ImportError:
-        return
-    parser.get_ast_from_idl_string(TRIAL)  # the grammar is compiled with the first text
-    folder.mkdir(parents=True)
-    parser.get_ast_from_idl_string = parse_once.parse_once(parser.get_ast_from_idl_string, folder)
+
+        parse = parser.get_ast_from_idl_string
+        parse(TRIAL)  # the grammar is compiled with the first text
+        parser.get_ast_from_idl_string = parse_once.parse_once(parse, folder)
 
 
 def install(folder: Path) -> tuple[socket.socket | None, dict[str, str]]:
@@ -88,13 +97,18 @@ def install(folder: Path) -> tuple[socket.socket | None, dict[str, str]]:
     return listening, names
 
 
-def run_beside(program: Callable[[], object], listening: socket.socket | None) -> int:
+def run_beside(
+    program: Callable[[], object], listening: socket.socket | None, folder: Path
+) -> int:
     """
     Run a program and, until it ends, those that are handed over.
 
+    :param folder: an existing one for what is parsed
     :returns: the program's exit code, 1 if a signal ended it
     """
     first = os.pidfd_open(_fork(program))
+    if listening:
+        _import_all(folder)  # it takes as long as the program needs to get to the first of them
     waiting: dict[int, socket.socket] = {}
     doors = [listening] if listening else []
     while True:
@@ -129,6 +143,7 @@ def _be(program: Callable[[], object]) -> NoReturn:
     """Become a program, which ends as ``python`` would end with it."""
     code = 1
     try:
+        gc.disable()  # it would end before it is worth it, and copy what is shared
         signal.signal(signal.SIGINT, signal.default_int_handler)
         code = _exit_code(program())
     except SystemExit as ended:

@@ -142,7 +142,7 @@ class Sandbox:
             elif os.path.isdir(f'/{link}'):
                 argv += ['--ro-bind', f'/{link}', f'/{link}']
         for file in ('/etc/ld.so.cache', '/etc/ld.so.conf', '/etc/alternatives'):
-            argv += ['--ro-bind-try', file, file]
+            argv += [*_parents(file), '--ro-bind-try', file, file]
         binds = {path: path for path in self.ros.read_only}
         binds[str(HERE / 'fastdds.xml')] = '/grader/fastdds.xml'
         binds.update(program.binds)

@@ -26,7 +26,7 @@ def build():
     done = subprocess.run([names.get('ROS2_COURSE_PYTHON', sys.executable), *sys.argv[2:]],
                           env={{**os.environ, **names, 'ASKED': 'yes'}})
     return done.returncode
-sys.exit(warm_python.run_beside(build, listening))
+sys.exit(warm_python.run_beside(build, listening, Path(sys.argv[1])))
 """
 # ``sys.orig_argv`` tells a process that Python started for the program from a copy of another one.
 PROGRAMS = {
