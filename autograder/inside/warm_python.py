@@ -14,7 +14,7 @@ import contextlib
 from functools import partial
 import gc
 import importlib
-from importlib.metadata import entry_points
+from importlib.metadata import distributions
 import os
 from pathlib import Path
 import runpy
@@ -22,7 +22,7 @@ import select
 import signal
 import socket
 import sys
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import hand_over  # type: ignore[import-not-found]  # beside this file, inside the sandbox
 import parse_once  # type: ignore[import-not-found]
@@ -51,7 +51,7 @@ def import_colcon() -> None:
 
         # PyPI's cmake is a Python program that starts CMake. Colcon looks once, when it is loaded.
         os.environ['CMAKE_COMMAND'] = str(Path(CMAKE_BIN_DIR) / 'cmake')
-    for point in entry_points():
+    for point in (point for found in distributions() for point in found.entry_points):
         if point.group.startswith(PLUGINS):
             with contextlib.suppress(ImportError):
                 point.load()
@@ -67,7 +67,7 @@ def _import_all(folder: Path) -> None:
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
     with contextlib.suppress(ImportError):
-        from rosidl_parser import parser  # type: ignore[import-not-found]
+        from rosidl_parser import parser  # type: ignore[import-untyped]
 
         parse = parser.get_ast_from_idl_string
         parse(TRIAL)  # the grammar is compiled with the first text
@@ -110,16 +110,16 @@ def run_beside(
     if listening:
         _import_all(folder)  # it takes as long as the program needs to get to the first of them
     waiting: dict[int, socket.socket] = {}
-    doors = [listening] if listening else []
     while True:
-        ready, _, _ = select.select([first, *doors, *waiting], [], [])
+        ready: list[Any] = [first, *waiting, *([listening] if listening else ())]
+        ready, _, _ = select.select(ready, [], [])
         if first in ready:
             return _ended(first)
         for one in set(ready) & set(waiting):
             with waiting.pop(one) as client, contextlib.suppress(OSError):  # it may be gone
                 client.send(bytes([_ended(one)]))
-        for door in set(ready) & set(doors):
-            client, _ = door.accept()
+        if listening and listening in ready:
+            client, _ = listening.accept()
             waiting[os.pidfd_open(_fork(partial(_asked, client)))] = client
 
 
