@@ -23,6 +23,7 @@ PROGRAMS = frozenset(
         'rosidl_generator_type_description',
         'rosidl_typesupport_c',
         'rosidl_typesupport_fastrtps_c',
+        'rosidl_typesupport_introspection_c',
         'setup.py',
         'templates_2_cmake.py',
     }

@@ -36,6 +36,7 @@ IMPORTS = (
     'rosidl_generator_py.generate_py_impl',
     'rosidl_typesupport_c',
     'rosidl_typesupport_fastrtps_c',
+    'rosidl_typesupport_introspection_c',
     'setuptools.command.egg_info',
     'compileall',
 )
