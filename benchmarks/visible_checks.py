@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
+import json
 import os
 from pathlib import Path
 import subprocess
@@ -67,11 +68,12 @@ def lay_out(files: Files, folder: Path, comment: str = '') -> None:
         path.write_text(f'{text}\n{more}', encoding='utf-8')
 
 
-def waited_s(exam: Exam, folder: Path) -> float:
+def waited_s(exam: Exam, folder: Path, solved: bool) -> float:
     """
     Return how long one check takes as a learner starts it [s].
 
-    :raises RuntimeError: if there is no verdict: then the time means nothing
+    :param solved: whether full points are expected
+    :raises RuntimeError: if there is no such verdict: then the time means nothing
     """
     command = [sys.executable, '-m', 'autograder', 'check', exam.name]
     command += ['--files', str(folder), '--visible', '--json']
@@ -80,13 +82,19 @@ def waited_s(exam: Exam, folder: Path) -> float:
     seconds = time.monotonic() - began
     if done.returncode != 0:
         raise RuntimeError(f'{exam.name}: {done.stderr.strip()[-300:]}')
+    result = json.loads(done.stdout)
+    if (result['points'] == result['max_points']) != solved:
+        raise RuntimeError(f'{exam.name}: {result["points"]} points, solved: {solved}')
     return seconds
 
 
-def measured(exam: Exam, files: Files, runs: int, *, new: bool = False) -> dict[str, float] | None:
+def measured(
+    exam: Exam, files: Files, runs: int, *, solved: bool, new: bool = False
+) -> dict[str, float] | None:
     """
     Return the times of a check on some files, None if there are no files to check.
 
+    :param solved: whether they are a solution's
     :param new: whether the files are such as were never built before
     """
     if not files:
@@ -95,7 +103,7 @@ def measured(exam: Exam, files: Files, runs: int, *, new: bool = False) -> dict[
     for number in range(runs):
         with tempfile.TemporaryDirectory(prefix='visible-') as folder:
             lay_out(files, Path(folder), f'{os.getpid()} {number}' if new else '')
-            times.append(waited_s(exam, Path(folder)))
+            times.append(waited_s(exam, Path(folder), solved))
     return report.spread(times)
 
 
@@ -124,15 +132,15 @@ def main() -> None:
 def _of_one(layout: Layout, exam: Exam, runs: int) -> dict[str, Any]:
     solution = files_of(layout, exam, solved=True)
     if exam.scenario.program == 'build':
-        first = measured(exam, solution, runs, new=True)
+        first = measured(exam, solution, runs, solved=True, new=True)
         with tempfile.TemporaryDirectory(prefix='visible-') as folder:
             lay_out(solution, Path(folder))
-            waited_s(exam, Path(folder))  # builds, if it was never built
+            waited_s(exam, Path(folder), True)  # builds, if it was never built
     else:
         first = None
     return {
-        'solution': measured(exam, solution, runs),
-        'stub': measured(exam, files_of(layout, exam, solved=False), runs),
+        'solution': measured(exam, solution, runs, solved=True),
+        'stub': measured(exam, files_of(layout, exam, solved=False), runs, solved=False),
         'first_build': first,
     }
 

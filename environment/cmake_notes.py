@@ -21,10 +21,14 @@ from environment.places import COURSE_PACKAGE, Places, write_atomically
 # An entry of CMakeCache.txt is NAME:TYPE=VALUE.
 ENTRY = re.compile(r'^(\w+):\w+=(.*)$', re.M)
 COMPILERS = ('CMakeSystem.cmake', 'CMakeCCompiler.cmake', 'CMakeCXXCompiler.cmake')
-HEADER = 'precompiled.hpp'
+# Headers that are compiled: the name, the language as CMake and as GCC call it, the target of the
+# course's own package that tells the options (after its name), and what is taken of its defines.
+HEADERS = (
+    ('fast_dds.hpp', 'CXX', 'c++', 'rosidl_typesupport_fastrtps_c', '-DFASTCDR'),
+    ('python_numpy.h', 'C', 'c', 'rosidl_generator_py', '-DNPY'),
+)
 # Of a Makefile: "# compile CXX with /usr/bin/c++", "CXX_FLAGS = -O3 -std=gnu++17 -fPIC -Wall".
-FLAGS = f'CMakeFiles/{COURSE_PACKAGE}__rosidl_typesupport_fastrtps_c.dir/flags.make'
-SETTING = re.compile(r'^(?:# (?=compile))?(CXX_\w+|compile CXX with)(?: =)? (.*)$', re.M)
+SETTING = re.compile(r'^(?:# (?=compile))?(C(?:XX)?_\w+|compile \w+ with)(?: =)? (.*)$', re.M)
 # A precompiled header fits where these are the same; a grader's build does not optimise.
 KEPT_OPTIONS = ('-std', '-f', '-W')
 # How FindPython lists an interpreter's properties; the ABI of extension modules comes seventh.
@@ -49,30 +53,36 @@ def keep(places: Places) -> bool:
     for note in _compilers(built):
         (known / note.parent.name).mkdir(exist_ok=True)
         shutil.copyfile(note, known / note.parent.name / note.name)
-    _precompile(places.cmake / HEADER, built, known / HEADER)
+    for name, language, called, target, defines in HEADERS:
+        flags = built / 'CMakeFiles' / f'{COURSE_PACKAGE}__{target}.dir' / 'flags.make'
+        shutil.copyfile(places.cmake / name, known / name)
+        _precompile(known / name, flags, language, called, defines)
     return True
 
 
-def _precompile(source: Path, built: Path, header: Path) -> None:
+def _precompile(header: Path, flags: Path, language: str, called: str, defines: str) -> None:
     """
-    Compile what every message includes, with the options that the build had; or leave nothing.
+    Compile a header with the options that the build had; or leave nothing.
 
-    :param source: a header that includes it
-    :param header: its copy, beside which GCC looks for the compiled one, ``.gch``
+    :param header: beside it GCC looks for the compiled one, ``.gch``
+    :param flags: CMake's options of a target
+    :param language: as CMake calls it
+    :param called: what GCC calls it
+    :param defines: how those begin that the headers look at; GCC wants the same ones later
     """
     compiled = header.with_name(f'{header.name}.gch')
     try:
-        said = dict(SETTING.findall((built / FLAGS).read_text('utf-8')))
-        options = [o for o in shlex.split(said['CXX_FLAGS']) if o.startswith(KEPT_OPTIONS)]
-        options += [o for o in shlex.split(said['CXX_DEFINES']) if COURSE_PACKAGE not in o]
-        command = [said['compile CXX with'], *options, *shlex.split(said['CXX_INCLUDES'])]
-        shutil.copyfile(source, header)
+        said = dict(SETTING.findall(flags.read_text('utf-8')))
+        options = shlex.split(f'{said[f"{language}_FLAGS"]} {said[f"{language}_DEFINES"]}')
+        options = [option for option in options if option.startswith((*KEPT_OPTIONS, defines))]
+        options += shlex.split(said[f'{language}_INCLUDES'])
         for step in (
-            ['-x', 'c++-header', str(header), '-o', str(compiled)],
+            ['-x', f'{called}-header', str(header), '-o', str(compiled)],
             ['-Werror', '-Winvalid-pch', '-include', str(header)]
-            + ['-x', 'c++', os.devnull, '-o', os.devnull, '-c'],
+            + ['-x', called, os.devnull, '-o', os.devnull, '-c'],
         ):
-            subprocess.run([*command, *step], check=True, capture_output=True)
+            command = [said[f'compile {language} with'], *options, *step]
+            subprocess.run(command, check=True, capture_output=True)
     except (OSError, KeyError, subprocess.CalledProcessError):
         compiled.unlink(missing_ok=True)
 

@@ -56,9 +56,11 @@ def digest_of_files(paths: Iterable[Path], root: Path) -> str:
 
 def package_digest(places: Places) -> str:
     """Return the digest of the sources of the course's ROS package, and of what builds it."""
+    environment = PROJECT / 'environment'
+    builds = [*files_below(environment / 'cmake'), environment / 'cmake_notes.py']
     return digest_of(
         digest_of_files(files_below(places.package), places.project),
-        digest_of_files(files_below(PROJECT / 'environment' / 'cmake'), PROJECT),
+        digest_of_files(builds, PROJECT),
     )
 
 

@@ -36,6 +36,7 @@ ament_package()
     'msg/Speed.msg': 'std_msgs/Header header\nfloat32 knots\n',
 }
 TOOLCHAIN = Path(os.environ.get('CMAKE_TOOLCHAIN_FILE', ''))
+HEADERS = {'fixed_size_string.hpp', 'longobject.h'}
 BUILD = f"""
 import sys
 sys.path.insert(0, {str(HERE / 'inside')!r})
@@ -79,17 +80,18 @@ def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
     # What the set-up's CMake found out is not asked again.
     assert 'compiler identification' not in said
     assert 'Found Python3' not in said
-    # The headers of Fast DDS are compiled already: what they include is not read.
-    assert 'fixed_size_string.hpp' not in read_by_the_compiler(tmp_path / 'build' / 'knots')
+    # The headers of Fast DDS and Python are compiled already: what they include is not read.
+    assert not HEADERS & read_by_the_compiler(tmp_path / 'build' / 'knots')
     # Generators are handed over, and none of the ten programs failed at it.
     assert f'Found PythonExtra: {tmp_path}/python' in said
 
 
-def read_by_the_compiler(build: Path) -> str:
+def read_by_the_compiler(build: Path) -> set[str]:
     """Return the names of all files that the compilers read."""
-    return subprocess.run(
+    ran = subprocess.run(
         ['ninja', '-C', str(build), '-t', 'deps'], check=True, capture_output=True, text=True
-    ).stdout
+    )
+    return {Path(line.strip()).name for line in ran.stdout.splitlines()}
 
 
 def test_without_notes_cmake_looks_for_itself_and_the_result_is_the_same(source, tmp_path):
@@ -105,7 +107,7 @@ def test_without_notes_cmake_looks_for_itself_and_the_result_is_the_same(source,
 
     assert 'compiler identification' in said
     assert 'Found Python3' in said
-    assert 'fixed_size_string.hpp' in read_by_the_compiler(tmp_path / 'without' / 'build' / 'knots')
+    assert read_by_the_compiler(tmp_path / 'without' / 'build' / 'knots') >= HEADERS
     assert symbols(tmp_path / 'with') == symbols(tmp_path / 'without')
 
 

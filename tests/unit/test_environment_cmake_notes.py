@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 
-from environment.cmake_notes import FLAGS, HEADER, keep
+from environment.cmake_notes import HEADERS, keep
 from environment.places import COURSE_PACKAGE, Places
 
 CACHE = """# comment
@@ -30,6 +30,9 @@ def places(tmp_path):
     notes.mkdir(parents=True)
     (build / 'CMakeFiles' / 'package.dir').mkdir()
     (build / 'CMakeCache.txt').write_text(CACHE, encoding='utf-8')
+    found.cmake.mkdir(parents=True)
+    for name, *_ in HEADERS:
+        (found.cmake / name).touch()
     for name in ('CMakeSystem.cmake', 'CMakeCCompiler.cmake', 'CMakeCXXCompiler.cmake'):
         (notes / name).write_text(name, encoding='utf-8')
     return found
@@ -62,9 +65,10 @@ def test_a_cache_of_another_form_leaves_nothing(places, gone):
     assert not (places.cmake / 'known').exists()
 
 
+HEADER, _, _, TARGET, _ = HEADERS[0]
 MAKEFILE = """# CMAKE generated file: DO NOT EDIT!
 # compile CXX with {compiler}
-CXX_DEFINES = -DSHARED -DBUILDING_{package}
+CXX_DEFINES = -DFASTCDR_SHARED -DBUILDING_{package}
 CXX_INCLUDES = -isystem {folder}
 CXX_FLAGS = -O3 -DNDEBUG -std=gnu++17 -fPIC -Wall
 """
@@ -74,10 +78,10 @@ CXX_FLAGS = -O3 -DNDEBUG -std=gnu++17 -fPIC -Wall
 def header(places, tmp_path):
     """Return the header that is compiled, in a set-up whose build compiled C++."""
     text = MAKEFILE.format(compiler=shutil.which('c++'), package=COURSE_PACKAGE, folder=tmp_path)
-    flags = places.workspace / 'build' / COURSE_PACKAGE / FLAGS
+    build = places.workspace / 'build' / COURSE_PACKAGE / 'CMakeFiles'
+    flags = build / f'{COURSE_PACKAGE}__{TARGET}.dir' / 'flags.make'
     flags.parent.mkdir()
     flags.write_text(text, encoding='utf-8')
-    places.cmake.mkdir(parents=True)
     (tmp_path / 'types.hpp').write_text('struct Reading { double value; };\n')
     source = places.cmake / HEADER
     source.write_text('#include <vector>\n#include "types.hpp"\n')
@@ -85,11 +89,11 @@ def header(places, tmp_path):
 
 
 def test_headers_are_compiled_for_builds_that_do_not_optimise(places, header):
-    """Defines of the course's own package are no part of it, those of all packages are."""
+    """Defines of the course's own package are no part of it, those of the library are."""
     assert keep(places)
 
     kept = places.cmake / 'known' / HEADER
-    options = ['-std=gnu++17', '-fPIC', '-Wall', '-DSHARED', '-DBUILDING_other']
+    options = ['-std=gnu++17', '-fPIC', '-Wall', '-DFASTCDR_SHARED', '-DBUILDING_other']
     asked = [*options, '-Werror', '-Winvalid-pch', '-include', str(kept), '-x', 'c++', '-']
     subprocess.run(['c++', *asked, '-fsyntax-only'], input=b'Reading reading{1.0};\n', check=True)
 
