@@ -16,8 +16,11 @@ import shlex
 import shutil
 import subprocess
 
-from environment.places import COURSE_PACKAGE, Places, write_atomically
+from environment.places import COURSE_PACKAGE, Places, PROJECT, write_atomically
 
+STAND_IN = PROJECT / 'autograder' / 'inside' / 'hand_over.py'
+"""What CMake takes for Python in the grader's builds: it saves them the start of a Python."""
+LONGEST_FIRST_LINE = 127  # of a script, on every kernel: execve(2)
 # An entry of CMakeCache.txt is NAME:TYPE=VALUE.
 ENTRY = re.compile(r'^(\w+):\w+=(.*)$', re.M)
 COMPILERS = ('CMakeSystem.cmake', 'CMakeCCompiler.cmake', 'CMakeCXXCompiler.cmake')
@@ -53,11 +56,20 @@ def keep(places: Places) -> bool:
     for note in _compilers(built):
         (known / note.parent.name).mkdir(exist_ok=True)
         shutil.copyfile(note, known / note.parent.name / note.name)
+    _write_stand_in(known / 'python', cache['_Python3_EXECUTABLE'])
     for name, language, called, target, defines in HEADERS:
         flags = built / 'CMakeFiles' / f'{COURSE_PACKAGE}__{target}.dir' / 'flags.make'
         shutil.copyfile(places.cmake / name, known / name)
         _precompile(known / name, flags, language, called, defines)
     return True
+
+
+def _write_stand_in(path: Path, python: str) -> None:
+    """Write what CMake takes for Python, if a script's first line can name the Python."""
+    first = f'#!{python} -SE\n'
+    if len(first) <= LONGEST_FIRST_LINE and len(first.split()) == len(('python', '-SE')):
+        write_atomically(path, first + STAND_IN.read_text('utf-8'))
+        path.chmod(0o755)
 
 
 def _precompile(header: Path, flags: Path, language: str, called: str, defines: str) -> None:

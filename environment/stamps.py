@@ -13,6 +13,7 @@ import hashlib
 import json
 from pathlib import Path
 
+from environment.cmake_notes import STAND_IN
 from environment.pins import pins_for
 from environment.places import LOCK_FILE, Places, PROJECT, write_atomically
 
@@ -57,7 +58,7 @@ def digest_of_files(paths: Iterable[Path], root: Path) -> str:
 def package_digest(places: Places) -> str:
     """Return the digest of the sources of the course's ROS package, and of what builds it."""
     environment = PROJECT / 'environment'
-    builds = [*files_below(environment / 'cmake'), environment / 'cmake_notes.py']
+    builds = [*files_below(environment / 'cmake'), environment / 'cmake_notes.py', STAND_IN]
     return digest_of(
         digest_of_files(files_below(places.package), places.project),
         digest_of_files(builds, PROJECT),

@@ -44,7 +44,7 @@ def build(source: str, package: str) -> Path:
     # limit of load (-l): with one, a busy machine builds one file at a time. What runs is Python,
     # so messages are not made for C++; environment/cmake says how.
     settings = {**os.environ, 'MAKEFLAGS': '-j4', 'ROS2_COURSE_GRADED_BUILD': '1'}
-    listening, names = warm_python.install(workspace)
+    listening, names = warm_python.listen(workspace)
     colcon = partial(warm_python.become, [shutil.which('colcon'), *command], settings | names)
     ended = warm_python.run_beside(colcon, listening, workspace)
     if ended != 0:

@@ -1,8 +1,8 @@
 """
 Stand in for Python in a message build: let a warm process run the program, end as it ended.
 
-``warm_python.py`` writes this file behind a first line that names the interpreter, and CMake takes
-the copy for Python.  It exists to be quick, so it imports next to nothing.  What is none of
+The set-up writes this file behind a first line that names the interpreter, and CMake takes the
+copy for Python.  It exists to be quick, so it imports next to nothing.  What is none of
 :data:`PROGRAMS` is run by Python itself.
 """
 

@@ -75,27 +75,22 @@ def _import_all(folder: Path) -> None:
         parser.get_ast_from_idl_string = parse_once.parse_once(parse, folder)
 
 
-def install(folder: Path) -> tuple[socket.socket | None, dict[str, str]]:
+def listen(folder: Path) -> tuple[socket.socket | None, dict[str, str]]:
     """
-    Lay out what stands in for Python.
+    Listen for programs to run.
 
-    :param folder: for it and for the socket
-    :returns: the socket, and variables that make a build use both; nothing if the folder's path
-        is too long for a socket
+    :param folder: for the socket
+    :returns: the socket, and the variable that tells a build of it; nothing where there can be
+        none: where sockets are forbidden, or the folder's path is too long for one
     """
-    stand_in = folder / 'python'
-    text = Path(hand_over.__file__).read_text(encoding='utf-8')
-    stand_in.write_text(f'#!{sys.executable} -SE\n{text}', encoding='utf-8')
-    stand_in.chmod(0o755)
-    listening = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    path = str(folder / 'warm')
     try:
-        listening.bind(str(folder / 'warm'))
+        listening = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        listening.bind(path)
+        listening.listen()
     except OSError:
-        listening.close()
         return None, {}
-    listening.listen()
-    names = {hand_over.SOCKET: str(folder / 'warm'), 'ROS2_COURSE_PYTHON': str(stand_in)}
-    return listening, names
+    return listening, {hand_over.SOCKET: path}
 
 
 def run_beside(

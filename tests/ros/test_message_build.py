@@ -10,7 +10,13 @@ import sys
 
 import pytest
 
+from autograder import exams
+from autograder.layout import Layout
+from autograder.runs.examine import examine
 from autograder.runs.observe import HERE
+from autograder.sandboxes import landlock
+from autograder.sandboxes.sandbox import Sandbox
+from benchmarks.visible_checks import files_of
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(300)]
 
@@ -83,7 +89,19 @@ def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
     # The headers of Fast DDS and Python are compiled already: what they include is not read.
     assert not HEADERS & read_by_the_compiler(tmp_path / 'build' / 'knots')
     # Generators are handed over, and none of the ten programs failed at it.
-    assert f'Found PythonExtra: {tmp_path}/python' in said
+    assert f'Found PythonExtra: {TOOLCHAIN.parent}/known/python' in said
+
+
+@pytest.mark.parametrize('mode', ['landlock', 'none'])
+def test_weaker_modes_build_too(mode, tmp_path):
+    """Where the workspace may hold nothing that is executed, for one."""
+    if mode == 'landlock' and (refused := landlock.refusal(root=False)[0]):
+        pytest.skip(refused)
+    exam = exams.load('temperature_message', hidden=False)
+    files = files_of(Layout.here(), exam, solved=True)
+    result = examine(exam, files, sandbox=Sandbox(mode), recordings=tmp_path, fresh=True)
+
+    assert result.points == result.max_points
 
 
 def read_by_the_compiler(build: Path) -> set[str]:

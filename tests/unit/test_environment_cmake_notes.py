@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 
@@ -49,6 +50,26 @@ def test_python_and_compilers_are_kept(places):
     assert 'set(Python3_VERSION_MINOR "12")' in lines
     assert 'set(Python3_SOABI "cpython-312-x86_64")' in lines
     assert 'FORMAT "ELF" CACHE INTERNAL' in (known / 'compilers.cmake').read_text()
+
+
+@pytest.mark.parametrize(
+    ('python', 'written'),
+    [
+        ('/venv/bin/python', True),
+        ('/my course/bin/python', False),
+        (f'/{"deep/" * 25}python', False),
+    ],
+)
+def test_a_stand_in_for_python_is_written_where_a_script_can_name_it(places, python, written):
+    """The first line of a script has neither room for long paths nor for blanks."""
+    cache = places.workspace / 'build' / COURSE_PACKAGE / 'CMakeCache.txt'
+    cache.write_text(CACHE.replace('/venv/bin/python', python), encoding='utf-8')
+    keep(places)
+    stand_in = places.cmake / 'known' / 'python'
+
+    assert stand_in.exists() == written
+    assert not written or stand_in.read_text().startswith(f'#!{python} -SE\n')
+    assert not written or os.access(stand_in, os.X_OK)
 
 
 @pytest.mark.parametrize('gone', ['_Python3_INCLUDE_DIR', 'CMAKE_EXECUTABLE_FORMAT', 'all'])

@@ -20,10 +20,10 @@ sys.path.insert(0, {INSIDE!r})
 from functools import partial
 from pathlib import Path
 import warm_python
-listening, names = warm_python.install(Path(sys.argv[1]))
+listening, names = warm_python.listen(Path(sys.argv[1]))
 import os, subprocess
 def build():
-    done = subprocess.run([names.get('ROS2_COURSE_PYTHON', sys.executable), *sys.argv[2:]],
+    done = subprocess.run([sys.executable, '-SE', {INSIDE + '/hand_over.py'!r}, *sys.argv[2:]],
                           env={{**os.environ, **names, 'ASKED': 'yes'}})
     return done.returncode
 sys.exit(warm_python.run_beside(build, listening, Path(sys.argv[1])))
