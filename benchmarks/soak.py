@@ -91,7 +91,10 @@ def main() -> int:
     figures = _figures(tasks, done, seen, sandbox.mode, chosen)
     _print(facts, figures)
     name = 'soak_everything' if chosen.everything else 'soak'
-    report.save(name, facts, figures, full=bool(done) and not chosen.only)
+    enough = FEW_REPEATS if chosen.everything else FULL_REPEATS
+    full = len(done) >= enough and not chosen.only
+    # Of a shorter one, only what differs is worth a file.
+    report.save(name, facts, figures, full=full or bool(figures['differing']))
     return 1 if figures['differing'] else 0
 
 
