@@ -57,6 +57,10 @@ NANOSECONDS = 1_000_000_000
 TICK, QUIET, EXITED = b't', b'q', b'e'
 TICK_S = 0.05
 LEAVE_S = 2.0
+# A question may be lost while endpoints match, and is asked again after half a second. A node
+# whose turn comes when others have used up the time is asked three times all the same, while there
+# is some to spare: a program of fifty silent nodes is not watched for minutes.
+LEAST_S, SPARE_S = 1.2, 5.0
 LONGEST_EVENT = 65536  # characters of one message's JSON; longer ones are recorded by their size
 MOST_EVENTS = 20000
 MOST_AT_ONCE = 200  # of a topic; of those we watch, a reader holds a hundred
@@ -90,6 +94,7 @@ class Probe:
         self.trips = RoundTrips(self)
         self.asked: set[str] = set()
         self.late_s = scenario['first_answer_s']  # for all nodes together that come later
+        self.spare_s = SPARE_S
         self.unreachable: set[str] = set()
         self.deaf: set[str] = set()
         self.context = Context()
@@ -263,15 +268,21 @@ class Probe:
         until = self.patience_s + self.scenario['first_answer_s']
         while new := [name for name in self.student_nodes() if name not in self.asked]:
             for name in new:
-                self.ask_first(name, max(until - self.patience_s, 2 * TICK_S))
+                self.ask_first(name, until - self.patience_s)
             self.wait_until_quiet()
             self.drain()
 
     def ask_first(self, name: str, patience_s: float) -> None:
-        """Ask a node for a first answer; one that gives none is not asked again."""
+        """
+        Ask a node for a first answer; one that gives none is not asked again.
+
+        :param patience_s: what is left of the time of all; the node has some time in any case
+        """
         self.asked.add(name)
-        if not self.trips.ask(name, 1, patience_s):
+        began, left = self.patience_s, max(patience_s, 2 * TICK_S)
+        if not self.trips.ask(name, 1, max(left, min(LEAST_S, self.spare_s))):
             self.unreachable.add(name)
+        self.spare_s -= max(0.0, self.patience_s - began - left)
         self.emit('barrier', node=name, answered=name not in self.unreachable)
 
     def barrier(self, rounds: int) -> None:
@@ -289,7 +300,7 @@ class Probe:
             # News of a second context of the program can be seconds late.
             if name not in self.asked:
                 before = self.patience_s
-                self.ask_first(name, max(self.late_s, 2 * TICK_S))
+                self.ask_first(name, self.late_s)
                 self.late_s -= self.patience_s - before
             if name in self.unreachable:
                 continue

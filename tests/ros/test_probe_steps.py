@@ -84,3 +84,34 @@ def test_all_that_has_arrived_is_handled_whether_it_makes_an_event_or_not():
 
     assert first == '[1] [1, 2, 3]'
     assert 100 <= int(second) <= 1000
+
+
+ASKING = f"""
+import sys
+sys.path[:0] = [{str(HERE / 'probe')!r}, {str(HERE / 'inside')!r}]
+import probe
+
+class Asking:
+    patience_s, spare_s = 10.0, probe.SPARE_S
+    def __init__(self):
+        self.asked, self.unreachable, self.given, self.trips = set(), set(), [], self
+    def emit(self, *_, **__): pass
+    def ask(self, name, rounds, patience_s):
+        self.given.append(round(patience_s, 3))
+        self.patience_s += patience_s  # nobody answers
+        return False
+
+asking = Asking()
+for number in range(10):
+    probe.Probe.ask_first(asking, str(number), 13.0 - asking.patience_s)
+print(asking.given, len(asking.unreachable))
+"""
+
+
+def test_a_node_asked_late_has_time_to_be_asked_again():
+    """A first question may be lost; but a crowd of silent nodes is not waited for one by one."""
+    ran = subprocess.run(
+        [sys.executable, '-c', ASKING], capture_output=True, text=True, check=True, timeout=60
+    )
+
+    assert ran.stdout.strip() == '[3.0, 1.2, 1.2, 1.2, 1.2, 0.6, 0.1, 0.1, 0.1, 0.1] 10'
