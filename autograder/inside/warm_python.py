@@ -54,7 +54,8 @@ def import_colcon() -> None:
         os.environ['CMAKE_COMMAND'] = str(Path(CMAKE_BIN_DIR) / 'cmake')
     for point in (point for found in distributions() for point in found.entry_points):
         if point.group.startswith(PLUGINS):
-            with contextlib.suppress(ImportError):
+            # Colcon itself says what is wrong with a plugin, and does without.
+            with contextlib.suppress(Exception):
                 point.load()
 
 
