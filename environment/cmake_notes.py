@@ -28,7 +28,7 @@ COMPILERS = ('CMakeSystem.cmake', 'CMakeCCompiler.cmake', 'CMakeCXXCompiler.cmak
 # course's own package that tells the options (after its name), and what is taken of its defines.
 HEADERS = (
     ('fast_dds.hpp', 'CXX', 'c++', 'rosidl_typesupport_fastrtps_c', '-DFASTCDR'),
-    ('python_numpy.h', 'C', 'c', 'rosidl_generator_py', '-DNPY'),
+    ('python_api.h', 'C', 'c', 'rosidl_generator_py', '-DPy_'),
 )
 # Of a Makefile: "# compile CXX with /usr/bin/c++", "CXX_FLAGS = -O3 -std=gnu++17 -fPIC -Wall".
 SETTING = re.compile(r'^(?:# (?=compile))?(C(?:XX)?_\w+|compile \w+ with)(?: =)? (.*)$', re.M)

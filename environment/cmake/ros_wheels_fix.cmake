@@ -47,9 +47,9 @@ if(DEFINED ENV{ROS2_COURSE_GRADED_BUILD})
       cmake_language(DEFER CALL _ros2_course_include_precompiled
         "__rosidl_typesupport_fastrtps_c$" CXX fast_dds.hpp)
     endif()
-    if(EXISTS "${_ros2_course_headers}/python_numpy.h.gch")
+    if(EXISTS "${_ros2_course_headers}/python_api.h.gch")
       cmake_language(DEFER CALL _ros2_course_include_precompiled
-        "__rosidl_generator_py$|_s__rosidl_typesupport_" C python_numpy.h)
+        "__rosidl_generator_py$|_s__rosidl_typesupport_" C python_api.h)
     endif()
   endif()
 endif()

@@ -301,8 +301,13 @@ def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, monkeypatch):
     """Ctrl-C, and what ends a job: an exit code of its own, and no traceback."""
-    # To this thread: one to the process may be taken by another thread, and come a little later.
-    monkeypatch.setattr(grading, '_assignments', lambda *_: signal.raise_signal(number))
+
+    def stopped(*_):
+        signal.raise_signal(number)
+        while True:
+            pass  # Python handles it between two instructions, not necessarily at once
+
+    monkeypatch.setattr(grading, '_assignments', stopped)
     before = signal.getsignal(signal.SIGTERM)
 
     try:
