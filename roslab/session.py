@@ -284,15 +284,26 @@ class Session:
         return nullcontext()
 
     def _on_failure(self, node: Node | None, error: BaseException) -> None:
-        """Say what a callback raised and stop its node; runs in the executor's thread."""
+        """
+        Say what a callback raised and stop its node; runs in the executor's thread.
+
+        Whoever sees that the node is gone can already read why: it is said first.
+        """
         key = self._key(node) if node is not None else 'a callback'
-        started = self._started.pop(key, None)
-        if node is not None:
-            _destroy_quietly(node)
-        if isinstance(error, CallbackStopped):
-            return
-        self._lost[key] = f'stopped: {last_line(error)}'
-        with beside(started.page if started else None):
+        started = self._started.get(key)
+        try:
+            if not isinstance(error, CallbackStopped):
+                self._lost[key] = f'stopped: {last_line(error)}'
+                self._say_why(key, error, started.page if started else None)
+        finally:
+            if started is not None and self._started.get(key) is started:
+                self._started.pop(key, None)
+            if node is not None:
+                _destroy_quietly(node)
+
+    @staticmethod
+    def _say_why(key: str, error: BaseException, page: Page | None) -> None:
+        with beside(page):
             print(
                 f'{key} stopped, a callback raised an exception:\n{short_traceback(error)}\n'
                 '  The other nodes go on. Correct the cell, run it, and start the node again.',

@@ -14,13 +14,9 @@ jupyter_client = pytest.importorskip('jupyter_client')
 from jupyter_client.kernelspec import NoSuchKernel
 from nbclient import NotebookClient
 
-KERNEL = 'ros2_jazzy'
+from benchmarks.restart_kernels import KERNEL, OWN_SHARED_MEMORY
+
 DEADLINE_S = 120.0
-BIND = 'mount --bind "$0" /dev/shm && exec "$@"'
-# The middleware never removes the files of a port that a killed process had opened, and the
-# programs of all tests share the numbers of ports: what a kernel leaves is seen in a folder of
-# its own.  The kernel keeps the process id of the shell.
-OWN_SHARED_MEMORY = ['unshare', '--map-root-user', '--mount', 'sh', '-c', BIND]
 
 TALKER = """
 import rclpy

@@ -1,6 +1,8 @@
 """Nodes that run in the background, in private contexts of the test process."""
 
+from io import StringIO
 import random
+import sys
 import threading
 import time
 
@@ -154,6 +156,25 @@ def test_failing_callback_ends_its_node_and_no_other(session, capfd):
     assert err == ''
     assert 'failing' not in talker.get_node_names()
     assert failing.count == 3
+
+
+def test_why_a_node_stopped_is_said_before_it_is_gone(session, monkeypatch):
+    """Whoever waits until the node is gone, as a cell may, finds the reason on the page."""
+    seen = []
+
+    class Page(StringIO):
+        def write(self, text):
+            seen.append((text, 'failing' in session.nodes(), session.losses()))
+            return len(text)
+
+    monkeypatch.setattr(sys, 'stdout', Page())
+    session.start(Failing)
+    wait_until_in(session, lambda: 'failing' not in session.nodes(), 5, 'the failure')
+
+    text, running, losses = seen[0]
+    assert 'failing stopped' in text
+    assert running
+    assert 'third' in losses
 
 
 def test_failed_node_can_be_started_again(session):
