@@ -28,6 +28,8 @@ _VARIABLES = {
     'RCUTILS_CONSOLE_OUTPUT_FORMAT': f'{_BEGIN}{{file_name}}{_NEXT}{{severity}}{_NEXT}{{name}}'
     f'{_NEXT}{{message}}{_END[0]}',
 }
+MARK = f'{_BEGIN}{_NEXT}{_NEXT}{_NEXT}{_END}'.encode()
+"""A line of nobody: whoever reads it has read all that was written before."""
 _C_FILES = ('.c', '.cc', '.cpp', '.cxx', '.h', '.hpp')
 # Letters and background of the word for the level.  ROS gives the colour to the whole line, but no
 # shade of yellow is readable on a white page and on a black one.
@@ -85,6 +87,8 @@ class ConsoleLines:
 
     def __init__(self) -> None:
         self._rest = ''
+        self.marks = 0
+        """How often :data:`MARK` was read."""
 
     def feed(self, text: str) -> str:
         """
@@ -100,6 +104,7 @@ class ConsoleLines:
             if not end:
                 self._rest = begin + framed
                 break
+            self.marks += line == _NEXT * 3
             shown.append(_shown(line))
             self._rest = after
         return ''.join(shown)

@@ -302,11 +302,17 @@ class _Request:
         except Empty:
             return
         try:
-            self._action()
+            self._carry_out()
         except Exception as error:
             self._done.put(error)
         else:
             self._done.put(None)
+
+    def _carry_out(self) -> None:
+        try:
+            self._action()
+        except CallbackStopped:  # meant for a callback that had ended by itself
+            self._action()
 
     def wait(self, timeout_s: float) -> bool:
         """
@@ -317,7 +323,7 @@ class _Request:
         try:
             error = self._done.get(timeout=timeout_s)
         except Empty:
-            if not self._tickets.empty():
+            with suppress(Empty):
                 self._tickets.get_nowait()
                 return False
             error = None  # it is running: as good as done

@@ -121,9 +121,11 @@ def watch_cells(shell: Any) -> None:
     for module, name in ((zmqshell, 'system'), (interactiveshell, 'getoutput')):
         setattr(module, name, _ending_the_cell(getattr(module, name)))
     sys.unraisablehook = _bringing_back_interrupts(sys.unraisablehook)
-    # An interrupt that comes while the kernel ends would break off what others still have to do.
-    # Registered late, this runs before them.
-    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
+    # A signal that comes while the kernel ends would break off what others still have to do:
+    # an interrupt, or Jupyter's reminder to an end that takes seconds on a busy machine.
+    # Registered late, these run before them.
+    for reminder in (signal.SIGINT, signal.SIGTERM):
+        atexit.register(signal.signal, reminder, signal.SIG_IGN)
 
 
 def interrupted() -> bool:

@@ -110,9 +110,9 @@ class _Recorder:
             return
         level = _LEVELS.get(int(severity), str(severity))
         line = LogLine(time.time(), level, str(name), message)
-        self.lines.append(line)
         self.on_line(line)
         self._write(severity, name, message, *place)
+        self.lines.append(line)  # last: a cell that waits for the line has shown it then
 
 
 _recorder: _Recorder | None = None

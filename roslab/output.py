@@ -10,16 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-import fcntl
-import os
-import stat
 import sys
-import termios
-import time
 from typing import Any
-
-_SETTLE_S = 0.2
-_LOOK_S = 0.002
 
 
 def shell() -> Any | None:
@@ -123,26 +115,3 @@ class ElapsedTime:
     @staticmethod
     def _line(text: str) -> dict[str, str]:
         return {'text/plain': text}
-
-
-def settle(_: Any = None) -> None:
-    """
-    Wait a moment until what C code has printed belongs to the running cell.
-
-    ROS writes log lines into a pipe, and the kernel gives what it reads there to the cell that is
-    running then: the next one, if this one was quick.
-    """
-    sink: Any = sys.stdout
-    if getattr(sink, 'watch_fd_thread', None) is None or not stat.S_ISFIFO(os.fstat(1).st_mode):
-        return
-    deadline = time.monotonic() + _SETTLE_S
-    while _unread(1) and time.monotonic() < deadline:
-        time.sleep(_LOOK_S)
-    time.sleep(_LOOK_S)  # from the pipe into the stream
-    sink.flush()
-
-
-def _unread(pipe: int) -> int:
-    """Return how many bytes nobody has read yet."""
-    answer = fcntl.ioctl(pipe, termios.FIONREAD, bytes(4))
-    return int.from_bytes(answer, sys.byteorder)

@@ -16,20 +16,23 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+import os
+import stat
 import sys
 import threading
 from typing import Any
 import uuid
 
-from roslab.console import ConsoleLines, log_text, mark_console, spare_the_terminal
+from roslab.console import ConsoleLines, log_text, MARK, mark_console, spare_the_terminal
 from roslab.interrupts import no_interrupts
 from roslab.logtable import LogLine, show_logs
-from roslab.output import Cell, current_cell, settle
+from roslab.output import Cell, current_cell
 
 MOST_IN_CELL = 50
 """Lines of its nodes that a running cell shows before the rest goes into the block."""
 MOST_IN_BLOCK = 12
 _UPDATE_S = 0.25
+_SETTLE_S = 2.0  # bounds a wait that takes a fraction of a millisecond
 
 
 class Page:
@@ -79,6 +82,7 @@ class Pages:
         self._plain: Callable[[str], int | None] = stream.write
         self._console = console
         self._watcher = getattr(stream, 'watch_fd_thread', None)
+        self._arrived = threading.Event()
         self._here = threading.local()
         running = current_cell()
         self._running = running if running and running.request else None
@@ -117,8 +121,12 @@ class Pages:
     def write(self, text: str) -> int | None:
         """Do what ``write`` of the kernel's stdout does, for the right cell."""
         if threading.current_thread() is self._watcher:
+            mark = self._console.marks
             text = self._console.feed(text)
-            return self._plain(text) if text else 0
+            written = self._plain(text) if text else 0
+            if self._console.marks > mark:
+                self._arrived.set()
+            return written
         page: Page | None = getattr(self._here, 'page', None)
         if page is None or not isinstance(text, str):
             return self._plain(text)
@@ -140,13 +148,29 @@ class Pages:
     def end_cell(self, _: Any = None) -> None:
         """Bring everything to its place before the kernel says that the cell is over."""
         with no_interrupts():
-            settle()
+            self._settle()
             over, page = self._running, self._of_running
             self._running, self._of_running = None, None
             if page is not None and not page.cell.has_frontend and not page.displayed:
                 self._send(page, 'display_data', page.cell)
             for changed in tuple(self._changed.values()):
                 self._update(changed, over)
+
+    def _settle(self) -> None:
+        """
+        Wait until what C code has printed belongs to the running cell.
+
+        ROS writes log lines into a pipe, and the kernel gives what it reads there to the cell that
+        is running then: the next one, if this one was quick.  What comes last in the pipe is a
+        mark of ours.
+        """
+        watcher = self._watcher
+        if watcher is None or not watcher.is_alive() or not stat.S_ISFIFO(os.fstat(1).st_mode):
+            return
+        self._arrived.clear()
+        os.write(1, MARK)
+        self._arrived.wait(_SETTLE_S)
+        self._stream.flush()
 
     def _note(self, page: Page) -> None:
         """Have a page shown soon; where nobody is looking, at the end of the running cell."""

@@ -118,7 +118,7 @@ class Session:
         for key, started in tuple(self._started.items()):
             if not _is_alive(started.node):
                 self._started.pop(key, None)
-        return {key: started.node for key, started in self._started.items()}
+        return {key: started.node for key, started in tuple(self._started.items())}
 
     def start(
         self,
@@ -144,9 +144,14 @@ class Session:
             key = key_of(node.get_name(), node.get_namespace())
             if key in self._started and self._started[key].node is not node:
                 self.stop(key)
-            executor.add(node)
-            self._started[key] = Started(node, page_here())
+            # First, because its first callback may raise before `add` returns.
             self._lost.pop(key, None)
+            self._started[key] = Started(node, page_here())
+            try:
+                executor.add(node)
+            except BaseException:
+                self._started.pop(key, None)
+                raise
         return node
 
     def stop(self, which: Node | str) -> None:
@@ -199,7 +204,7 @@ class Session:
     def losses(self) -> str:
         """Return which nodes were stopped by an exception, as sentences."""
         return ' '.join(
-            f'Node {key} {why}.' for key, why in self._lost.items() if why != 'was stopped'
+            f'Node {key} {why}.' for key, why in tuple(self._lost.items()) if why != 'was stopped'
         )
 
     def hints(self) -> str:
@@ -272,7 +277,7 @@ class Session:
         if isinstance(which, str):
             forms = (which, which.lstrip('/'), f'/{which}')
             return next((form for form in forms if form in self._started), which)
-        for key, started in self._started.items():
+        for key, started in tuple(self._started.items()):
             if started.node is which:
                 return key
         return repr(which)
@@ -296,10 +301,10 @@ class Session:
                 self._lost[key] = f'stopped: {last_line(error)}'
                 self._say_why(key, error, started.page if started else None)
         finally:
-            if started is not None and self._started.get(key) is started:
-                self._started.pop(key, None)
             if node is not None:
                 _destroy_quietly(node)
+            if self._started.get(key) is started:
+                self._started.pop(key, None)
 
     @staticmethod
     def _say_why(key: str, error: BaseException, page: Page | None) -> None:

@@ -29,6 +29,8 @@ from rclpy.parameter import Parameter
 
 QUIET_S = 0.12
 """How long nothing may change: longer than Fast DDS's pause between two announcements (0.1 s)."""
+QUIET_LOOKS = 8
+"""How many looks that takes, so that a process that had no turn meanwhile looks on."""
 ALONE_S = 0.5
 """``--spin-time`` of the real command."""
 AGAIN_S = (0.2, 0.2, 0.2)
@@ -100,26 +102,29 @@ def wait_for_graph(node: Node, alone_s: float = ALONE_S) -> bool:
     """
     began = changed = time.monotonic()
     last: Hashable = None
-    others = False
+    others, still = False, 0
     while (now := time.monotonic()) - began < max(LIMIT_S, alone_s):
         seen = _graph(node)
         others = len(seen[0]) > 1
+        still += 1
         if seen != last:
-            last, changed = seen, now
-        complete = now - changed >= QUIET_S and not _nameless(node)
+            last, changed, still = seen, now, 0
+        complete = now - changed >= QUIET_S and still >= QUIET_LOOKS and not _nameless(node)
         if complete and (others or now - began >= alone_s):
             break
         time.sleep(LOOK_S)
     return others
 
 
-def _graph(node: Node) -> tuple[tuple[object, ...], tuple[object, ...]]:
-    """Return nodes and topics with their endpoint counts, comparable."""
+def _graph(node: Node) -> tuple[tuple[object, ...], ...]:
+    """Return nodes, topics with their endpoint counts, and services, comparable."""
     topics = (
         (name, *types, node.count_publishers(name), node.count_subscribers(name))
         for name, types in node.get_topic_names_and_types()
     )
-    return tuple(sorted(node.get_node_names_and_namespaces())), tuple(sorted(topics))
+    services = ((name, *types) for name, types in node.get_service_names_and_types())
+    nodes = node.get_node_names_and_namespaces()
+    return tuple(sorted(nodes)), tuple(sorted(topics)), tuple(sorted(services))
 
 
 def _nameless(node: Node) -> bool:

@@ -7,6 +7,7 @@ import time
 from typing import Any
 
 import rclpy
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
@@ -17,6 +18,7 @@ from roslab.ros2.qos_options import add_qos_arguments, preset, qos_asked_for
 from roslab.ros2.topic_class import named_class
 
 _LOOK_S = 0.1
+_ACKNOWLEDGED_S = 3
 _LOOKS_A_LINE = 10
 """A waiting command says so once a second."""
 
@@ -101,7 +103,9 @@ def publish(args: argparse.Namespace) -> Outcome:
         print('publisher: beginning loop', flush=True)
         _publish(args, node, publisher, message, values, times)
         if times:
-            # No acknowledgement is asked of best effort readers, so it is a time, as in ros2.
+            # Reliable readers acknowledge what they have. Of best effort ones none is asked, so it
+            # is a time, as in ros2.
+            publisher.wait_for_all_acked(Duration(seconds=_ACKNOWLEDGED_S))
             _spin_for(node, args.keep_alive)
     return None
 
