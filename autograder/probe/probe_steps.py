@@ -26,6 +26,9 @@ from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallba
 NANOSECONDS = 1_000_000_000
 CONNECT_S = 1.0
 TICK_EVERY_S = 0.01
+# What is watched in real time is judged by real pauses: from a third of a period on, a pause of
+# ours would be taken for one of the program's.
+MOST_STALLED_S = 0.3
 DEAF_S = 0.5  # how long a program is watched that has not even taken the first request
 STILL_S = 0.2  # how long a graph must stay as it is; news of an endpoint takes a millisecond
 WITHOUT_ANSWERS_S = 0.3  # what a program that never answers round trips gets to react to a step
@@ -63,6 +66,8 @@ def _advance_in_wall_time(probe: Any, start_ns: int, seconds: float) -> None:
             if probe.student_exited:
                 raise Stop('student_exited')
             probe.spin(left)
+        if time.monotonic() - until > MOST_STALLED_S:
+            raise Stop('too_busy')
 
 
 def feed(probe: Any, step: dict[str, Any], lockstep: bool) -> None:

@@ -262,9 +262,15 @@ class _Watched:
                 self._tell_probe(QUIET)
                 continue
             self._keep_event(event)
-            self.done = self.done or event['event'] == 'end'
+            if event['event'] == 'end':
+                self._ended(event)
         if self.recorded > LARGEST_RECORDING:
             self.killed = 'too_much_recorded'
+
+    def _ended(self, event: dict[str, Any]) -> None:
+        self.done = True
+        if event['reason'] == 'too_busy':
+            raise ProbeFailed('The machine was too busy: the probe got no turn while it watched.')
 
     def _keep_event(self, event: dict[str, Any]) -> None:
         self.events.append(event)

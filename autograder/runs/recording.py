@@ -51,6 +51,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+import fcntl
 from functools import cached_property
 import json
 import os
@@ -293,10 +294,11 @@ def keep(path: Path, data: bytes) -> None:
     unfinished = path.with_name(f'.{path.name}.{uuid.uuid4().hex}')
     try:
         with unfinished.open('xb') as file:
+            fcntl.flock(file, fcntl.LOCK_EX)  # as long as its writer lives, nobody tidies it away
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        unfinished.replace(path)
+            unfinished.replace(path)
     except BaseException:
         unfinished.unlink(missing_ok=True)
         raise

@@ -22,6 +22,7 @@ from functools import lru_cache
 import json
 import multiprocessing
 from multiprocessing.connection import wait
+from multiprocessing.process import BaseProcess
 import os
 from pathlib import Path
 import shutil
@@ -210,10 +211,13 @@ class Pool:
         with self._guard:
             self._stopped = True
             pools = [pool for pool in (self._pool, *self._single) if pool is not None]
+        ending = [process for pool in pools for process in processes(pool)]
         for pool in pools:
             if kind is not None:
                 kill(pool)
             pool.shutdown(wait=True, cancel_futures=True)
+        for process in ending:  # a pool that a thread has just given up waits for nobody
+            process.join()
 
     def run(self, task: bytes) -> bytes:
         """
@@ -274,9 +278,14 @@ class Pool:
         )
 
 
+def processes(pool: ProcessPoolExecutor) -> list[BaseProcess]:
+    """Return the processes that a pool has."""
+    return list((getattr(pool, '_processes', None) or {}).values())
+
+
 def kill(pool: ProcessPoolExecutor) -> None:
     """End a pool's processes at once; their sandboxes end with them."""
-    for process in list((getattr(pool, '_processes', None) or {}).values()):
+    for process in processes(pool):
         process.kill()
 
 
@@ -307,18 +316,26 @@ def grading_folder() -> Iterator[Path]:
     above = Path(tempfile.gettempdir())
     for left in above.glob(f'{FOLDERS}*'):
         _remove_if_left(left)
-    folder = Path(tempfile.mkdtemp(prefix=FOLDERS, dir=above))
-    folder.chmod(0o711)  # the sandboxes' throw-away users pass through
-    # Whoever holds the lock lives: the kernel gives it back, however a process ends.
-    lock = os.open(folder / 'lock', os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    folder, lock = _made(above)
     before, tempfile.tempdir = tempfile.tempdir, str(folder)
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX)
         yield folder
     finally:
         tempfile.tempdir = before
         os.close(lock)
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def _made(above: Path) -> tuple[Path, int]:
+    """Make a folder; whoever holds its lock lives: the kernel gives it back, come what may."""
+    while True:
+        folder = Path(tempfile.mkdtemp(prefix=FOLDERS, dir=above))
+        folder.chmod(0o711)  # the sandboxes' throw-away users pass through
+        lock = os.open(folder / 'lock', os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if os.fstat(lock).st_nlink:
+            return folder, lock
+        os.close(lock)  # another grading was quicker, and took it for one that was left
 
 
 def _remove_if_left(folder: Path) -> None:

@@ -111,7 +111,7 @@ class Confined:
             if self.supervised:
                 # It ends all descendants, daemons too, and then itself.
                 signal.pidfd_send_signal(self.pidfd, signal.SIGTERM)
-                select.select([self.pidfd], [], [], 5.0)
+                select.select([self.pidfd], [], [], SUPERVISOR_S)
             signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
         except ProcessLookupError:
             pass
@@ -152,6 +152,7 @@ class Confined:
         return count, size
 
 
+SUPERVISOR_S = 60.0  # bounds what it needs to end a sandbox's processes: milliseconds
 WRITABLE = ('/tmp', '/dev/shm')
 MOST_COUNTED = 30_000
 

@@ -89,7 +89,8 @@ class Threads:
         deadline, used_s = time.monotonic() + STARVED_S, None
         while True:
             self.look_at_threads()
-            if not self.run():
+            # Twice: of two threads that take turns, each may sleep when it is looked at.
+            if not self.run() and not self.run():
                 return True
             used_s = self.used_s() if used_s is None else used_s
             if self.used_s() >= used_s + BUSY_S:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
+import threading
 
 import psutil
 import pytest
@@ -22,6 +24,7 @@ EXAM = 'temperature_publisher'
 ANSWER = Path(
     'tests/submissions/07_temperature_monitor/pass__annotated_and_configured/temp_publisher.py'
 )
+SLEEPER = ANSWER.parents[1] / 'fail__sleeps_in_a_loop' / 'temp_publisher.py'
 ENDS_ITSELF = """
 import os, signal
 import rclpy
@@ -60,10 +63,12 @@ class Killer:
             self.armed = False
             self.left -= 1
             for one in psutil.Process().children(recursive=True):
-                if self.wanted(one.cmdline()):
-                    one.kill()
-                    self.runs += 1
-                    break
+                with suppress(psutil.NoSuchProcess):
+                    words = one.cmdline()
+                    if words and self.wanted(words):
+                        one.kill()
+                        self.runs += 1
+                        break
 
 
 def program(words: list[str]) -> bool:
@@ -109,3 +114,25 @@ def test_a_machine_without_memory_makes_no_verdict(monkeypatch):
     monkeypatch.setattr(observe, 'oom_kills', lambda: next(counted))
     with pytest.raises(ProbeFailed, match='ran out of memory'):
         graded(ENDS_ITSELF)
+
+
+def test_a_probe_that_gets_no_turn_while_it_watches_real_time_makes_no_verdict():
+    """Its own pause would be taken for one of the program's; the run is repeated, and says so."""
+    stopped = []
+
+    def stall(event: Event) -> None:
+        if event['event'] == 'wall_time' and not stopped:
+            (probe,) = (
+                one
+                for one in psutil.Process().children(recursive=True)
+                if any(word.endswith('/probe.py') for word in one.cmdline()[1:2])
+            )
+            probe.suspend()
+            stopped.append(probe.pid)
+            threading.Timer(1.0, probe.resume).start()
+
+    result = graded(SLEEPER.read_text(encoding='utf-8'), stall)
+
+    assert len(stopped) == 1
+    assert result.timing['repeated'] == 1.0
+    assert {check.cause_id for check in result.checks if check.cause_id} == {'own_loop'}

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import json
 import os
 from pathlib import Path
+import shutil
 import signal
 import subprocess
 import sys
@@ -213,3 +214,21 @@ class TestFolder:
 
         assert list(tmp_path.iterdir()) == []
         assert tempfile.gettempdir() == str(tmp_path)
+
+    def test_a_folder_that_another_grading_takes_for_left_is_made_again(
+        self, tmp_path, monkeypatch
+    ):
+        """It has its lock a moment after it is there."""
+        monkeypatch.setattr('tempfile.tempdir', str(tmp_path))
+        lock, taken = workers.fcntl.flock, []
+
+        def late(file, how):
+            if not taken:
+                taken.extend(tmp_path.iterdir())
+                shutil.rmtree(taken[0])
+            lock(file, how)
+
+        monkeypatch.setattr(workers.fcntl, 'flock', late)
+        with grading_folder() as folder:
+            assert folder.is_dir()
+            assert folder not in taken

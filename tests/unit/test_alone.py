@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 import subprocess
 import sys
 
 import pytest
 
 from autograder.layout import Layout
+from autograder.runs.recording import keep
 from autograder.whole_class.alone import alone, InUseError
 
 HOLDER = """
@@ -65,6 +67,24 @@ def test_what_a_killed_grading_left_goes(tmp_path):
     with alone(layout, 'a grading'):
         assert not half.exists()
         assert all(path.exists() for path in others)
+
+
+def test_what_somebody_is_writing_stays(tmp_path, monkeypatch):
+    """A quick look at one submission keeps its recording beside a grading."""
+    layout = Layout(tmp_path)
+    path = layout.recordings / 'talker' / 'x.jsonl'
+    rename = Path.replace
+
+    def begin_to_grade(unfinished, target):
+        layout.work.joinpath('lock').write_text('a grading that was killed', encoding='utf-8')
+        with alone(layout, 'a grading'):
+            pass
+        return rename(unfinished, target)
+
+    monkeypatch.setattr(Path, 'replace', begin_to_grade)
+    keep(path, b'whole')
+
+    assert path.read_bytes() == b'whole'
 
 
 def test_a_grading_that_ended_well_left_nothing_to_look_for(tmp_path):
