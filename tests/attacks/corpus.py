@@ -183,5 +183,6 @@ def early_limits() -> Iterator[None]:
             return program, limits
         return program, replace(limits, wall_s=20.0, cpu_s=6)
 
-    with mock.patch.object(observe, 'program_for', program_for):
+    longer = mock.patch.object(observe, 'MOST_WALL', 50)
+    with mock.patch.object(observe, 'program_for', program_for), longer:
         yield

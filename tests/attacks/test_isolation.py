@@ -70,7 +70,7 @@ def test_environment_and_command_line_of_the_launcher_say_nothing(monkeypatch):
     confined = box.start(Program((box.ros.python, '-c', code)), Limits(), Path('/'))
     try:
         confined.release()
-        said, _ = confined.process.communicate(timeout=20)
+        said, _ = confined.process.communicate(timeout=60)
     finally:
         confined.kill()
 

@@ -256,7 +256,7 @@ def test_feedback_and_export_are_harmless(graded):
             env={**os.environ, 'PYTHONPATH': str(ROOT)},
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=600,
         )
         assert done.returncode == 0, done.stderr
     pages = list((graded.layout.work / 'feedback' / 'injects_markup').rglob('*.html'))

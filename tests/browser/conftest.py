@@ -7,6 +7,7 @@ Playwright is imported by the fixtures only: the other tests are collected witho
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 import json
 import os
@@ -21,6 +22,8 @@ from typing import Any
 from urllib.request import urlopen
 
 import pytest
+
+from tests.own_domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
 ASSIGNMENT = '07_temperature_monitor'
@@ -107,6 +110,7 @@ def lab(course: Path) -> Iterator[Lab]:
     inherited = {name: text for name, text in os.environ.items() if name != UNDER_TEST}
     token = secrets.token_hex(8)
     log = home / 'jupyterlab.log'
+    until = ExitStack()
     with log.open('w') as file:
         server = subprocess.Popen(
             [
@@ -122,7 +126,7 @@ def lab(course: Path) -> Iterator[Lab]:
                 'JUPYTER_RUNTIME_DIR': str(home / 'runtime'),
                 'JUPYTERLAB_SETTINGS_DIR': str(home / 'settings'),
                 # Another kernel on this machine must not be heard.
-                'ROS_DOMAIN_ID': str(1 + os.getpid() % 100),
+                'ROS_DOMAIN_ID': str(own_domain(until)),
             },
             stdin=subprocess.DEVNULL,
             stdout=file,
@@ -137,6 +141,7 @@ def lab(course: Path) -> Iterator[Lab]:
         except subprocess.TimeoutExpired:
             server.kill()
             server.wait()
+        until.close()
 
 
 def _free_port() -> int:

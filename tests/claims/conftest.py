@@ -8,7 +8,7 @@ destroyed at the end.  ``world.spin_until`` is the only way to wait: on a condit
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-import os
+from contextlib import ExitStack
 import time
 
 import pytest
@@ -16,11 +16,16 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-DOMAIN = 1 + os.getpid() % 100
+from tests.own_domain import own_domain
+
+_until = ExitStack()  # the end of this process
+DOMAIN, ANOTHER_DOMAIN = own_domain(_until), own_domain(_until)
 
 
 class World:
     """A context, an executor and the nodes in it."""
+
+    another_domain = ANOTHER_DOMAIN
 
     def __init__(self, domain: int = DOMAIN) -> None:
         self.context = Context()
@@ -36,7 +41,7 @@ class World:
         return node
 
     def spin_until(
-        self, condition: Callable[[], object], timeout: float = 10.0, what: str = 'a condition'
+        self, condition: Callable[[], object], timeout: float = 60.0, what: str = 'a condition'
     ) -> None:
         """Serve callbacks until something holds; fail after a bound that no claim depends on."""
         deadline = time.monotonic() + timeout

@@ -173,7 +173,7 @@ def crosses(draw, seconds: int) -> bool:
 def test_world_of_a_test_is_its_own(world, other_world):
     """Two contexts on the domain of the test see each other, and nobody of the next domain."""
     stranger = Context()
-    stranger.init(args=[], domain_id=world.context.get_domain_id() + 1)
+    stranger.init(args=[], domain_id=world.another_domain)
     outside = Node('outside_of_this_test', context=stranger)
     here, _ = world.node('here'), other_world.node('there')
     world.spin_until(lambda: 'there' in here.get_node_names(), what='the other')

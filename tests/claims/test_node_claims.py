@@ -254,7 +254,7 @@ def end_by(signal_number: int, text: str) -> tuple[int, str]:
     for _ in range(4):
         process.send_signal(signal_number)
         try:
-            _, stderr = process.communicate(timeout=10)
+            _, stderr = process.communicate(timeout=60)
         except subprocess.TimeoutExpired:
             continue
         return process.returncode, stderr
@@ -309,7 +309,7 @@ def test_contexts_with_other_domains_are_other_worlds(world):
     here = world.node('here')
     neighbour, stranger = Context(), Context()
     neighbour.init(args=[], domain_id=world.context.get_domain_id())
-    stranger.init(args=[], domain_id=world.context.get_domain_id() + 1)
+    stranger.init(args=[], domain_id=world.another_domain)
     others = [Node('stranger', context=stranger), Node('neighbour', context=neighbour)]
 
     world.spin_until(lambda: 'neighbour' in here.get_node_names(), what='the neighbour')

@@ -157,7 +157,9 @@ def test_domain_id_beyond_the_ports_ends_the_process():
 def test_other_programs_of_the_domain_are_found_unless_discovery_is_off(world):
     """A neighbour of the same domain appears; one whose range is OFF does not."""
     watcher = world.node('watcher')
-    with neighbour('quiet', ROS_AUTOMATIC_DISCOVERY_RANGE='OFF'), neighbour('loud'):
+    domain = {'ROS_DOMAIN_ID': str(world.context.get_domain_id())}
+    deaf = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'}
+    with neighbour('quiet', **domain, **deaf), neighbour('loud', **domain):
         world.spin_until(lambda: 'loud' in watcher.get_node_names(), what='the neighbour')
         assert 'quiet' not in watcher.get_node_names()
 
@@ -172,7 +174,7 @@ class neighbour:  # noqa: N801 - reads like a function
         )
         self.process = subprocess.Popen(
             [sys.executable, '-c', text],
-            env={**os.environ, 'ROS_DOMAIN_ID': str(1 + os.getpid() % 100), **environment},
+            env={**os.environ, **environment},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         )

@@ -32,7 +32,9 @@ def test_a_probe_ends_at_whatever_moment_it_is_killed(tmp_path: Path, turn: int)
     sandbox = strongest()
     home = tmp_path / 'home'
     home.mkdir()
-    student = sandbox.start(Program((sandbox.ros.python, '-c', '')), Limits(), home)
+    student = sandbox.start(
+        Program((sandbox.ros.python, '-c', 'import sys; sys.stdin.read()')), Limits(), home
+    )
     try:
         probe = sandbox.start_probe(student, home)
         os.killpg(probe.pid, signal.SIGKILL)

@@ -38,6 +38,7 @@ def recorded(monkeypatch, text: str, limits: Limits):
     """Return the recording of a program that runs under some limits."""
     whole = observe.program_for
     monkeypatch.setattr(observe, 'program_for', lambda *facts: (whole(*facts)[0], limits))
+    monkeypatch.setattr(observe, 'MOST_WALL', 100)  # of limits that are a tenth of the real ones
     scenario = Scenario(file='x.py', appear_s=30.0)
     return run('limits', scenario, {'x.py': text}, strongest())[0]
 
@@ -45,7 +46,7 @@ def recorded(monkeypatch, text: str, limits: Limits):
 @pytest.mark.parametrize(
     ('text', 'limits', 'reason'),
     [
-        (SLEEPS, replace(SOON, wall_s=1.0), 'wall_time_limit'),
+        (SLEEPS, replace(SOON, wall_s=3.0), 'wall_time_limit'),
         (BUSY, replace(SOON, cpu_s=1, wall_s=30.0), 'cpu_limit'),
         (BUSY, replace(SOON, wall_s=30.0), 'busy_before_node'),
         (CHILDREN, replace(SOON, memory=200 << 20, wall_s=30.0), 'memory_limit'),

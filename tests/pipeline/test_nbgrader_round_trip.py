@@ -34,7 +34,7 @@ def nbgrader(course: Layout, *arguments: str) -> str:
         env={**os.environ, 'PYTHONPATH': str(Path(__file__).parent)},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr

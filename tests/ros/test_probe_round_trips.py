@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 import subprocess
 import sys
 
 import pytest
 
 from autograder.runs.observe import HERE
+from tests.own_domain import own_domain
 
 pytestmark = [pytest.mark.ros]
 
@@ -26,7 +28,7 @@ class Probe:
     patience_s, student_exited, drained = 0.0, False, 0
     def __init__(self):
         self.context = Context()
-        rclpy.init(context=self.context, domain_id=77)
+        rclpy.init(context=self.context, domain_id=int(sys.argv[1]))
         self.node = rclpy.create_node('asking', context=self.context, enable_rosout=False)
         self.node.create_subscription(String, 'watched', print, 10)
     def hear_grader(self, seconds):
@@ -37,7 +39,7 @@ class Probe:
             each.handle.take_message(each.msg_type, False)
 
 there = Context()
-rclpy.init(context=there, domain_id=77)
+rclpy.init(context=there, domain_id=int(sys.argv[1]))
 asked = rclpy.create_node('asked', context=there)
 executor = SingleThreadedExecutor(context=there)
 executor.add_node(asked)
@@ -53,8 +55,10 @@ def spin():
 def ran(program: str) -> str:
     """Run a program in that world and return what it printed."""
     end = '\nimport os; sys.stdout.flush(); os._exit(0)\n'
-    argv = [sys.executable, '-c', WORLD + program + end]
-    return subprocess.run(argv, text=True, check=True, timeout=120, stdout=subprocess.PIPE).stdout
+    with ExitStack() as until:
+        argv = [sys.executable, '-c', WORLD + program + end, str(own_domain(until))]
+        pipe = subprocess.PIPE
+        return subprocess.run(argv, text=True, check=True, timeout=290, stdout=pipe).stdout
 
 
 def test_after_one_round_more_than_messages_all_of_them_are_handled():

@@ -1,8 +1,8 @@
 """Pictures and facts of live nodes, in private contexts of the test process."""
 
 import contextlib
+from contextlib import ExitStack
 import queue
-import random
 import re
 import time
 
@@ -25,10 +25,12 @@ from roslab.live_plot import Plot
 from roslab.session import Session
 from roslab.timeline_picture import make_timeline
 from roslab.waiting import wait_in
+from tests.own_domain import own_domain
 
 pytestmark = pytest.mark.ros
 
 RELIABLE = QoSProfile(depth=10)
+SOON_S = 60.0  # what takes milliseconds on a machine with nothing else to do
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -38,6 +40,7 @@ class Wave(Node):
     def __init__(self):
         super().__init__('wave', namespace='/lab')
         self.count = 0
+        self.sent = []
         self.numbers = self.create_publisher(Float64, 'number', 10)
         self.names = self.create_publisher(String, '/name', qos_profile_sensor_data)
         self.create_timer(0.02, self.on_timer)
@@ -45,6 +48,7 @@ class Wave(Node):
     def on_timer(self):
         """Publish the next number."""
         self.count += 1
+        self.sent.append(time.monotonic())
         self.numbers.publish(Float64(data=float(self.count)))
         self.names.publish(String(data='wave'))
 
@@ -63,14 +67,15 @@ def session(monkeypatch):
     monkeypatch.setattr('roslab.introspection.DISCOVERY_S', 0.2)
     monkeypatch.setattr('roslab.graph_picture.DISCOVERY_S', 0.2)
     monkeypatch.setattr(lookup.find_topic, '__defaults__', (0.2,))
-    session = Session(Context(), domain_id=random.randrange(1, 101))
-    yield session
-    session.close()
+    with ExitStack() as until:
+        session = Session(Context(), domain_id=own_domain(until))
+        yield session
+        session.close()
 
 
 def seen(session, text, **options):
     """Wait until the text of the graph has a line with a text, and return all of it."""
-    wait_in(session, lambda: text in str(graph_now(session, **options)), 5.0)
+    wait_in(session, lambda: text in str(graph_now(session, **options)), SOON_S)
     return str(graph_now(session, **options))
 
 
@@ -161,7 +166,7 @@ def test_impossible_name_of_a_topic_is_refused_with_the_rule(session):
 def test_echo_finds_type_and_qos_and_prints_yaml(session, capsys):
     """A best-effort publisher is heard without being told how."""
     session.start(Wave)
-    print_messages(session, 'name', 2, 5.0, None)
+    print_messages(session, 'name', 2, SOON_S, None)
 
     assert capsys.readouterr().out == 'data: wave\n---\ndata: wave\n---\n'
 
@@ -172,19 +177,21 @@ def test_echo_that_hears_nothing_says_why_and_leaves_no_subscription(session):
 
     with pytest.raises(TimeoutError, match='wave publishes there, but the QoS does not match'):
         print_messages(session, '/name', 1, 0.1, LATCHED)
-    assert wait_in(session, lambda: not wave.count_subscribers('/name'), 5.0)
+    assert wait_in(session, lambda: not wave.count_subscribers('/name'), SOON_S)
 
 
 def test_rate_of_a_timer_is_measured(session, capsys):
     """A 50 Hz timer gives about 50 messages a second, in the tool's layout."""
-    session.start(Wave)
-    print_rate(session, '/lab/number', 20, 10.0)
+    wave = session.start(Wave)
+    print_rate(session, '/lab/number', 20, SOON_S)
 
     out = capsys.readouterr().out
     assert re.fullmatch(
         r'average rate: [\d.]+\n\tmin: [\d.]+s max: [\d.]+s std dev: [\d.]+s window: 19\n', out
     )
-    assert float(out.split()[2]) == pytest.approx(50, rel=0.3)
+    # A busy machine skips ticks: the rate is that of some twenty messages that were sent.
+    rates = [19 / (last - first) for first, last in zip(wave.sent, wave.sent[19:])]
+    assert 0.7 * min(rates) < float(out.split()[2]) < 1.3 * max(rates)
 
 
 def test_info_describes_a_topic_or_a_node(session, capsys):
@@ -222,6 +229,8 @@ def test_reception_times_belong_to_their_messages(session):
     heard.wait(10)
     times, now = heard.times, heard.now
     session.stop('/lab/wave')
+    heard.stop()
+    wait_in(session, lambda: not list(session.helper.subscriptions), SOON_S)
 
     assert len(heard.times) == len(heard.messages)
     assert times == sorted(times)
@@ -247,10 +256,11 @@ def test_plot_waits_for_values_and_shows_them(session):
     """The values are the numbers that were published, the text form has the newest of them."""
     session.start(Wave)
     plot = Plot(session, '/lab/number', 'data', 20.0, 3.0)
-    values = plot.wait(6, 5.0)
+    values = plot.wait(6, SOON_S)
 
     assert values[:6] == [values[0] + step for step in range(6)]
-    assert f'last {plot.values[-1]:g}' in str(plot)
+    before, text, after = plot.values[-1], str(plot), plot.values[-1]
+    assert before <= float(re.search(r'last (\d+(?:\.\d+)?)', text)[1]) <= after
     plot.stop()
     assert not plot.listener.alive
 
@@ -261,7 +271,7 @@ def test_plot_of_a_wrong_field_leaves_no_subscription(session):
 
     with pytest.raises(RoslabError, match='Numeric fields: data'):
         Plot(session, '/lab/number', 'value', 20.0, None)
-    assert wait_in(session, lambda: not wave.count_subscribers('/lab/number'), 5.0)
+    assert wait_in(session, lambda: not wave.count_subscribers('/lab/number'), SOON_S)
 
 
 COUNTER = """
@@ -291,7 +301,8 @@ def pictures(kernel, seconds, until=lambda found: False):
         with contextlib.suppress(queue.Empty):
             message = kernel.client.get_iopub_msg(timeout=0.1)
             if message['msg_type'] == 'update_display_data':
-                found.append((time.monotonic(), message['content']))
+                sent_s = message['header']['date'].timestamp()
+                found.append((sent_s, message['content']))
     return found
 
 
@@ -319,8 +330,9 @@ def test_plot_of_the_same_field_replaces_the_older_one(kernel):
         assert kernel.run('curve = plot("number", "data")', cell_id='b').error is None
     out = kernel.run(
         'import threading\n'
-        'wait_until(lambda: counter.count_subscribers("number") == 1)\n'
-        'print([t.name for t in threading.enumerate()].count("roslab plot"))'
+        'names = lambda: [t.name for t in threading.enumerate()].count("roslab plot")\n'
+        'wait_until(lambda: counter.count_subscribers("number") == names() == 1, 60)\n'
+        'print(names())'
     )
 
     assert out.error is None

@@ -8,6 +8,8 @@ import pytest
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
 FILES = '*fastrtps*'  # LTTng, which rclpy loads, has a file there that is nobody's
+# It takes 0.3 s (benchmarks.restart_kernels); far from the time after which Jupyter kills.
+SOON_S = 60
 
 
 @pytest.fixture
@@ -28,7 +30,7 @@ def test_kernel_with_live_nodes_ends_soon_and_leaves_no_shared_memory(tmp_path, 
     seconds = kernel.shut_down()
 
     assert files
-    assert seconds < 2.0
+    assert seconds < SOON_S
     assert list(shared_memory.glob(FILES)) == []
 
 
@@ -62,5 +64,5 @@ def test_kernel_with_an_endless_callback_ends_soon(tmp_path, shared_memory):
     )
     kernel.run('node = start(Endless); wait_until(lambda: node.count)')
 
-    assert kernel.shut_down() < 5.0
+    assert kernel.shut_down() < SOON_S
     assert list(shared_memory.glob(FILES)) == []

@@ -1,5 +1,6 @@
 """Managed nodes in a notebook: the picture of their state, and their end."""
 
+from contextlib import ExitStack
 import re
 
 import pytest
@@ -14,6 +15,7 @@ from roslab.errors import NotHereError, RoslabError
 from roslab.lifecycle_picture import lifecycle, LifecyclePicture
 from roslab.session import Session
 from roslab.waiting import wait_until_in
+from tests.own_domain import own_domain
 
 pytestmark = pytest.mark.ros
 
@@ -21,10 +23,11 @@ pytestmark = pytest.mark.ros
 @pytest.fixture
 def lab(monkeypatch):
     """Return a session in a private context, as the functions of a lesson see it."""
-    session = Session(rclpy.context.Context(), domain_id=93)
-    monkeypatch.setattr(lifecycle_picture, 'session', lambda: session)
-    yield session
-    session.close()
+    with ExitStack() as until:
+        session = Session(rclpy.context.Context(), domain_id=own_domain(until))
+        monkeypatch.setattr(lifecycle_picture, 'session', lambda: session)
+        yield session
+        session.close()
 
 
 def test_picture_follows_the_node(lab):
@@ -51,7 +54,8 @@ def test_name_is_as_good_as_the_node(lab):
 
 def test_node_elsewhere_is_asked_over_its_service(lab):
     """What is not a node of this kernel answers get_state."""
-    elsewhere = Session(rclpy.context.Context(), domain_id=93)
+    domain = lab.helper.context.get_domain_id()
+    elsewhere = Session(rclpy.context.Context(), domain_id=domain)
     try:
         elsewhere.start(lambda: LifecycleNode('far')).trigger_configure()
 

@@ -84,12 +84,12 @@ def test_a_stub_is_recognised():
 @pytest.mark.parametrize('rest', [' \t' * 100_000 + '!', ' a' * 100_000, ' ' * 200_000])
 def test_a_very_long_magic_line_is_refused_at_once(word, rest):
     """Reading it may not stop a class: a matcher that tries every blank takes minutes."""
-    began = time.perf_counter()
+    began = time.thread_time()
 
     with pytest.raises(CellSyntaxError, match='at most 200 characters, got 2000') as caught:
         parse_cell(f'{word} a{rest}\nx')
 
-    assert time.perf_counter() - began < 1
+    assert time.thread_time() - began < 1
     assert len(str(caught.value)) < 200
 
 
@@ -105,19 +105,19 @@ def test_a_very_long_magic_line_is_refused_at_once(word, rest):
 )
 def test_long_cells_without_a_magic_are_left_alone_at_once(source):
     """Whatever their first line is."""
-    began = time.perf_counter()
+    began = time.thread_time()
 
     assert parse_cell(source) is None
-    assert time.perf_counter() - began < 1
+    assert time.thread_time() - began < 1
 
 
 @pytest.mark.parametrize('line', [' \t' * 100_000 + '!', '### END SOLUTION' + ' ' * 200_000 + '!'])
 def test_a_long_line_in_the_file_is_kept_at_once(line):
     """It is no solution mark."""
-    began = time.perf_counter()
+    began = time.thread_time()
 
     assert parse_cell(f'%%node a\n{line}').body == f'{line}\n'
-    assert time.perf_counter() - began < 1
+    assert time.thread_time() - began < 1
 
 
 def test_a_magic_line_of_the_longest_length_is_read():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 import json
 from pathlib import Path
 import signal
@@ -15,6 +16,12 @@ from autograder.errors import SandboxUnavailable
 from autograder.layout import Layout
 from autograder.whole_class import grading
 from autograder.whole_class.grading import submitted_folder
+
+
+@pytest.fixture(autouse=True)
+def undisturbed(monkeypatch):
+    """Let somebody grade in this course meanwhile."""
+    monkeypatch.setattr(grading, 'alone', lambda *_: nullcontext())
 
 
 def test_a_missing_folder_is_named(tmp_path, capsys):
@@ -308,12 +315,14 @@ def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, m
             pass  # Python handles it between two instructions, not necessarily at once
 
     monkeypatch.setattr(grading, '_assignments', stopped)
-    before = signal.getsignal(signal.SIGTERM)
+    before = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)}
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background has none
 
     try:
         assert command.main(['grade', '--submitted', str(tmp_path)]) == command.STOPPED
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for one, handler in before.items():
+            signal.signal(one, handler)
 
     assert capsys.readouterr().err == (
         '\nStopped. Finished runs are kept; the same command goes on.\n'

@@ -12,6 +12,7 @@ from autograder.errors import GraderError, ProbeFailed
 from autograder.explaining.feedback import headline
 from autograder.handed_in.submission import Notebook
 from autograder.judging.results import CheckResult, ExamResult, Verdict
+from autograder.whole_class import pipeline
 from autograder.whole_class.inbox import Submission
 from autograder.whole_class.pipeline import grade_class, grade_notebook, Lesson
 
@@ -135,8 +136,9 @@ def test_something_can_be_done_in_the_calling_thread_while_runs_take_place():
     assert where == [threading.main_thread()]
 
 
-def test_nothing_is_done_meanwhile_if_nothing_has_to_be_run():
+def test_nothing_is_done_meanwhile_if_nothing_has_to_be_run(monkeypatch):
     """Then nbgrader is not needed either, unless somebody is to be entered."""
+    monkeypatch.setattr(pipeline, 'LIKE_A_RUN_S', 60)
     grade_class([handed_in('ann', 'right')], LESSON, FakeEngine(), jobs=1, meanwhile=lambda: 1 / 0)
 
 

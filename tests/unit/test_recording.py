@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 
@@ -126,6 +126,7 @@ class TestFile:
         with pytest.raises(RecordingInvalid, match='no event'):
             Recording.load(path)
 
+    @settings(deadline=None)
     @given(cut=st.integers(min_value=0, max_value=len(SAMPLE.to_bytes()) - 1))
     def test_file_that_was_cut_off_anywhere_is_refused(self, cut):
         """At a line's end, too, where all that is left is sound JSON."""

@@ -1,5 +1,6 @@
 """Where cells are saved, and which names are refused."""
 
+from contextlib import suppress
 import os
 import sys
 
@@ -103,10 +104,11 @@ def test_child_past_its_deadline_is_ended_with_its_family(tmp_path):
         'print(p.pid, flush=True)\n'
         'time.sleep(600)\n'
     )
-    outcome = run(family, tmp_path, deadline_s=2.0)
+    outcome = run(family, tmp_path, deadline_s=10.0)
 
     assert outcome.returncode is None
-    assert not psutil.pid_exists(int(outcome.output))
+    with suppress(psutil.NoSuchProcess):  # killed, but perhaps not yet gone
+        psutil.Process(int(outcome.output)).wait(60)
 
 
 def test_long_output_is_cut_at_its_beginning(tmp_path):
