@@ -86,3 +86,12 @@ def test_other_domain_is_known_by_its_two_ports():
 
     assert other_domains({7400, first, first + 10}) == [42]
     assert other_domains({7400, first}) == []
+
+
+def test_ports_that_linux_gives_at_random_are_no_domain():
+    """Two of them fit by chance now and then; a participant has two neighbours of its own."""
+    first = 7400 + 250 * 208
+
+    assert first >= 32768
+    assert other_domains({7400, 7410, 7411, first, first + 88}) == []
+    assert other_domains({7400, 7410, 7411, first, first + 10, first + 11}) == [208]
