@@ -17,7 +17,7 @@ import signal
 import threading
 import time
 
-from autograder.errors import ProbeFailed, RecordingInvalid, SandboxUnavailable
+from autograder.errors import ProbeFailed, RecordingInvalid, SandboxUnavailable, TooBusy
 from autograder.explaining.picture_data import pictures
 from autograder.judging.exam import Exam, Run
 from autograder.judging.flags import flags_of
@@ -123,14 +123,16 @@ def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome
     # A file made by this process is as fresh as can be: equal files of a class run once.
     if path.exists() and (not fresh or path in _made_now):
         try:
-            return Recording.load(path), {}
+            kept = Recording.load(path)
         except RecordingInvalid:
             pass  # damaged or of an older format: it is made again
+        else:
+            # What a limit of time has ended is evidence, and tried again the next time.
+            if path in _made_now or kept.process.get('killed') != 'wall_time_limit':
+                return kept, {}
     recording, timing = run()
-    # What a limit of time has ended is told once and tried again the next time.
-    if recording.process.get('killed') != 'wall_time_limit':
-        recording.save(path)
-        _made_now.add(path)
+    recording.save(path)
+    _made_now.add(path)
     return recording, timing
 
 
@@ -159,7 +161,7 @@ def _run(
     try:
         recording, timing = once()
         again = _may_have_been_ended(recording)
-    except ProbeFailed:
+    except (ProbeFailed, TooBusy):
         again = True
     if again:
         recording, timing = once()
