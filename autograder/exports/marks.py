@@ -72,16 +72,16 @@ def from_gradebook(
     """
     from nbgrader.api import MissingEntry
 
+    from autograder.gradebook.connection import connected
     from autograder.gradebook.converters import opened_gradebook
-    from autograder.gradebook.settings import gradebook_file
 
     missing = GraderError(
         f'{assignment}: expected it in the gradebook, got none.',
         'Try: make grade, or --points automatic for the points of the checks alone',
     )
-    file = gradebook_file(layout)
-    if file is not None and not file.is_file():
-        raise missing  # opening would make an empty one
+    with connected(layout) as answers:
+        if answers is None:
+            raise missing  # opening would make an empty one
     entered: dict[str, Mark] = {}
     with opened_gradebook(layout) as gradebook:
         try:

@@ -7,7 +7,7 @@ time that one command takes to start.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 import logging
@@ -45,13 +45,18 @@ def generate(layout: Layout, assignment: str, release: Path, database: bool) -> 
 
 
 def autograde(
-    layout: Layout, assignment: str, submitted: Path, results: Mapping[str, SubmissionResult]
+    layout: Layout,
+    assignment: str,
+    submitted: Path,
+    results: Mapping[str, SubmissionResult],
+    same_work: Collection[str] = (),
 ) -> None:
     """
     Enter results in the gradebook, as ``nbgrader autograde`` does.
 
     :param submitted: folder of rebuilt notebooks, ``<student>/<assignment>/<notebook>.ipynb``
     :param results: by student; student code is not run again
+    :param same_work: students whose answers are those that were entered last
     :raises GraderError: with nbgrader's own words; the other students are recorded all the same
     """
     config = load_config(layout)
@@ -65,7 +70,7 @@ def autograde(
     with _logged(f'recording {assignment}') as log, _one_engine():
         coursedir = CourseDirectory(config=config, log=log)
         recorder = _Recorder(coursedir=coursedir, config=config, log=log, force=True)
-        recorder.results = dict(results)
+        recorder.results, recorder.same_work = dict(results), frozenset(same_work)
         recorder.start()
 
 
@@ -101,6 +106,7 @@ class _Recorder(Autograde):
     """nbgrader's Autograde over exactly the students whose results are known."""
 
     results: dict[str, SubmissionResult]
+    same_work: frozenset[str]
 
     def init_notebooks(self) -> None:
         """List the notebooks by name: students' names may contain what glob acts on."""
@@ -110,9 +116,11 @@ class _Recorder(Autograde):
             self.assignments[str(folder)] = sorted(str(path) for path in folder.glob('*.ipynb'))
 
     def init_single_notebook_resources(self, notebook_filename: str) -> dict[str, Any]:
-        """Send the result along to :class:`autograder.gradebook.nbgrader_plugin.GradeOutside`."""
+        """Send along what :mod:`autograder.gradebook.nbgrader_plugin` has to know."""
         resources: dict[str, Any] = super().init_single_notebook_resources(notebook_filename)
-        resources['nbgrader']['result'] = self.results[resources['nbgrader']['student']]
+        student = resources['nbgrader']['student']
+        resources['nbgrader']['result'] = self.results[student]
+        resources['nbgrader']['same_work'] = student in self.same_work
         return resources
 
 

@@ -5,7 +5,8 @@ nbgrader needs some 30 ms to enter a submission, three times what a rerun may co
 entered is noted, one line a submission, in a file that only grows; a line that was cut off does
 not count.  A submission is left out only if nothing of it has changed *and* the gradebook still
 shows what was entered: a gradebook that was deleted, restored or edited is filled again.
-Grades given by hand are no part of this; nbgrader keeps them in every case.
+Grades given by hand are no part of this, as nbgrader keeps them in every case; but a penalty for
+lateness may be a share of them, so late work is entered again after each.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from pathlib import Path
 from typing import Any
 import zlib
 
+from autograder.gradebook.connection import connected
 from autograder.gradebook.settings import gradebook_file, load_config
 from autograder.layout import Layout
 from autograder.whole_class.inbox import read_file
@@ -29,7 +31,8 @@ Rows = dict[str, dict[str, Any]]
 SHOWN = """
 select submitted_assignment.student_id, base_cell.name, grade.auto_score,
        submitted_assignment.timestamp, submitted_assignment.extension, assignment.duedate,
-       submitted_notebook.late_submission_penalty
+       submitted_notebook.late_submission_penalty,
+       case when submitted_notebook.late_submission_penalty is not null then grade.manual_score end
 from grade
 join base_cell on base_cell.id = grade.cell_id
 join submitted_notebook on submitted_notebook.id = grade.notebook_id
@@ -74,7 +77,7 @@ def to_enter(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> list[G
         one
         for one in graded
         if known.get(one.result.student) != _line(one, common, rows.get(one.result.student, {}))
-        or not _autograded(layout, lesson, one).is_file()
+        or not autograded(layout, lesson, one).is_file()
     ]
 
 
@@ -119,20 +122,15 @@ def noted(path: Path) -> dict[str, dict[str, Any]]:
 
 def shown(layout: Layout, assignment: str) -> Rows:
     """
-    Return what the gradebook shows of an assignment, without what people entered by hand.
+    Return what the gradebook shows of an assignment.
 
-    It is asked directly: to import nbgrader would be most of a rerun that finds nothing new.
+    :raises GraderError: if it cannot be asked
     """
-    from sqlalchemy import create_engine, inspect, text
-    from sqlalchemy.pool import NullPool
+    from sqlalchemy import inspect, text
 
-    path = gradebook_file(layout)
-    if path is not None and not path.is_file():
-        return {}  # and none is made by looking
     rows: Rows = {}
-    engine = create_engine(str(load_config(layout).CourseDirectory.db_url), poolclass=NullPool)
-    with engine.connect() as gradebook:
-        if not inspect(gradebook).has_table('grade'):
+    with connected(layout) as gradebook:
+        if gradebook is None or not inspect(gradebook).has_table('grade'):
             return {}
         for student, cell, *facts in gradebook.execute(text(SHOWN), {'assignment': assignment}):
             score, *times = facts
@@ -164,7 +162,8 @@ def _common(layout: Layout, lesson: Lesson) -> str:
     return hashlib.sha256(settings + b'\0' + release).hexdigest()
 
 
-def _autograded(layout: Layout, lesson: Lesson, graded: Graded) -> Path:
+def autograded(layout: Layout, lesson: Lesson, graded: Graded) -> Path:
+    """Return the notebook that nbgrader keeps of a submission, there or not."""
     folder = layout.work / 'autograded' / graded.result.student / lesson.assignment
     return folder / lesson.notebook
 

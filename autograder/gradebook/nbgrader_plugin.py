@@ -302,20 +302,31 @@ def _score(points: float) -> NotebookNode:
 
 
 class SaveGrades(SaveAutoGrades):
-    """nbgrader's SaveAutoGrades, except that a check without a score waits for a person."""
+    """
+    nbgrader's SaveAutoGrades, except for whose turn it is.
+
+    A check without a score waits for a person.  A grade given by hand does not wait again when
+    nothing has changed that it was given for: a rerun would take the mark away until somebody has
+    looked at each of them once more.
+    """
 
     def _add_score(self, cell: NotebookNode, resources: Resources) -> None:
         """Record a score; nbgrader alone gives full points where there is none."""
-        scored = any(output.output_type == 'execute_result' for output in cell.get('outputs', []))
-        if scored or not is_check(cell):
-            super()._add_score(cell, resources)
-            return
         grade = self.gradebook.find_grade(
             cell.metadata.nbgrader['grade_id'],
             self.notebook_id,
             self.assignment_id,
             self.student_id,
         )
-        grade.auto_score = None
-        grade.needs_manual_grade = True
+        by_hand = grade.manual_score is not None and not grade.needs_manual_grade
+        before = grade.auto_score
+        scored = any(output.output_type == 'execute_result' for output in cell.get('outputs', []))
+        if scored or not is_check(cell):
+            super()._add_score(cell, resources)
+        else:
+            grade.auto_score = None
+            grade.needs_manual_grade = True
+        same_work = resources['nbgrader'].get('same_work', False)
+        if by_hand and same_work and grade.auto_score == before:
+            grade.needs_manual_grade = False
         self.gradebook.db.commit()

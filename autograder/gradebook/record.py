@@ -7,12 +7,14 @@ instructor knows works on them: formgrader, feedback, export, and grades given b
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 import json
 from pathlib import Path
 import tempfile
+from typing import Any
 
 from autograder.errors import GraderError
+from autograder.gradebook.entered import autograded
 from autograder.layout import Layout
 from autograder.whole_class.inbox import read_file
 from autograder.whole_class.people import read_people
@@ -34,8 +36,9 @@ def enter_assignment(layout: Layout, assignment: str) -> None:
         except GraderError as error:
             raise GraderError(
                 error.what,
-                'If the cells of the assignment changed since it was last graded, start a new '
-                'gradebook: move autograder/_work/gradebook.db away.',
+                'If the cells of the assignment changed since it was last graded: put them back, '
+                'or export the marks, which have what was graded by hand, and begin a new '
+                'gradebook (see docs/gradebook.md).',
             ) from error
 
 
@@ -55,9 +58,29 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
         for one in entered:
             _stage(staged / one.result.student / lesson.assignment, lesson.notebook, one)
         results = {one.result.student: one.result for one in entered}
+        same = {one.result.student for one in entered if _is_same_work(layout, lesson, one)}
         if results:
-            converters.autograde(layout, lesson.assignment, staged, results)
+            converters.autograde(layout, lesson.assignment, staged, results, same)
             _name(layout, results)
+
+
+def _is_same_work(layout: Layout, lesson: Lesson, graded: Graded) -> bool:
+    """Tell whether all answers are those that were entered last."""
+    try:
+        text = autograded(layout, lesson, graded).read_text(encoding='utf-8')
+        return _answers(json.loads(text)) == _answers(graded.opened.notebook)
+    except (OSError, ValueError, LookupError, TypeError, AttributeError):
+        return False  # not there, or not as nbgrader has written it
+
+
+def _answers(notebook: Mapping[str, Any]) -> dict[str, str]:
+    """Return what students may write, by cell."""
+    found = {}
+    for cell in notebook['cells']:
+        marks = cell['metadata'].get('nbgrader', {})
+        if marks.get('solution') or marks.get('task'):
+            found[marks['grade_id']] = ''.join(cell['source'])
+    return found
 
 
 def _name(layout: Layout, students: Collection[str]) -> None:

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 import json
 from pathlib import Path
 import signal
@@ -260,7 +260,7 @@ def _grade_assignment(
             engine,
             jobs,
             _both(totals.add, show),
-            meanwhile=begin,
+            meanwhile=partial(_try_to, begin),
         )
     graded_s = time.monotonic() - began
     new, refused = enter(layout, lesson, graded, begin) if graded_in_full else (0, '')
@@ -289,11 +289,20 @@ def _both(one: Callable[[Done], None], two: Callable[[Done], None]) -> Callable[
 
 def begin_to_enter(layout: Layout, assignment: str) -> None:
     """Prepare the gradebook while the runs take place: nbgrader takes seconds to import."""
+    from autograder.gradebook.connection import connected
     from autograder.gradebook.entered import make_gradebook
     from autograder.gradebook.record import enter_assignment
 
+    with connected(layout):
+        pass  # an error here is plainer than nbgrader's
     make_gradebook(layout)
     enter_assignment(layout, assignment)
+
+
+def _try_to(begin: Callable[[], None]) -> None:
+    """Begin early if that works; a gradebook that cannot be reached is told when all is run."""
+    with suppress(GraderError):
+        begin()
 
 
 def enter(
@@ -310,15 +319,16 @@ def enter(
     from autograder.gradebook import entered
     from autograder.gradebook.record import record
 
-    new = entered.to_enter(layout, lesson, graded)
-    if not new:
-        return 0, ''
-    begin()
+    new: Sequence[Graded] = graded
     try:
+        new = entered.to_enter(layout, lesson, graded)
+        if not new:
+            return 0, ''
+        begin()
         record(layout, lesson, new)
+        entered.note(layout, lesson, new)
     except GraderError as error:
         return len(new), str(error)
-    entered.note(layout, lesson, new)
     return len(new), ''
 
 

@@ -6,8 +6,10 @@ from conftest import ASSIGNMENT
 from fake_engine import FakeEngine
 from nbgrader.api import Gradebook
 
+from autograder.exports.marks import from_gradebook, GRADED
 from autograder.gradebook import entered
 from autograder.gradebook.settings import gradebook_file, load_config
+from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
 from autograder.sample_class import take_out_sample_class
 from autograder.whole_class.grading import begin_to_enter, enter
@@ -95,6 +97,52 @@ def writes_reruns_and_keeps_grades_given_by_hand(course: Layout) -> None:
     assert scores(course, 'bob')[WRITTEN] == 3
 
 
+def waiting(course: Layout, *students: str) -> list[bool]:
+    """Return whether something of each submission waits for a person, as for its mark."""
+    with book(course) as gradebook:
+        found = [gradebook.find_submission(ASSIGNMENT, one) for one in students]
+        return [bool(one.needs_manual_grade) for one in found]
+
+
+def leaves_marks_alone_that_nothing_speaks_against(course: Layout) -> None:
+    """Entered again for all, work that is the same does not wait for its grader again."""
+    for student in ('ann', 'bob', 'eve'):
+        hand_in(course, student)
+    grade(course)
+    by_hand(course, 'ann', 4)
+    by_hand(course, 'bob', 3)
+    assert waiting(course, 'ann', 'bob', 'eve') == [False, False, True]
+
+    config = course.root / 'nbgrader_config.py'
+    config.write_text(config.read_text(encoding='utf-8') + '\n# new\n', encoding='utf-8')
+    hand_in(course, 'bob', temperature_topic='temprature_topic')
+    assert grade(course) == 3
+
+    assert waiting(course, 'ann', 'bob', 'eve') == [False, True, True]
+    (mark,) = from_gradebook(course, ASSIGNMENT, [SubmissionResult('ann', ASSIGNMENT)])
+    assert (mark.points, mark.status) == (44, GRADED)
+
+
+def says_that_a_gradebook_does_not_answer(course: Layout) -> None:
+    """In one sentence, when everything has been run; nothing is made in its place."""
+    hand_in(course, 'ann')
+    grade(course)
+    path = gradebook_file(course)
+    if path is None:
+        return  # a server is not harmed for a test
+    path.write_bytes(b'no database' * 100)
+    engine = FakeEngine()
+    lesson = load_lesson(course, ASSIGNMENT, engine)
+    class_ = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
+    graded = grade_class(class_, lesson, engine, jobs=1)
+
+    count, refused = enter(course, lesson, graded, lambda: begin(course))
+
+    assert count == 1
+    assert 'gradebook.db: expected a gradebook that answers, got: ' in refused
+    assert path.read_bytes() == b'no database' * 100
+
+
 def fills_what_was_changed_or_lost(course: Layout) -> None:
     """A journal is believed only as far as the gradebook shows the same."""
     hand_in(course, 'ann')
@@ -148,6 +196,12 @@ def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
     late = scores(course, 'bob')['late']
     assert late == 40
 
+    by_hand(course, 'ann', 4)
+    by_hand(course, 'bob', 4)
+    assert grade(course) == 1
+    assert scores(course, 'bob')['late'] == 44
+    assert waiting(course, 'ann', 'bob') == [False, False]
+
     hand_in(course, 'bob', '2026-03-01 12:00:00 UTC')
     assert grade(course) == 1
     assert scores(course, 'bob')['late'] == 0
@@ -196,6 +250,8 @@ ALL = (
     names_students_whose_names_are_known,
     lets_the_sample_students_go,
     writes_reruns_and_keeps_grades_given_by_hand,
+    leaves_marks_alone_that_nothing_speaks_against,
+    says_that_a_gradebook_does_not_answer,
     fills_what_was_changed_or_lost,
     fills_a_gradebook_that_was_deleted,
     takes_off_for_lateness_as_nbgrader_is_told,
