@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from autograder.whole_class.pipeline import Engine, Graded, Lesson, SandboxEngine
 
 OK, FOR_REVIEW = 0, 1
+AHEAD = 64
+"""Runs that a scheduler has before it needs them: workers that come later find something to do."""
 
 
 class UsageError(Exception):
@@ -170,7 +172,7 @@ def _engine(
             told.print(
                 f'{engine.place.width} runs at a time on {chosen.cluster}.', highlight=False
             )
-            yield engine, engine.place.width
+            yield engine, max(engine.place.width, AHEAD)
         return
     from autograder.whole_class.pipeline import grading_engine
 
