@@ -54,6 +54,12 @@ def add_commands(commands: Any) -> None:
         help='where it comes from (default: by the names in it)',
     )
     collect.add_argument(
+        '--prefix',
+        default='',
+        metavar='TEXT',
+        help="what the names of students' folders begin with, as in hw1-ANN; it is taken off",
+    )
+    collect.add_argument(
         '--to', type=Path, metavar='DIR', help='default: autograder/_work/submitted'
     )
     collect.add_argument('--dry-run', action='store_true', help='write nothing, only say')
@@ -115,11 +121,14 @@ def _collect(chosen: argparse.Namespace) -> int:
     assignment = layout.assignment_named(chosen.assignment) if chosen.assignment else ''
     to = chosen.to or layout.submitted
     write = not chosen.dry_run
-    rows = collect(chosen.source, layout, to, assignment, chosen.kind, write)
-    taken = write and to == layout.submitted and any(row.done != LEFT for row in rows)
-    if taken and (count := take_out_sample_class(layout)):
-        said = f'The {count} example students were taken out of {to.name}/ and the gradebook.'
-        print(said, file=sys.stderr)
+    with alone(layout, 'a collection') if write else nullcontext():
+        rows = collect(
+            chosen.source, layout, to, assignment, chosen.kind, write, prefix=chosen.prefix
+        )
+        taken = write and to == layout.submitted and any(row.done != LEFT for row in rows)
+        if taken and (count := take_out_sample_class(layout)):
+            said = f'The {count} example students were taken out of {to.name}/ and the gradebook.'
+            print(said, file=sys.stderr)
     if chosen.json:
         print(json.dumps([row.to_json() for row in rows]))
     else:

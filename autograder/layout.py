@@ -54,6 +54,11 @@ class Layout:
         return self.work / 'people.json'
 
     @property
+    def namesakes(self) -> Path:
+        """Return the file with the names that two people have, and people's numbers in Moodle."""
+        return self.work / 'namesakes.json'
+
+    @property
     def recordings(self) -> Path:
         """Return the folder of recordings, named by the digest of what was run."""
         return self.work / 'recordings'

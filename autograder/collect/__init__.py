@@ -5,7 +5,8 @@ Each file is written whole or not at all, the source is only read, and everythin
 in one table: what was taken, what was not, and why.  Running it again changes nothing.
 
 ``tree`` lists a source, ``kinds`` tells who handed in what, ``choice`` which notebook is taken,
-and ``laying`` writes it.
+and ``laying`` writes it.  A student's id depends on nothing but the name in the source (``ids``);
+where two people have one name, ``namesakes`` stops.
 """
 
 from __future__ import annotations
@@ -13,10 +14,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from autograder.collect.choice import choose, Chosen, student_id
+from autograder.collect.choice import choose, Chosen, look, of_all
 from autograder.collect.course import Course
-from autograder.collect.kinds import handed_in
+from autograder.collect.ids import student_id
+from autograder.collect.kinds import Found, handed_in
 from autograder.collect.laying import lay
+from autograder.collect.namesakes import in_doubt, keep_namesakes, Namesakes, read_namesakes
 from autograder.collect.table import LEFT, print_rows, REPLACED, Row, TAKEN, UNCHANGED
 from autograder.collect.tree import opened, Tree, UnreadableError
 from autograder.layout import Layout
@@ -41,6 +44,7 @@ def collect(
     assignment: str = '',
     kind: str = '',
     write: bool = True,
+    prefix: str = '',
 ) -> list[Row]:
     """
     Take in a class.
@@ -50,26 +54,60 @@ def collect(
     :param assignment: the only one wanted; empty to go by the notebooks
     :param kind: of the source, empty to find out
     :param write: False to only say what would be done
+    :param prefix: what the names of students' folders begin with
     :returns: the table
     :raises GraderError: if the source as a whole cannot be used
     """
     course = Course(layout)
-    found: list[Chosen] = []
     with opened(source) as tree:
-        there = handed_in(tree, course, kind)
+        there = handed_in(tree, course, kind, prefix)
         rows = list(_refused(tree))
         rows += [Row('', '', one.place, LEFT, (one.why,)) for one in there.left]
-        for handed in there.handed:
-            chosen, others = choose(handed, course, assignment)
-            found += chosen
-            rows += others
+        found, others, known = _choose(there, course, assignment, tree.name)
+        rows += others
+        here: list[Chosen] = []
         for several in _by_owner(found).values():
-            rows += _take(several, course, to, write)
+            done = _take(several, course, to, write)
+            here += several[:1] if done[0].done != LEFT else []
+            rows += done
     if any(one.when for one in found) and course.due.problem:
         rows.append(Row('', '', 'the gradebook', LEFT, (course.due.problem,)))
     if write:
         rows += _keep_names(rows, layout)
+        rows += _keep_namesakes(here, known, layout)
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
+
+
+def _choose(
+    there: Found, course: Course, wanted: str, name: str
+) -> tuple[list[Chosen], list[Row], Namesakes]:
+    """
+    Find the notebooks that could be taken.
+
+    :param wanted: the only assignment, empty to go by the notebooks
+    :param name: of the source
+    :returns: them, a line for everything else, and what is known of people of one name
+    """
+    seen = [look(one, course, wanted) for one in there.handed]
+    goal = wanted or (of_all(seen, course, name) if there.single else '')
+    handed, known = in_doubt(there.handed, read_namesakes(course.layout), goal)
+    found: list[Chosen] = []
+    rows: list[Row] = []
+    for one, notebooks in zip(handed, seen):
+        chosen, others = choose(one, notebooks, course, goal, there.single)
+        found += chosen
+        rows += others
+    return found, rows, known
+
+
+def _keep_namesakes(here: Sequence[Chosen], known: Namesakes, layout: Layout) -> list[Row]:
+    """Keep who has which number in Moodle; return a line if that cannot be done."""
+    try:
+        keep_namesakes(layout, known, [(one.handed, one.assignment) for one in here])
+    except OSError as error:
+        why = f'numbers of Moodle cannot be written: {(error.strerror or "error").lower()}'
+        return [Row('', '', str(layout.namesakes), LEFT, (why,))]
+    return []
 
 
 def _keep_names(rows: Sequence[Row], layout: Layout) -> list[Row]:
@@ -117,7 +155,7 @@ def _by_owner(found: Sequence[Chosen]) -> dict[tuple[str, str], list[Chosen]]:
 def _take(several: Sequence[Chosen], course: Course, to: Path, write: bool) -> list[Row]:
     """Lay the first of several where nbgrader looks, and say so for each of them."""
     newest, *others = several
-    names = {one.handed.student for one in several}
+    names = {one.handed.called or one.handed.student for one in several}
     if len(names) > 1:  # two people whose names came out the same: nobody's work is lost unseen
         why = f'the same student id as {", ".join(map(repr, sorted(names)))}'[:160]
         return [one.row(LEFT, course, why) for one in several]
@@ -125,7 +163,8 @@ def _take(several: Sequence[Chosen], course: Course, to: Path, write: bool) -> l
     if any(one.strange for one in others) and not newest.strange:
         notes = [f'the newest of {len(several)} with a cell of the assignment']
     try:
-        done = lay(newest, course.file_names[newest.assignment], to, write)
+        done, said = lay(newest, course.file_names[newest.assignment], to, write)
+        notes = [said, *notes] if said else notes
     except OSError as error:
         done = LEFT
         notes.insert(0, f'cannot be written: {(error.strerror or "error").lower()}')

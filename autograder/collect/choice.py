@@ -5,23 +5,25 @@ By content first: most grade ids of the assignment, whatever the file is called.
 of several attempts the newest.  A notebook with no cell of the course is taken only if it is the
 only one that was handed in for the assignment: a broken one is for grading to explain, but a
 student's own notes must not replace the answers.
+
+What one system gives is of one assignment.  If nobody says which, most students' notebooks do, so
+that a notebook of lesson 6 that was uploaded to lesson 7 replaces nothing in lesson 6.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 import hashlib
-import re
-import unicodedata
 
 from autograder.collect.course import Course
 from autograder.collect.handed import Handed, Piece
+from autograder.collect.ids import student_id
 from autograder.collect.table import LEFT, Row
 from autograder.collect.times import late_notes, read_time, STAMP
-from autograder.collect.tree import UnreadableError
-from autograder.whole_class.inbox import is_student_id
+from autograder.collect.tree import NotCollectedError, UnreadableError
 
 MOST_NOTEBOOKS = 50
 """Of one hand-in; a clone of the course has a dozen."""
@@ -91,39 +93,61 @@ class Chosen:
         return _row(self.handed, self.assignment, self.piece.place, done, notes, self.when)
 
 
-def choose(handed: Handed, course: Course, wanted: str = '') -> tuple[list[Chosen], list[Row]]:
+def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
+    """
+    Return the assignment that most students handed in, where all was handed in for one.
+
+    Each student counts once for an assignment, with however many notebooks.
+
+    :param seen: the notebooks of each student
+    :param name: of the source
+    :returns: empty if there is no notebook at all
+    :raises NotCollectedError: if none of the notebooks tells, or if two are as frequent
+    """
+    students = [one for one in seen if one]
+    votes = Counter(
+        found for one in students for found in {each.content or each.named for each in one} - {''}
+    )
+    ranked = votes.most_common(2)
+    if len(ranked) == 1 or (ranked and ranked[0][1] > ranked[1][1]):
+        return ranked[0][0]
+    if not students:
+        return ''
+    got = f'as many of {ranked[1][0]} as of {ranked[0][0]}' if ranked else 'none of this course'
+    among = sorted(one for one, count in votes.items() if count == ranked[0][1])
+    raise NotCollectedError(
+        f'{name}: expected notebooks that were handed in for one assignment, got {got}.',
+        f'Try: --assignment NAME, with one of {", ".join(among or course.assignments)}',
+    )
+
+
+def choose(
+    handed: Handed, seen: Sequence[Seen], course: Course, wanted: str = '', single: bool = False
+) -> tuple[list[Chosen], list[Row]]:
     """
     Find the notebooks in what one student handed in, one for each assignment.
 
+    :param seen: its notebooks, as :func:`look` has found them
     :param wanted: the only assignment to look for; empty to go by the source and the notebooks
+    :param single: whether all was handed in for this one, so that others are mistakes
     :returns: them, and a line for each entry of the source that has none
     """
     goal = wanted or handed.assignment
     if why := _unusable(handed, course, wanted):
         return [], [_left(handed, goal, place, why) for place in handed.places]
-    seen = _look(handed, course)
     for_what = [goal] if goal else sorted({one.content or one.named for one in seen} - {''})
     picked = (_pick(handed, seen, assignment, course, bool(goal)) for assignment in for_what)
     chosen = [one for one in picked if one is not None]
     lost = set(for_what) - {one.assignment for one in chosen}
-    return chosen, list(_others(handed, seen, chosen, goal, lost))
-
-
-def student_id(name: str) -> str:
-    """
-    Return a name as a student id: what nbgrader and every file system take.
-
-    Letters of all alphabets stay; empty if nothing is left.
-    """
-    text = unicodedata.normalize('NFC', name).strip()
-    text = re.sub(r'[^\w .@-]', '_', text).strip(' ._-')[:100].rstrip()
-    return text if is_student_id(text) else ''
+    return chosen, list(_others(handed, seen, chosen, goal, lost, single))
 
 
 def _unusable(handed: Handed, course: Course, wanted: str) -> str:
     """Return why nothing can be taken, before anything is read; or nothing."""
     if not student_id(handed.student):
         return 'no letter or digit in the name'
+    if handed.doubt:
+        return handed.doubt
     if handed.instead:
         return handed.instead
     if wanted and handed.assignment and handed.assignment != wanted:
@@ -133,8 +157,10 @@ def _unusable(handed: Handed, course: Course, wanted: str) -> str:
     return '' if handed.pieces else 'no files'
 
 
-def _look(handed: Handed, course: Course) -> list[Seen]:
+def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
     """Read the notebooks, the likely ones first, no more than one student may be worth."""
+    if _unusable(handed, course, wanted):
+        return []
     notebooks = [piece for piece in handed.pieces if _is_notebook(piece)]
     notebooks.sort(
         key=lambda piece: (
@@ -219,7 +245,7 @@ def _chosen(
 ) -> Chosen:
     """Return a notebook that could be taken, with all there is to know about it."""
     strange = not best.shared and bool(course.cells[assignment])
-    when, about_time = _time(handed, best.piece)
+    when, about_time = _time(handed, best.piece, assignment)
     name = best.piece.file.name
     said = [*notes, *_said(handed)]
     if strange:
@@ -231,11 +257,15 @@ def _chosen(
     return Chosen(handed, student, assignment, best.piece, best.digest, strange, when, tuple(said))
 
 
-def _time(handed: Handed, piece: Piece) -> tuple[datetime | None, tuple[str, ...]]:
+def _time(
+    handed: Handed, piece: Piece, assignment: str
+) -> tuple[datetime | None, tuple[str, ...]]:
     """Return when a notebook was handed in, and what is to be said about that."""
     if not handed.stamped:
         return handed.when, ()
-    beside = (*piece.file.parts[:-1], STAMP)
+    beside = (assignment, STAMP)  # as nbgrader lays it; elsewhere it is some other file
+    if piece.file.parts[:-1] != beside[:-1]:
+        return None, ()
     file = next((one.file for one in handed.pieces if one.file.parts == beside), None)
     if file is None:
         return None, ()
@@ -253,6 +283,7 @@ def _others(
     chosen: Sequence[Chosen],
     goal: str,
     lost: Collection[str],
+    single: bool,
 ) -> Iterator[Row]:
     """Yield a line for every entry from which nothing is taken, or not all could be read."""
     taken = {one.piece.place for one in chosen}
@@ -265,7 +296,10 @@ def _others(
         reasons = [
             _why_not(one, chosen, goal)
             for one in there
-            if one.why or place not in taken or (not one.shared and one.named in lost)
+            if one.why
+            or place not in taken
+            or (not one.shared and one.named in lost)
+            or (single and one.content not in ('', goal))
         ]
         if reasons:
             yield _left(handed, about, place, _list(reasons, '; '))

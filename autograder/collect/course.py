@@ -13,6 +13,13 @@ from autograder.layout import Layout
 # What browsers, Canvas and Jupyter add to the name of a file that is there already.
 _COPY = re.compile(r'( ?\(\d+\)|-\d+| - Copy|-Copy\d+)+(?=\.ipynb$)')
 
+_NUMBER = re.compile(r'^\d+[_-]')
+
+
+def _plain(text: str) -> str:
+    """Return a name as systems shorten it: small letters, and hyphens for underscores."""
+    return text.replace('_', '-').lower()
+
 
 class Course:
     """
@@ -62,6 +69,20 @@ class Course:
         """Return the assignment that a path names, by its file or by a folder."""
         folders = [part for part in parts[:-1] if part in self.assignments]
         return self.of_file(parts[-1]) or (folders[-1] if folders else '')
+
+    def beginning(self, name: str) -> str:
+        """
+        Return the assignment that a repository's name begins with, as in ``ASSIGNMENT-STUDENT``.
+
+        :returns: it as it is written there, with the sign after it; empty if there is none
+        """
+        found = ''
+        for assignment in self.assignments:
+            for form in (assignment, _NUMBER.sub('', assignment)):
+                wanted, begins = _plain(f'{form}-'), name[: len(form) + 1]
+                if _plain(begins) == wanted and name != begins and len(begins) > len(found):
+                    found = begins
+        return found
 
     def shared(self, data: bytes) -> dict[str, int]:
         """Return how many of its grade ids are in a notebook, for each assignment that has any."""

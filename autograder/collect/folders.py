@@ -2,16 +2,19 @@
 A folder a student with notebooks anywhere below, or a notebook a student.
 
 ``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb`` is nbgrader's own layout, with a ``timestamp.txt`` beside the
-notebook; clones of each one's repository look alike, and lose what their names begin with.
+notebook.  The student id is the folder's name.  A clone of a student's repository loses the name
+of an assignment that its own begins with, as ``talk-ann`` does, and its ``timestamp.txt`` is the
+student's, so it tells no time.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 from autograder.collect.course import Course
 from autograder.collect.handed import Handed, in_folder, Left, Level, level, Piece
+from autograder.collect.times import STAMP
 from autograder.collect.tree import File, Tree, UnreadableError
 
 EXPECTED = 'a folder or a notebook a student'
@@ -24,7 +27,10 @@ def level_of(tree: Tree, course: Course) -> Level:
     outer = level(tree)
     if outer.files or len(outer.folders) != 1:
         return outer
-    inner = level(tree, *outer.folders)
+    (name,) = outer.folders
+    if name in outer.repositories and course.beginning(name):
+        return outer  # on the first day one student's repository is all there is
+    inner = level(tree, name)
     return inner if _is_class(inner, course) else outer
 
 
@@ -49,25 +55,45 @@ def _are_students(files: Mapping[str, File], course: Course) -> bool:
     return any(count > 1 for count in lessons.values())
 
 
-def read(level: Level, course: Course) -> Iterator[Handed | Left]:
-    """Yield what each student handed in."""
+def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Left]:
+    """
+    Yield what each student handed in; whose it is, the name alone tells, never who else is there.
+
+    :param prefix: what the instructor takes off the names that begin with it
+    """
     for name, file in level.files.items():
         if name.lower().endswith('.ipynb'):
-            yield Handed(name[: -len('.ipynb')], (Piece(file, name),), name)
+            stem = name[: -len('.ipynb')]
+            off = _prefix(stem, prefix)
+            yield _handed(stem, off, (Piece(file, name),), name)
         else:
             yield Left(name, "neither a notebook nor a student's folder")
-    prefix = len(_shared_prefix(level.folders))
     for folder, files in level.folders.items():
         if folder in course.assignments:
             yield Left(folder, "an assignment, no student's name: collect the folder above it")
-        else:
-            yield Handed(folder[prefix:], in_folder(folder, files), folder, stamped=True)
+            continue
+        repository = folder in level.repositories
+        off = _prefix(folder, prefix) or (course.beginning(folder) if repository else '')
+        notes: tuple[str, ...] = ()
+        if repository and any(file.name == STAMP for file in files):
+            notes = (f"no time from its {STAMP}: in a repository that is the student's own",)
+        yield _handed(folder, off, in_folder(folder, files), folder, not repository, notes)
 
 
-def _shared_prefix(names: Collection[str]) -> str:
-    """Return what all repositories of a class begin with, as in ``ASSIGNMENT-STUDENT``."""
-    if len(names) < 2:
-        return ''
-    least, most = min(names), max(names)
-    same = next((at for at, char in enumerate(least) if most[at : at + 1] != char), len(least))
-    return least[: least.rfind('-', 0, same) + 1]
+def _prefix(name: str, prefix: str) -> str:
+    """Return what is taken off: all of it would leave nobody's name."""
+    return prefix if name.startswith(prefix) and name != prefix else ''
+
+
+def _handed(
+    name: str,
+    off: str,
+    pieces: tuple[Piece, ...],
+    place: str,
+    stamped: bool = False,
+    notes: tuple[str, ...] = (),
+) -> Handed:
+    """Return a hand-in, which tells what was taken off the name."""
+    said = (f'{off!r} was taken off the name',) if off else ()
+    student = name[len(off) :]
+    return Handed(student, pieces, place, stamped=stamped, notes=(*said, *notes), called=name)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 
-from autograder.collect.tree import File, Tree
+from autograder.collect.tree import File, REPOSITORY, Tree
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,8 @@ class Handed:
     What one student handed in at one time.
 
     :param student: as the source names them; not yet fit for a folder
+    :param called: the whole name in the source, if ``student`` is a part of it
+    :param number: of the student in Moodle's assignment; in another one they have another
     :param pieces: the files of it
     :param place: where in the source, if there are no files
     :param person: a name for people, if the id is none
@@ -43,6 +45,7 @@ class Handed:
     :param late: the system that says that it is late
     :param assignment: if the source names it
     :param instead: what was handed in that is no file
+    :param doubt: why nobody knows whose it is
     :param notes: what somebody should know about it
     """
 
@@ -55,7 +58,10 @@ class Handed:
     late: str = ''
     assignment: str = ''
     instead: str = ''
+    doubt: str = ''
     notes: tuple[str, ...] = ()
+    called: str = ''
+    number: str = ''
 
     @property
     def places(self) -> tuple[str, ...]:
@@ -78,10 +84,12 @@ class Level:
 
     :param files: those directly in it, by name
     :param folders: those directly in it, by name, with all files below as seen from there
+    :param repositories: those folders that git has made, by ``.git`` or what begins so in them
     """
 
     files: Mapping[str, File]
     folders: Mapping[str, tuple[File, ...]]
+    repositories: frozenset[str] = frozenset()
 
     @property
     def entries(self) -> tuple[str, ...]:
@@ -109,7 +117,14 @@ def level(tree: Tree, *base: str) -> Level:
     for parts in tree.empty:
         if parts[:depth] == base and len(parts) > depth:
             folders.setdefault(parts[depth], [])
-    return Level(files, {name: tuple(folders[name]) for name in sorted(folders)})
+    repositories = {parts[depth] for parts in tree.repositories if parts[:-1] == base}
+    repositories |= {
+        name
+        for name, inside in folders.items()
+        if any(file.parts[0].startswith(REPOSITORY) for file in inside)
+    }
+    ordered = {name: tuple(folders[name]) for name in sorted(folders)}
+    return Level(files, ordered, frozenset(repositories))
 
 
 def in_folder(folder: str, files: tuple[File, ...]) -> tuple[Piece, ...]:

@@ -8,7 +8,7 @@ whole class is read.  Whatever is on that level and is nobody's hand-in has a re
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from autograder.collect import canvas, exchange, folders, gradescope, moodle
@@ -30,12 +30,14 @@ class System:
     :param claims: returns how many entries of a level are named so
     :param read: yields what they are
     :param own: entries that are the system's own
+    :param single: whether each of its downloads is of one assignment
     """
 
     expected: str
     claims: Callable[[Level], int]
     read: Callable[[Level], Iterable[Handed | Left]]
     own: frozenset[str] = frozenset()
+    single: bool = True
 
 
 SYSTEMS = {
@@ -44,17 +46,22 @@ SYSTEMS = {
     'gradescope': System(
         gradescope.EXPECTED, gradescope.claims, gradescope.read, frozenset({gradescope.METADATA})
     ),
-    'exchange': System(exchange.EXPECTED, exchange.claims, exchange.read),
+    'exchange': System(exchange.EXPECTED, exchange.claims, exchange.read, single=False),
 }
 
 
 @dataclass(frozen=True)
 class Found:
-    """What is in a source."""
+    """
+    What is in a source.
+
+    :param single: whether all of it was handed in for one assignment
+    """
 
     kind: str
     handed: tuple[Handed, ...]
     left: tuple[Left, ...]
+    single: bool = False
 
 
 def kind_of(tree: Tree) -> str:
@@ -62,19 +69,26 @@ def kind_of(tree: Tree) -> str:
     return _recognised(tree)[0]
 
 
-def handed_in(tree: Tree, course: Course, kind: str = '') -> Found:
+def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> Found:
     """
     Return all that was handed in.
 
     :param kind: a system, ``'folder'``, or empty to find out
+    :param prefix: what is taken off the names of folders
     :raises NotCollectedError: if the source is not what its names or ``kind`` say
     """
     chosen, place = (kind, _claimed(tree, kind)) if kind else _recognised(tree)
     if chosen == FOLDER or place is None:
         place = folders.level_of(tree, course)
-        expected, found = folders.EXPECTED, list(folders.read(place, course))
+        expected, found = folders.EXPECTED, list(folders.read(place, course, prefix))
+        _used(tree, prefix, place.entries)
     else:
         system = SYSTEMS[chosen]
+        if prefix:
+            raise NotCollectedError(
+                f'{tree.name}: expected folders of students for --prefix, got names of {chosen}.',
+                'Try: leave out --prefix',
+            )
         expected = system.expected
         found = list(system.read(place)) if system.claims(place) else []
     handed = tuple(one for one in found if isinstance(one, Handed))
@@ -85,7 +99,17 @@ def handed_in(tree: Tree, course: Course, kind: str = '') -> Found:
     known |= SYSTEMS[chosen].own if chosen in SYSTEMS else frozenset()
     why = f'not named as {chosen} names what is handed in'
     left += [Left(name, why) for name in place.entries if name not in known]
-    return Found(chosen, handed, tuple(left))
+    return Found(chosen, handed, tuple(left), chosen in SYSTEMS and SYSTEMS[chosen].single)
+
+
+def _used(tree: Tree, prefix: str, names: Sequence[str]) -> None:
+    """Refuse a prefix that no name begins with: the ids would be others than somebody expects."""
+    if prefix and not any(name.startswith(prefix) for name in names):
+        raise NotCollectedError(
+            f'{tree.name}: expected names of students that begin with {printable(prefix)!r} '
+            f'(--prefix), got: {_shown(names)}.',
+            'Try: leave out --prefix, or what the names of the folders begin with',
+        )
 
 
 def _recognised(tree: Tree) -> tuple[str, Level | None]:
@@ -141,10 +165,15 @@ def _is_exchange(place: Level) -> bool:
 def _nothing(tree: Tree, kind: str, expected: str) -> NotCollectedError:
     """Say that a source is not of the kind that somebody named."""
     *_, place = _levels(tree)
-    names = place.entries
-    shown = ', '.join(printable(name)[:60] for name in names[:NAMES_SHOWN]) or 'nothing'
-    more = f' and {len(names) - NAMES_SHOWN} more' if len(names) > NAMES_SHOWN else ''
     return NotCollectedError(
-        f'{tree.name}: expected submissions of the kind {kind} ({expected}), got: {shown}{more}.',
+        f'{tree.name}: expected submissions of the kind {kind} ({expected}), '
+        f'got: {_shown(place.entries)}.',
         'Try: leave out --kind, or the source as it was downloaded',
     )
+
+
+def _shown(names: Sequence[str]) -> str:
+    """Return the first names, and how many more there are."""
+    shown = ', '.join(printable(name)[:60] for name in names[:NAMES_SHOWN]) or 'nothing'
+    more = f' and {len(names) - NAMES_SHOWN} more' if len(names) > NAMES_SHOWN else ''
+    return f'{shown}{more}'

@@ -1,4 +1,10 @@
-"""A notebook and its time, laid where nbgrader looks for them; each whole or not at all."""
+"""
+A notebook and its time, laid where nbgrader looks for them; each whole or not at all.
+
+Collecting Monday's zip after Tuesday's takes nothing back: if the source tells a time and there
+is one beside the copy of before, what is older is left.  Where one of them is missing, as with
+Canvas, Moodle and repositories, what is collected last stays, and the table says so.
+"""
 
 from __future__ import annotations
 
@@ -7,20 +13,20 @@ import os
 from pathlib import Path
 
 from autograder.collect.choice import Chosen
-from autograder.collect.table import REPLACED, TAKEN, UNCHANGED
-from autograder.collect.times import STAMP, stamp
+from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
+from autograder.collect.times import read_time, STAMP, stamp
 from autograder.runs.recording import keep
 from autograder.whole_class.inbox import read_file
 
 
-def lay(one: Chosen, file_name: str, to: Path, write: bool) -> str:
+def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
     """
-    Write a notebook and its time, unless they are there.
+    Write a notebook and its time, unless they are there or what is there is newer.
 
     :param file_name: of the assignment's notebook
     :param to: the folder of the class
     :param write: False to only say what would be done
-    :returns: a word for the table
+    :returns: a word for the table, and what is to be said about it
     :raises OSError: if it cannot be written
     :raises UnreadableError: if the source has changed since it was looked at
     """
@@ -34,7 +40,10 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> str:
     time_there, _ = read_file(time, STAMP)
     same = there is not None and hashlib.sha256(there).hexdigest() == one.digest
     if same and wanted in (None, time_there):
-        return UNCHANGED
+        return UNCHANGED, ''
+    older, said = (False, '') if there is None else _older(wanted, time_there)
+    if older:
+        return (UNCHANGED, 'handed in again later') if same else (LEFT, said)
     if write:
         data = None if same else one.read()
         if wanted is None and os.path.lexists(time):
@@ -44,4 +53,19 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> str:
             keep(time, wanted)
         if data is not None:
             keep(notebook, data)
-    return TAKEN if there is None and time_there is None else REPLACED
+    replaced = there is not None or time_there is not None
+    return (REPLACED if replaced else TAKEN), '' if same else said
+
+
+def _older(wanted: bytes | None, there: bytes | None) -> tuple[bool, str]:
+    """
+    Tell whether work is older than what is there, as far as both times are known.
+
+    :param wanted: its time, as it would be written
+    :param there: the time that is there
+    """
+    texts = ((data or b'')[:100].decode('utf-8', 'replace') for data in (wanted, there))
+    new, old = (read_time(text)[0] for text in texts)
+    if new is None or old is None:
+        return False, 'which one is newer is not known'
+    return new < old, f'older than what is there, of {old:%Y-%m-%d %H:%M}' if new < old else ''

@@ -1,7 +1,8 @@
 """
 Moodle: folders named ``NAME_NUMBER_assignsubmission_file[_]``, or files that begin so.
 
-The number is new in each assignment, so the student id is the name.  Files are named
+The number is new in each assignment, so the student id is the name; ``namesakes`` sees to two
+people who have the same.  Files are named
 ``NAME_NUMBER_assignsubmission_file_FILE`` with "Download submissions in folders" off, and what was
 typed into Moodle is an ``onlinetext`` in place of the ``file``.
 
@@ -10,7 +11,6 @@ Source: moodle, mod/assign/classes/downloader.php, which takes underscores out o
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 import re
@@ -57,12 +57,13 @@ def read(level: Level) -> Iterator[Handed]:
             handed.setdefault(key, []).append(Piece(file, place))
         else:
             handed.setdefault(key, []).extend(in_folder(place, level.folders[place]))
-    people = Counter(name for name, _ in {(who.name, who.number) for who, _ in handed})
     for (who, kind), pieces in handed.items():
-        # Two people of one name are told apart by their numbers.
-        student = who.name if people[who.name] == 1 else f'{who.name} {who.number}'
-        if kind == 'file':
-            yield Handed(student, tuple(pieces), places[who, kind], who.name)
-        else:
-            what = _TYPED.get(kind, f'{kind} of Moodle, no file')
-            yield Handed(student, (), places[who, kind], who.name, instead=what)
+        what = '' if kind == 'file' else _TYPED.get(kind, f'{kind} of Moodle, no file')
+        yield Handed(
+            who.name,
+            () if what else tuple(pieces),
+            places[who, kind],
+            who.name,
+            instead=what,
+            number=who.number,
+        )

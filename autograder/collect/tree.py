@@ -4,14 +4,15 @@ A source of submissions as a list of files: a folder, or a zip that is never unp
 Everything in it was named by somebody else.  Only regular files are listed, whatever a zip says of
 itself is not believed, nothing is followed that leads elsewhere, and every file is read anew, no
 further than the largest notebook, and all of them no further than :data:`MOST_BYTES`.  What
-programs leave beside people's work is in no list: see :data:`NOISE`.
+programs leave beside people's work is in no list and does not count as files of the class: see
+:data:`NOISE` and :data:`BUILT`.  Somebody's workspace must not make a class too large.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 import os
 from pathlib import Path
@@ -24,13 +25,29 @@ from autograder.handed_in.submission import MAX_BYTES
 from autograder.whole_class.inbox import read_file
 
 MOST_ENTRIES = 50_000
+"""Of the class; what programs leave is not counted here."""
+MOST_LISTED = 10 * MOST_ENTRIES
+"""Bound on all names that are looked at, whatever they are."""
 MOST_BYTES = 2 << 30
 """Bound on all that is read of one source, unpacked: a class has some hundred megabytes."""
 DEEPEST = 12
 LONGEST_NAME = 400
-NOISE = frozenset({'__MACOSX', '.DS_Store', '.ipynb_checkpoints', '.git'})
-"""Made by macOS, Jupyter and git; ``._NAME`` is macOS's too, and may end in ``.ipynb``."""
+REPOSITORY = '.git'
+NOISE = frozenset(
+    {'__MACOSX', '.DS_Store', '.ipynb_checkpoints', REPOSITORY, '.venv', '__pycache__'}
+)
+"""
+Made by macOS, Jupyter, git and Python; ``._NAME`` is macOS's too, and may end in ``.ipynb``.
+"""
+BUILT = frozenset({'build', 'install', 'log'})
+"""
+Made by colcon, if its mark is in it or it lies in the workspace of the lessons: the names alone
+may be somebody's own.  Notebooks elsewhere in a workspace are listed as everywhere.
+"""
+_MARK = 'COLCON_IGNORE'
+_WORKSPACE = 'ros_ws'
 _CHUNK = 1 << 20
+_NOT_LISTED = 'made by a program'
 _TAKEN = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -73,12 +90,14 @@ class Tree:
     :param files: in the order of their paths
     :param refused: path and reason of what was left where it was
     :param empty: folders with none of both, the two upper levels
+    :param repositories: folders with a ``.git`` in them
     """
 
     name: str
     files: tuple[File, ...]
     refused: tuple[tuple[str, str], ...]
     empty: tuple[tuple[str, ...], ...] = ()
+    repositories: frozenset[tuple[str, ...]] = frozenset()
 
 
 class Budget:
@@ -142,25 +161,76 @@ def opened(source: Path) -> Iterator[Tree]:
         ) from error
 
 
+@dataclass
+class _Listing:
+    """
+    What was found so far.
+
+    :param where: the source, for messages
+    :param names: how many were looked at, and how many of them count
+    """
+
+    where: str
+    files: dict[tuple[str, ...], File] = field(default_factory=dict)
+    refused: list[tuple[str, str]] = field(default_factory=list)
+    folders: set[tuple[str, ...]] = field(default_factory=set)
+    repositories: set[tuple[str, ...]] = field(default_factory=set)
+    names: tuple[int, int] = (0, 0)
+
+    def count(self, noise: bool) -> None:
+        """
+        Count one name.
+
+        :raises NotCollectedError: if there are far too many
+        """
+        listed, counted = self.names
+        self.names = listed + 1, counted + (not noise)
+        for found, most in zip(self.names, (MOST_LISTED, MOST_ENTRIES)):
+            if found > most:
+                raise NotCollectedError(
+                    f'{self.where}: expected the submissions of a class, got more than {most} '
+                    'files.',
+                    'Try: the folder with the submissions alone',
+                )
+
+    def note_noise(self, parts: tuple[str, ...]) -> None:
+        """Note what is not listed: the folder it is in is there, and may be a repository."""
+        above = parts[:-1]
+        if above and (above in self.folders or not _trouble(above)):
+            self.folders.add(above)
+            if parts[-1] == REPOSITORY:
+                self.repositories.add(above)
+
+    def tree(self, name: str) -> Tree:
+        """Return it as a tree, with those folders as empty in which nothing was found."""
+        found = [*self.files, *(tuple(where.split('/')) for where, _ in self.refused)]
+        used = {parts[:count] for parts in found for count in (1, 2)}
+        empty = sorted({parts[:2] for parts in self.folders} - used)
+        files = tuple(self.files[parts] for parts in sorted(self.files))
+        repositories = frozenset(self.repositories)
+        return Tree(name, files, tuple(self.refused), tuple(empty), repositories)
+
+
 def _of_folder(folder: Path, budget: Budget) -> Tree:
-    files: list[File] = []
-    refused: list[tuple[str, str]] = []
-    folders: list[tuple[str, ...]] = []
-    for count, (parts, path, trouble) in enumerate(_walk(folder, ()), 1):
-        if count > MOST_ENTRIES:
-            raise _too_much(str(folder))
+    found = _Listing(str(folder))
+    for parts, path, trouble in _walk(folder, ()):
+        noise = trouble == _NOT_LISTED
+        found.count(noise)
+        if noise:
+            found.note_noise(parts)
+            continue
         where = '/'.join(parts)
         trouble = trouble or _trouble(parts)
         kind = path.lstat().st_mode
         if trouble:
-            refused.append((where, trouble))
+            found.refused.append((where, trouble))
         elif stat.S_ISDIR(kind):
-            folders.append(parts)
+            found.folders.add(parts)
         elif not stat.S_ISREG(kind):
-            refused.append((where, 'a link or a special file'))
+            found.refused.append((where, 'a link or a special file'))
         else:
-            files.append(File(parts, partial(_read_path, path, where, budget)))
-    return _tree(folder.resolve().name, files, refused, folders)
+            found.files[parts] = File(parts, partial(_read_path, path, where, budget))
+    return found.tree(folder.resolve().name)
 
 
 def _walk(folder: Path, above: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Path, str]]:
@@ -169,9 +239,11 @@ def _walk(folder: Path, above: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...
         inside = sorted(entries, key=lambda entry: entry.name)
     for entry in inside:
         parts, path = (*above, entry.name), Path(entry.path)
-        if _is_noise(parts):
-            continue
-        if not entry.is_dir(follow_symlinks=False):
+        folder_here = entry.is_dir(follow_symlinks=False)
+        built = folder_here and entry.name in BUILT and os.path.lexists(path / _MARK)
+        if _is_noise(parts, (parts,) if built else ()):
+            yield parts, path, _NOT_LISTED
+        elif not folder_here:
             yield parts, path, ''
         elif len(parts) >= DEEPEST:
             yield parts, path, 'a path that is far too long'
@@ -183,22 +255,16 @@ def _walk(folder: Path, above: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...
                 yield parts, path, 'a folder that cannot be read: permission denied'
 
 
-def _tree(
-    name: str,
-    files: Sequence[File],
-    refused: Sequence[tuple[str, str]],
-    folders: Iterable[tuple[str, ...]],
-) -> Tree:
-    """Return a tree, with those folders as empty in which nothing was found."""
-    found = [file.parts for file in files] + [tuple(where.split('/')) for where, _ in refused]
-    used = {parts[:count] for parts in found for count in (1, 2)}
-    empty = sorted({parts[:2] for parts in folders} - used)
-    ordered = sorted(files, key=lambda file: file.parts)
-    return Tree(name, tuple(ordered), tuple(refused), tuple(empty))
+def _is_noise(parts: tuple[str, ...], marked: Collection[tuple[str, ...]]) -> bool:
+    """
+    Tell whether a program has left it.
 
-
-def _is_noise(parts: Sequence[str]) -> bool:
-    return any(part in NOISE or part.startswith('._') for part in parts)
+    :param parts: a path; what is above it is none
+    :param marked: folders with the mark of colcon
+    """
+    *above, name = parts
+    built = name in BUILT and above and (above[-1] == _WORKSPACE or parts in marked)
+    return name in NOISE or name.startswith('._') or bool(built)
 
 
 def _read_path(path: Path, where: str, budget: Budget) -> bytes:
@@ -210,28 +276,31 @@ def _read_path(path: Path, where: str, budget: Budget) -> bytes:
 
 
 def _of_zip(name: str, archive: zipfile.ZipFile, budget: Budget) -> Tree:
-    entries = archive.infolist()
-    if len(entries) > MOST_ENTRIES:
-        raise _too_much(name)
-    files: dict[tuple[str, ...], File] = {}
-    refused: list[tuple[str, str]] = []
-    folders: list[tuple[str, ...]] = []
-    for entry in entries:
-        parts = tuple(entry.orig_filename.removesuffix('/').split('/'))
-        if _is_noise(parts):
+    found, inside = _Listing(name), archive.infolist()
+    # What is deeper than allowed stays in one piece: a name may have thousands of slashes.
+    paths = [
+        tuple(entry.orig_filename.removesuffix('/').split('/', DEEPEST + 1)) for entry in inside
+    ]
+    marked = {parts[:-1] for parts in paths if parts[-1] == _MARK}
+    for entry, parts in zip(inside, paths):
+        upto = range(1, len(parts) + 1)
+        noise = next((parts[:count] for count in upto if _is_noise(parts[:count], marked)), None)
+        found.count(noise is not None)
+        if noise is not None:
+            found.note_noise(noise)
             continue
         trouble = _trouble(parts)
         if entry.is_dir():
-            folders += [] if trouble else [parts]
+            found.folders |= set() if trouble else {parts}
             continue
         trouble = trouble or _trouble_with_entry(entry)
-        if not trouble and parts in files:
+        if not trouble and parts in found.files:
             trouble = 'a name that is there twice'
         if trouble:
-            refused.append((entry.orig_filename[:LONGEST_NAME], trouble))
+            found.refused.append((entry.orig_filename[:LONGEST_NAME], trouble))
         else:
-            files[parts] = File(parts, partial(_read_entry, archive, entry, budget))
-    return _tree(name.removesuffix('.zip'), list(files.values()), refused, folders)
+            found.files[parts] = File(parts, partial(_read_entry, archive, entry, budget))
+    return found.tree(name.removesuffix('.zip'))
 
 
 def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, budget: Budget) -> bytes:
@@ -272,10 +341,3 @@ def _trouble_with_entry(entry: zipfile.ZipInfo) -> str:
     if entry.compress_type not in _TAKEN:
         return 'an unusual compression'
     return ''
-
-
-def _too_much(where: str) -> NotCollectedError:
-    return NotCollectedError(
-        f'{where}: expected the submissions of a class, got more than {MOST_ENTRIES} files.',
-        'Try: the folder with the submissions alone',
-    )

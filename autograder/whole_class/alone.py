@@ -1,4 +1,4 @@
-"""One grading at a time writes a course's gradebook, reports and recordings."""
+"""One command at a time writes a course's submissions, gradebook, reports and recordings."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ UNFINISHED = re.compile(r'\..+\.[0-9a-f]{32}')
 
 
 class InUseError(GraderError):
-    """Somebody else grades the same course."""
+    """Somebody else grades or collects for the same course."""
 
 
 @contextmanager
 def alone(layout: Layout, what: str) -> Iterator[None]:
     """
-    Be the only one that grades; what a killed grading left unfinished goes first.
+    Be the only one that grades or collects; what a killed grading left unfinished goes first.
 
     The kernel gives the lock back, however a process ends; what stands in the file is only for
     people.
@@ -41,7 +41,7 @@ def alone(layout: Layout, what: str) -> Iterator[None]:
         except BlockingIOError as error:
             holder = os.pread(lock, 200, 0).decode(errors='replace') or 'another one'
             raise InUseError(
-                f'{path}: expected to be the only one that grades, got: {holder}.',
+                f'{path}: expected to be the only one that grades or collects, got: {holder}.',
                 'Try: wait until it is done, or end it with Ctrl-C where it runs',
             ) from error
         if os.fstat(lock).st_size:  # its holder was killed

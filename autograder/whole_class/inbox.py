@@ -12,15 +12,15 @@ from collections.abc import Collection
 from dataclasses import dataclass
 import os
 from pathlib import Path
-import re
 import stat
+import unicodedata
 
 from autograder.handed_in.submission import MAX_BYTES, too_large
 from autograder.judging.results import Problem
 
 MAX_NAME_CHARS = 100
 # nbgrader globs with the id, splits lists of ids at commas and exports it to CSV unquoted.
-_NAME = re.compile(rf'^\w[\w .@-]{{0,{MAX_NAME_CHARS - 1}}}(?<! )$')
+_BESIDE_LETTERS = frozenset(' ._@-')
 SUBMIT_AGAIN = 'ask the student to submit again'
 
 
@@ -83,8 +83,19 @@ def discover(
 
 def is_student_id(name: str) -> bool:
     """Tell whether a folder's name can be an id in nbgrader's gradebook."""
-    readable = name.encode('utf-8', 'surrogateescape').decode('utf-8', 'replace')
-    return readable == name and bool(_NAME.match(name)) and name.isprintable()
+    begins = name[:1] == '_' or unicodedata.category(name[:1] or ' ')[0] in 'LN'
+    known = all(is_letter(char) or char in _BESIDE_LETTERS for char in name)
+    short = len(name) <= MAX_NAME_CHARS and not name.endswith(' ')
+    return begins and known and short and name.isprintable()
+
+
+def is_letter(char: str) -> bool:
+    """
+    Tell whether a character is a letter or digit of any alphabet, or a sign that belongs to one.
+
+    Regular expressions count no such sign as part of a word, but it may be a name's only vowel.
+    """
+    return unicodedata.category(char)[0] in 'LMN'
 
 
 def _student(

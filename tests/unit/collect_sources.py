@@ -144,5 +144,6 @@ REPOSITORIES = {
     'talk-bob/.git/HEAD': b'ref',
     'talk-bob/talk.ipynb': GOOD,
     'talk-bob/scratch.ipynb': b'{}',
+    'talk-cho/.git/HEAD': b'ref',
     'talk-cho/README.md': b'nothing yet',
 }

@@ -30,7 +30,8 @@ from autograder.collect import collect, LEFT, REPLACED, student_id, TAKEN, tree,
 from autograder.collect.kinds import kind_of
 from autograder.collect.tree import NotCollectedError, opened
 from autograder.layout import Layout
-from autograder.whole_class.inbox import discover
+from autograder.whole_class.alone import alone
+from autograder.whole_class.inbox import discover, is_student_id
 
 
 @pytest.mark.parametrize(
@@ -85,26 +86,59 @@ def test_what_was_collected_can_be_graded(tmp_path, layout):
     files = {
         'Zoë Ünal/talk.ipynb': GOOD,
         '李雷/talk.ipynb': GOOD,
+        'अमित/talk.ipynb': GOOD,
+        'अमीत/talk.ipynb': GOOD,
         'a,b;c*/talk.ipynb': GOOD,
         '--/talk.ipynb': GOOD,
     }
     rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
 
     found = discover(layout.submitted, TALK, 'talk.ipynb', layout.assignments())
-    assert [one.student for one in found] == ['Zoë Ünal', 'a_b_c', '李雷']
+    assert [one.student for one in found] == [
+        'Zoë Ünal', 'a_b_c--3923e48481b1', 'अमित', 'अमीत', '李雷'
+    ]  # fmt: skip
     assert all(one.recordable and not one.problems for one in found)
     assert ('no letter or digit in the name', "the name was '--'") in [row.notes for row in rows]
 
 
 def test_two_names_that_become_one_are_both_left(tmp_path, layout):
     """Nobody gets somebody else's marks."""
-    files = {'a,b/talk.ipynb': GOOD, 'a;b/talk.ipynb': GOOD}
+    files = {'ann/talk.ipynb': GOOD, 'hw-ann/talk.ipynb': GOOD}
 
-    rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+    rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, prefix='hw-')
 
     assert [row.done for row in rows] == [LEFT, LEFT]
-    assert all("the same student id as 'a,b', 'a;b'" in row.notes[0] for row in rows)
-    assert student_id('a,b') == student_id('a;b') == 'a_b'
+    assert all("the same student id as 'ann', 'hw-ann'" in row.notes[0] for row in rows)
+
+
+class TestStudentIds:
+    """One for each name, on every day and from every source."""
+
+    @pytest.mark.parametrize(
+        'name', ['ann', 'Ann Example', 'smith-john', '_x', 'b.c', 'bo@x.org', '2024-0001', 'Ünal']
+    )
+    def test_what_can_be_an_id_is_one(self, name):
+        """As it is."""
+        assert student_id(name) == name
+
+    def test_no_two_names_become_one(self):
+        """Not if signs go, nor vowels of other alphabets, nor if one is too long."""
+        names = ['a,b', 'a;b', 'a_b', 'a_b,', 'अमित', 'अमीत', 'x' * 101, 'x' * 102, ' ann', 'ann']
+        names += ['می\u200cخواهم', 'میخواهم', 'O’Neil', "O'Neil", 'O_Neil', student_id('a,b')]
+
+        ids = [student_id(name) for name in names]
+
+        assert len(set(ids)) == len(names)
+        assert all(is_student_id(one) for one in ids)
+
+    def test_two_ways_to_write_a_letter_are_one(self):
+        """As some systems write names in parts."""
+        assert student_id('Zoe\u0308') == student_id('Zo\xeb') == 'Zo\xeb'
+
+    @pytest.mark.parametrize('name', ['', '--', '***', '_', '\u093f', ' . '])
+    def test_a_name_without_a_letter_or_digit_is_none(self, name):
+        """Somebody has to give one."""
+        assert student_id(name) == ''
 
 
 class TestHostileSources:
@@ -173,6 +207,44 @@ class TestHostileSources:
 
         with pytest.raises(NotCollectedError, match='more than 2 files'):
             collect(source, layout, layout.submitted)
+
+    @pytest.mark.parametrize('how', [packed, laid])
+    def test_what_programs_leave_does_not_make_a_class_too_large(
+        self, how, tmp_path, layout, monkeypatch
+    ):
+        """But there is an end to that, too."""
+        work = ('src/ros_ws/build/x', 'install/COLCON_IGNORE', 'install/x.ipynb', '.venv/a/x.py')
+        files = {f'{name}/{file}': GOOD for name in ('ann', 'bob') for file in work}
+        files |= {'ann/talk.ipynb': GOOD, 'ann/build/notes.txt': b'', 'cy/log/talk.ipynb': GOOD}
+        source = how(tmp_path / 's', files)
+        monkeypatch.setattr(tree, 'MOST_ENTRIES', 12)
+
+        rows = collect(source, layout, layout.submitted)
+
+        assert [(row.student, row.done) for row in rows] == [
+            ('ann', TAKEN), ('bob', LEFT), ('cy', TAKEN)
+        ]  # fmt: skip
+        assert rows[1].notes == ('no files',)
+        monkeypatch.setattr(tree, 'MOST_LISTED', 5)
+        with pytest.raises(NotCollectedError, match='more than 5 files'):
+            collect(source, layout, layout.submitted)
+
+    @pytest.mark.parametrize('name', ['build', 'install', 'log'])
+    def test_a_students_own_folder_is_no_programs(self, name, tmp_path, layout):
+        """Whatever it is called, and whatever lies in it."""
+        files = {f'{name}/COLCON_IGNORE': b'', f'{name}/talk.ipynb': GOOD, 'ann/talk.ipynb': GOOD}
+
+        rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+
+        assert {row.student: row.done for row in rows} == {'ann': TAKEN, name: TAKEN}
+
+    def test_a_name_of_very_many_slashes_is_left(self, tmp_path, layout):
+        """At once."""
+        name = 'ann/' + 'x/' * 30_000 + 'talk.ipynb'
+
+        (row,) = collect(packed(tmp_path / 's.zip', {name: GOOD}), layout, layout.submitted)
+
+        assert (row.done, row.notes) == (LEFT, ('a path that is far too long',))
 
     def test_metadata_that_is_no_table_is_one_sentence(self, tmp_path, layout):
         """YAML makes no objects here."""
@@ -254,6 +326,31 @@ class TestCommand:
         command.main(['collect', str(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}))])
         assert [path.name for path in layout.submitted.iterdir()] == ['ann']
         assert '1 example students were taken out' in capsys.readouterr().err
+
+    def test_it_waits_for_no_grading(self, tmp_path, layout, capsys):
+        """Only one of them writes; a dry run may always look."""
+        source = str(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}))
+
+        with alone(layout, 'a grading'):
+            assert command.main(['collect', source]) == command.USAGE
+            assert 'got: a grading since' in capsys.readouterr().err
+            assert command.main(['collect', source, '--dry-run']) == command.OK
+        assert not layout.submitted.exists()
+        assert command.main(['collect', source]) == command.OK
+
+    def test_a_prefix_is_taken_off(self, tmp_path, layout, capsys):
+        """The one that was named, and the table says so."""
+        source = laid(tmp_path / 's', {'hw1-ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
+
+        assert command.main(['collect', str(source), '--prefix', 'hw1-', '--json']) == command.OK
+        rows = json.loads(capsys.readouterr().out)
+        assert [(row['student'], row['notes']) for row in rows] == [
+            ('ann', ["'hw1-' was taken off the name"]),
+            ('bob', []),
+        ]
+
+        assert command.main(['collect', str(source), '--prefix', 'hw2-']) == command.USAGE
+        assert "begin with 'hw2-' (--prefix), got: bob, hw1-ann" in capsys.readouterr().err
 
     def test_what_is_not_there_is_one_line(self, tmp_path, capsys):
         """Exit code 2."""

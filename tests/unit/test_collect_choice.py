@@ -40,7 +40,7 @@ class TestSeveralAssignments:
         'files',
         [
             {
-                f'ros2-{name}/notebooks/{lesson}/{file}.ipynb': data
+                f'{name}/notebooks/{lesson}/{file}.ipynb': data
                 for name in ('ann', 'bob')
                 for lesson, file, data in (
                     (TALK, 'talk', GOOD),
@@ -87,13 +87,68 @@ class TestSeveralAssignments:
         assert done(rows) == [('ann', TALK, TAKEN), ('ann', LISTEN, TAKEN)]
         assert taken(layout)[f'ann/{TALK}/talk.ipynb'] == GOOD
 
-    def test_two_of_one_upload_are_two(self, tmp_path, layout):
-        """Canvas has one folder for all."""
-        files = {'ann_1001_56001_talk.ipynb': GOOD, 'ann_1001_56002_listen.ipynb': OTHER}
 
-        rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
+class TestOneAssignmentASource:
+    """What Canvas, Moodle and Gradescope give is of one, whoever uploaded something else."""
 
-        assert done(rows) == [('1001', TALK, TAKEN), ('1001', LISTEN, TAKEN)]
+    CANVAS = 'ann_1001_56001_{0}', 'bob_1002_56002_{0}', 'cy_1003_56003_{1}', 'cy_1003_56004_{0}'
+    MOODLE = tuple(
+        f'{name}_assignsubmission_file/{{{at}}}'
+        for name, at in (('ann_311', 0), ('bob_312', 0), ('cy_313', 1), ('cy_313', 0))
+    )
+
+    @pytest.mark.parametrize('places', [CANVAS, MOODLE], ids=['canvas', 'moodle'])
+    def test_a_notebook_of_another_lesson_replaces_nothing(self, places, tmp_path, layout):
+        """It has a line, also beside the right one."""
+        before = {f'{name}/{LISTEN}/listen.ipynb': b'right' for name in ('1003', 'cy')}
+        laid(layout.submitted, before)
+        names = 'talk.ipynb', 'listen.ipynb'
+        files = {place.format(*names): OTHER if '{1}' in place else GOOD for place in places}
+
+        rows = collect(packed(tmp_path / 's.zip', files), layout, layout.submitted)
+
+        assert taken(layout).items() >= before.items()
+        assert [row.done for row in rows].count(TAKEN) == 3
+        assert {row.assignment for row in rows} == {TALK}
+        (left,) = [row for row in rows if row.done == LEFT]
+        assert left.notes[0] == f'wrong assignment: listen.ipynb is {LISTEN}'
+
+    @pytest.mark.parametrize(
+        ('one', 'two', 'said'),
+        [
+            (GOOD, OTHER, f'as many of {LISTEN} as of {TALK}. Try: --assignment'),
+            (OWN, OWN, 'none of this course'),
+        ],
+    )
+    def test_what_is_not_sure_is_refused(self, one, two, said, tmp_path, layout):
+        """And the option helps."""
+        files = {'ann_1001_561_a.ipynb': one, 'bob_1002_562_b.ipynb': two}
+        source = packed(tmp_path / 'c.zip', files)
+
+        with pytest.raises(NotCollectedError, match=said) as caught:
+            collect(source, layout, layout.submitted)
+        assert TALK in caught.value.fix
+        assert not layout.submitted.exists()
+
+        rows = collect(source, layout, layout.submitted, assignment=TALK)
+        assert (rows[0].assignment, rows[0].done) == (TALK, TAKEN)
+
+    def test_a_student_counts_once(self, tmp_path, layout):
+        """With however many notebooks."""
+        files = {f'eve_1_5{n}_listen-{n}.ipynb': OTHER for n in range(10, 30)}
+        files |= {'ann_2_571_talk.ipynb': GOOD, 'bob_3_572_talk.ipynb': GOOD}
+
+        collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
+
+        assert set(taken(layout)) == {f'{name}/{TALK}/talk.ipynb' for name in '23'}
+
+    def test_without_a_notebook_the_table_says_what_there_is(self, tmp_path, layout):
+        """Before anybody has handed one in."""
+        (row,) = collect(
+            packed(tmp_path / 'c.zip', {'a_1_2_x.pdf': b''}), layout, layout.submitted
+        )
+
+        assert (row.done, row.notes) == (LEFT, ('no notebook, only x.pdf',))
 
 
 class TestTheRightOne:
@@ -225,15 +280,15 @@ class TestBounds:
     def test_a_notebook_that_changes_meanwhile_is_left(self, tmp_path, layout, monkeypatch):
         """What was looked at is what is written."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
-        look = choice._look
+        look = choice.look
 
-        def look_and_change(handed, course):
-            seen = look(handed, course)
+        def look_and_change(handed, course, wanted):
+            seen = look(handed, course, wanted)
             if handed.student == 'ann':
                 (source / 'ann' / 'talk.ipynb').write_bytes(OTHER)
             return seen
 
-        monkeypatch.setattr(choice, '_look', look_and_change)
+        monkeypatch.setattr('autograder.collect.look', look_and_change)
 
         rows = collect(source, layout, layout.submitted)
 

@@ -27,21 +27,23 @@ from autograder.collect.tree import NotCollectedError
 class TestFolders:
     """A folder or a notebook a student."""
 
-    def test_repositories_lose_the_name_they_share(self, tmp_path, layout):
+    @pytest.mark.parametrize('how', [packed, laid])
+    def test_repositories_lose_the_name_of_the_assignment(self, how, tmp_path, layout):
         """And nothing in them is run or followed, git's own files least of all."""
-        rows = collect(laid(tmp_path / 'r', REPOSITORIES), layout, layout.submitted)
+        rows = collect(how(tmp_path / 'r', REPOSITORIES), layout, layout.submitted)
 
         assert {row.student: row.done for row in rows} == {'ann': TAKEN, 'bob': TAKEN, 'cho': LEFT}
+        assert all("'talk-' was taken off the name" in row.notes for row in rows)
         assert not [path for path in layout.submitted.rglob('*') if '.git' in path.parts]
 
     def test_a_repository_without_a_commit_is_in_the_table(self, tmp_path, layout):
         """As the systems make them before anybody has pushed."""
         source = laid(tmp_path / 'r', {**REPOSITORIES, 'talk-dan/.git/HEAD': b'ref'})
-        (source / 'talk-eva').mkdir()
+        (source / 'talk-eva' / '.git').mkdir(parents=True)
 
         rows = collect(source, layout, layout.submitted)
 
-        left = {row.student: row.notes for row in rows if row.done == LEFT}
+        left = {row.student: row.notes[:1] for row in rows if row.done == LEFT}
         assert left == {
             'cho': ('no notebook, only README.md',),
             'dan': ('no files',),
@@ -96,6 +98,72 @@ class TestFolders:
 
         assert {row.done for row in rows} == {LEFT}
         assert 'collect the folder above it' in rows[0].notes[0]
+
+
+class TestIdsOfFolders:
+    """The name of the folder, whoever else is there."""
+
+    @pytest.mark.parametrize(
+        'names',
+        [('2024-0001', '2024-0002'), ('smith-john', 'smith-anna'), ('talk-ann', 'talk-bob')],
+    )
+    def test_what_folders_share_stays(self, names, tmp_path, layout):
+        """With a notebook in them, and as nbgrader lays them."""
+        for count, place in enumerate(('{}/talk.ipynb', f'{{}}/{TALK}/talk.ipynb')):
+            source = laid(tmp_path / str(count), {place.format(name): GOOD for name in names})
+
+            rows = collect(source, layout, layout.submitted)
+
+            assert {row.student for row in rows} == set(names)
+
+    @pytest.mark.parametrize('prefix', ['talk-', '03_talk-', '03-talk_', '03-Talk-', 'talk_'])
+    @pytest.mark.parametrize('others', [(), ('talk-bob',), ('zoe',), ('talk-bob', 'ros2-cy')])
+    def test_a_repository_loses_an_assignment_on_every_day(self, prefix, others, tmp_path, layout):
+        """Also if it is the first one, whatever is in it."""
+        names = (f'{prefix}ann', *others)
+        files = {f'{name}/.git/HEAD': b'ref' for name in names}
+        files |= {f'{name}/work/talk.ipynb': GOOD for name in names}
+        files |= {f'{name}/src/x.py': b'' for name in names}
+
+        for how in (packed, laid):
+            rows = collect(how(tmp_path / how.__name__, files), layout, layout.submitted)
+
+            found = {row.place: row.student for row in rows}
+            assert found[f'{prefix}ann'] == 'ann'
+            assert found.get('ros2-cy', 'ros2-cy') == 'ros2-cy'
+
+    def test_the_longest_name_of_an_assignment_is_taken_off(self, tmp_path, layout):
+        """And never all of a name."""
+        files = {'06_talk_more/talk_more.ipynb': OTHER}
+        laid(layout.notebooks, files)
+        names = ('talk-more-ann', 'talk-bob', 'talk-', 'talkative-cy')
+        source = laid(tmp_path / 'r', {f'{name}/.git/x': b'' for name in names})
+
+        rows = collect(source, layout, layout.submitted)
+
+        assert {row.student for row in rows} == {'ann', 'bob', 'talk-', 'talkative-cy'}
+
+    def test_two_repositories_of_one_student_are_not_mixed(self, tmp_path, layout):
+        """One an assignment is; two with the same one are for somebody to look at."""
+        files = {
+            'talk-ann/.git/HEAD': b'',
+            'talk-ann/talk.ipynb': GOOD,
+            'listen-ann/.git/HEAD': b'',
+            'listen-ann/listen.ipynb': OTHER,
+        }
+        rows = collect(laid(tmp_path / 'r', files), layout, layout.submitted)
+        assert [(row.assignment, row.done) for row in rows] == [(TALK, TAKEN), (LISTEN, TAKEN)]
+
+        both = {**files, 'listen-ann/talk.ipynb': GOOD}
+        rows = collect(laid(tmp_path / 'b', both), layout, layout.submitted)
+        assert [row.done for row in rows if row.assignment == TALK] == [LEFT, LEFT]
+
+    def test_a_prefix_is_for_folders(self, tmp_path, layout):
+        """Systems have names of their own."""
+        source = packed(tmp_path / 'm.zip', MOODLE)
+
+        with pytest.raises(NotCollectedError, match='for --prefix, got names of moodle'):
+            collect(source, layout, layout.submitted, prefix='Li ')
 
 
 class TestNamesThatStudentsGive:

@@ -12,7 +12,6 @@ from collect_sources import (
     layout,  # noqa: F401 - a fixture
     LISTEN,
     METADATA,
-    MOODLE,
     notebook,
     notes,
     packed,
@@ -39,13 +38,16 @@ class TestCanvas:
             ('1001', 'exampleann_1001_55077_talk-1.ipynb'): TAKEN,
             ('1001', 'exampleann_1001_55001_talk.ipynb'): LEFT,
             ('1002', 'berg_LATE_1002_55002_talk.ipynb'): TAKEN,
-            ('1003', 'chang_1003_55003_listen.ipynb'): TAKEN,
+            ('1003', 'chang_1003_55003_listen.ipynb'): LEFT,
             ('1004', 'diaz_1004_55004_essay.pdf'): LEFT,
             ('1005', 'evans_1005_55005_My work (2).ipynb'): TAKEN,
             ('1006', 'fox_1006_text.html'): LEFT,
         }
         said = notes(rows)
         assert said['berg_LATE_1002_55002_talk.ipynb'] == (LATE,)
+        assert said['chang_1003_55003_listen.ipynb'] == (
+            f'wrong assignment: listen.ipynb is {LISTEN}',
+        )
         assert said['exampleann_1001_55077_talk-1.ipynb'] == ('the newest of 2',)
         assert said['exampleann_1001_55001_talk.ipynb'] == ('an earlier one',)
         assert said['diaz_1004_55004_essay.pdf'] == ('no notebook, only essay.pdf',)
@@ -172,72 +174,6 @@ class TestCanvas:
         said = notes(rows)
         assert (said['roster.csv'], said['extra']) == (why, why)
         assert len(rows) == len(CANVAS) + 2
-
-
-class TestMoodle:
-    """``NAME_NUMBER_assignsubmission_file``, a folder or the beginning of a file's name."""
-
-    def test_names_become_ids_and_two_of_one_name_stay_two(self, tmp_path, layout):
-        """The number alone is another one in the next assignment."""
-        rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
-
-        done = {row.student: row.done for row in rows}
-        assert done == {
-            'Ann Example': TAKEN,
-            'Bo Berg': TAKEN,
-            'Li Wei 313': TAKEN,
-            'Li Wei 314': TAKEN,
-            'Dee': LEFT,
-        }
-        place = 'Dee_315_assignsubmission_onlinetext'
-        assert notes(rows)[place] == ('an online text, which is not collected',)
-
-    def test_files_without_folders_are_read(self, tmp_path, layout):
-        """With "Download submissions in folders" off."""
-        files = {
-            'Ann Example_311_assignsubmission_file_talk.ipynb': GOOD,
-            'Bo Berg_312_assignsubmission_file_notes.pdf': b'%PDF',
-            'Bo Berg_312_assignsubmission_file_talk.ipynb': GOOD,
-            'Dee_315_assignsubmission_onlinetext_onlinetext.html': b'<p>hello',
-        }
-        source = packed(tmp_path / 'm.zip', files)
-
-        rows = collect(source, layout, layout.submitted)
-
-        assert kind(source) == 'moodle'
-        assert table(rows) == {
-            ('Ann Example', 'Ann Example_311_assignsubmission_file_talk.ipynb'): TAKEN,
-            ('Bo Berg', 'Bo Berg_312_assignsubmission_file_notes.pdf'): LEFT,
-            ('Bo Berg', 'Bo Berg_312_assignsubmission_file_talk.ipynb'): TAKEN,
-            ('Dee', 'Dee_315_assignsubmission_onlinetext_onlinetext.html'): LEFT,
-        }
-
-    def test_a_file_called_like_somebody_elses_stays_its_owners(self, tmp_path, layout):
-        """What follows the first number was named by a student."""
-        files = {
-            'Ann_311_assignsubmission_file_Bo_312_assignsubmission_file_talk.ipynb': GOOD,
-            'Cy_313_assignsubmission_file_talk.ipynb': GOOD,
-        }
-
-        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
-
-        assert {row.student for row in rows} == {'Ann', 'Cy'}
-
-    def test_file_and_text_of_one_student_are_two_lines(self, tmp_path, layout):
-        """The file is taken."""
-        files = {
-            'Ann_311_assignsubmission_file/talk.ipynb': GOOD,
-            'Ann_311_assignsubmission_onlinetext/onlinetext.html': b'<p>see file',
-            'Default group_assignsubmission_file/talk.ipynb': GOOD,
-        }
-
-        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
-
-        assert table(rows) == {
-            ('Ann', 'Ann_311_assignsubmission_file'): TAKEN,
-            ('Ann', 'Ann_311_assignsubmission_onlinetext'): LEFT,
-            ('', 'Default group_assignsubmission_file'): LEFT,
-        }
 
 
 class TestGradescope:

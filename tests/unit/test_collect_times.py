@@ -22,7 +22,7 @@ from collect_sources import (
 import pytest
 
 from autograder import __main__ as command
-from autograder.collect import collect, REPLACED, TAKEN, times, UNCHANGED
+from autograder.collect import collect, LEFT, REPLACED, TAKEN, times, UNCHANGED
 from autograder.collect.times import due_dates, late_notes, read_time
 from autograder.layout import Layout
 
@@ -183,6 +183,87 @@ class TestStampBesideANotebook:
 
         assert b'2026-03-01' in taken(layout)[f'1001/{TALK}/timestamp.txt']
 
+    def test_in_a_repository_it_is_the_students_own(self, tmp_path, layout):
+        """Who can write it can say anything."""
+        for n, git in enumerate(('.git/HEAD', '.gitignore')):
+            files = {
+                f'ann/{git}': b'',
+                f'ann/{TALK}/talk.ipynb': GOOD,
+                f'ann/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',
+            }
+
+            (row,) = collect(laid(tmp_path / str(n), files), layout, layout.submitted)
+
+            assert row.handed_in == ''
+            assert row.notes[0].startswith('no time from its timestamp.txt: in a repository')
+        assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
+
+    def test_elsewhere_it_is_some_file(self, tmp_path, layout):
+        """Where nbgrader lays none."""
+        files = {
+            f'ann/notebooks/{TALK}/talk.ipynb': GOOD,
+            f'ann/notebooks/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',
+        }
+
+        (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted)
+
+        assert (row.handed_in, row.notes) == ('', ())
+
+
+class TestOlderWork:
+    """Monday's zip after Tuesday's takes nothing back."""
+
+    MONDAY, TUESDAY = '2026-03-02 12:00:00.5 UTC', '2026-03-03 12:00:00.5 UTC'
+
+    def test_it_replaces_nothing_that_is_newer(self, tmp_path, layout):
+        """And its line says so, in a dry run too."""
+        monday = laid(tmp_path / 'monday', inbound(self.MONDAY))
+        tuesday = laid(tmp_path / 'tuesday', inbound(self.TUESDAY))
+        collect(tuesday, layout, layout.submitted)
+        before = taken(layout)
+
+        for write in (False, True):
+            (row,) = collect(monday, layout, layout.submitted, write=write)
+            assert (row.done, row.notes[0]) == (
+                LEFT,
+                'older than what is there, of 2026-03-03 12:00',
+            )
+        assert taken(layout) == before
+
+    def test_newer_work_replaces_it(self, tmp_path, layout):
+        """As nothing is in doubt, nothing is said."""
+        collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
+
+        (row,) = collect(laid(tmp_path / 't', inbound(self.TUESDAY)), layout, layout.submitted)
+
+        assert (row.done, row.notes) == (REPLACED, ())
+        assert b'2026-03-03' in taken(layout)[f'ann/{TALK}/timestamp.txt']
+
+    def test_the_same_work_keeps_the_time_of_the_last_hand_in(self, tmp_path, layout):
+        """It was handed in twice."""
+        place = f'ann+{TALK}+{{}}+x/talk.ipynb'
+        tuesday = laid(tmp_path / 't', {place.format(self.TUESDAY): GOOD})
+        collect(tuesday, layout, layout.submitted)
+        before = taken(layout)
+
+        monday = laid(tmp_path / 'm', {place.format(self.MONDAY): GOOD})
+        (row,) = collect(monday, layout, layout.submitted)
+
+        assert (row.done, row.notes) == (UNCHANGED, ('handed in again later',))
+        assert taken(layout) == before
+
+    @pytest.mark.parametrize('there', [None, b'soon', b'\xff'])
+    def test_without_a_time_nobody_knows(self, there, tmp_path, layout):
+        """What is collected last stays, and its line says that."""
+        laid(layout.submitted, {f'ann/{TALK}/talk.ipynb': notebook('talker', text='there')})
+        if there is not None:
+            laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': there})
+
+        (row,) = collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
+
+        assert (row.done, row.notes) == (REPLACED, ('which one is newer is not known',))
+        assert b'2026-03-02' in taken(layout)[f'ann/{TALK}/timestamp.txt']
+
 
 class TestStaleTime:
     """A time belongs to the notebook beside it."""
@@ -201,6 +282,7 @@ class TestStaleTime:
         rows = collect(newer, layout, layout.submitted)
 
         assert [row.done for row in dry] == [row.done for row in rows] == [REPLACED]
+        assert rows[0].notes == dry[0].notes == ('which one is newer is not known',)
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
         assert [row.done for row in collect(newer, layout, layout.submitted)] == [UNCHANGED]
 

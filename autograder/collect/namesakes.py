@@ -1,0 +1,121 @@
+"""
+Two people of one name, in sources that have no other id: Moodle's.
+
+A student id that depends on who else has handed in would make three students of two, and a name
+alone one of two.  So nobody guesses: work under a name that two people have is not taken until
+somebody gives each of them a name of their own.  Moodle numbers the participants of each of its
+assignments anew, but in one assignment a number is a person's for good.  What is known of that is
+kept, as on some days only one of the two has handed in.
+
+What this cannot see: two people of one name who never hand in the same assignment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+import json
+
+from autograder.collect.handed import Handed
+from autograder.collect.ids import student_id
+from autograder.collect.tree import NotCollectedError
+from autograder.layout import Layout
+from autograder.runs.recording import keep
+from autograder.whole_class.inbox import read_file
+
+Numbers = dict[str, dict[str, str]]
+
+
+@dataclass(frozen=True)
+class Namesakes:
+    """
+    What is known of names.
+
+    :param shared: student ids that two people have had in one source
+    :param numbers: by student id and assignment, the participant whose work was taken
+    """
+
+    shared: frozenset[str] = frozenset()
+    numbers: Numbers = field(default_factory=dict)
+
+
+def read_namesakes(layout: Layout) -> Namesakes:
+    """
+    Return what is known.
+
+    :raises NotCollectedError: if it is damaged: without it two people could become one
+    """
+    path = layout.namesakes
+    data, problems = read_file(path, path.name)
+    if data is None and not path.is_symlink() and not path.exists():
+        return Namesakes()
+    try:
+        found = json.loads(data or b'')
+        numbers = {
+            str(student): {str(name): str(number) for name, number in of_one.items()}
+            for student, of_one in found['numbers'].items()
+        }
+        return Namesakes(frozenset(map(str, found['shared'])), numbers)
+    except (ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
+        got = problems[0].got if problems else 'something else'
+        raise NotCollectedError(
+            f'{path}: expected JSON with the numbers of people in Moodle, got {got}.',
+            'Try: delete it, and look in the table for people of one name',
+        ) from error
+
+
+def in_doubt(
+    handed: Sequence[Handed], known: Namesakes, assignment: str
+) -> tuple[list[Handed], Namesakes]:
+    """
+    Mark what nobody knows the owner of.
+
+    :param assignment: what the source was handed in for, empty if that is not known
+    :returns: the same, with their doubts; and what is known now of the names
+    """
+    here: dict[str, set[str]] = {}
+    for one in handed:
+        if one.number and (student := student_id(one.student)):
+            here.setdefault(student, set()).add(one.number)
+    shared = known.shared | {student for student, numbers in here.items() if len(numbers) > 1}
+    now = replace(known, shared=frozenset(shared))
+    return [replace(one, doubt=_doubt(one, now, assignment)) for one in handed], now
+
+
+def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
+    """Return why nobody knows whose a hand-in is and what to do, or nothing."""
+    student = student_id(one.student)
+    before = known.numbers.get(student, {}).get(assignment, one.number)
+    name = one.student[:60]
+    if one.number and student in known.shared:
+        return (
+            f'two people are called {name!r}: unpack, put an id into the names of their folders '
+            f'as in "{name} ID_{one.number}_assignsubmission_file", the same one every time, and '
+            f'look whose submitted/{student} is'
+        )
+    if one.number and before != one.number:
+        return (
+            f'not the {name!r} of before: number {one.number} in Moodle, then {before}; put an '
+            f'id into the name of the folder as in "{name} ID_{one.number}_assignsubmission_file'
+            '", or if the same people hand in twice in Moodle, delete _work/namesakes.json'
+        )
+    return ''
+
+
+def keep_namesakes(layout: Layout, known: Namesakes, taken: Iterable[tuple[Handed, str]]) -> None:
+    """
+    Keep what is known, with the numbers of those whose work is there now.
+
+    :param taken: each with the assignment
+    :raises OSError: if it cannot be written
+    """
+    numbers: Numbers = {student: dict(of_one) for student, of_one in known.numbers.items()}
+    for one, assignment in taken:
+        if one.number:
+            numbers.setdefault(student_id(one.student), {})[assignment] = one.number
+    if not known.shared and not numbers:
+        return
+    found = {'shared': sorted(known.shared), 'numbers': numbers}
+    data = f'{json.dumps(found, ensure_ascii=False, indent=1, sort_keys=True)}\n'.encode()
+    if data != read_file(layout.namesakes, '')[0]:
+        keep(layout.namesakes, data)

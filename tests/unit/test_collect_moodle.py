@@ -1,0 +1,168 @@
+"""Moodle: names are ids, and nobody guesses who is who of two people with one name."""
+
+from __future__ import annotations
+
+from collect_sources import (
+    GOOD,
+    kind,
+    laid,
+    layout,  # noqa: F401 - a fixture
+    LISTEN,
+    MOODLE,
+    notebook,
+    notes,
+    packed,
+    table,
+    taken,
+    TALK,
+)
+import pytest
+
+from autograder.collect import collect, LEFT, TAKEN
+from autograder.collect.tree import NotCollectedError
+
+
+class TestMoodle:
+    """``NAME_NUMBER_assignsubmission_file``, a folder or the beginning of a file's name."""
+
+    def test_names_become_ids(self, tmp_path, layout):
+        """The number alone is another one in the next assignment."""
+        rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+
+        done = {row.student: row.done for row in rows}
+        assert done == {'Ann Example': TAKEN, 'Bo Berg': TAKEN, 'Li Wei': LEFT, 'Dee': LEFT}
+        place = 'Dee_315_assignsubmission_onlinetext'
+        assert notes(rows)[place] == ('an online text, which is not collected',)
+
+    def test_files_without_folders_are_read(self, tmp_path, layout):
+        """With "Download submissions in folders" off."""
+        files = {
+            'Ann Example_311_assignsubmission_file_talk.ipynb': GOOD,
+            'Bo Berg_312_assignsubmission_file_notes.pdf': b'%PDF',
+            'Bo Berg_312_assignsubmission_file_talk.ipynb': GOOD,
+            'Dee_315_assignsubmission_onlinetext_onlinetext.html': b'<p>hello',
+        }
+        source = packed(tmp_path / 'm.zip', files)
+
+        rows = collect(source, layout, layout.submitted)
+
+        assert kind(source) == 'moodle'
+        assert table(rows) == {
+            ('Ann Example', 'Ann Example_311_assignsubmission_file_talk.ipynb'): TAKEN,
+            ('Bo Berg', 'Bo Berg_312_assignsubmission_file_notes.pdf'): LEFT,
+            ('Bo Berg', 'Bo Berg_312_assignsubmission_file_talk.ipynb'): TAKEN,
+            ('Dee', 'Dee_315_assignsubmission_onlinetext_onlinetext.html'): LEFT,
+        }
+
+    @staticmethod
+    def of_moodle(path, *who: str, file: str = 'talk.ipynb', data: bytes = GOOD):
+        """Return a download with a notebook of each of them."""
+        return packed(path, {f'{one}_assignsubmission_file/{file}': data for one in who})
+
+    def test_two_of_one_name_are_not_guessed(self, tmp_path, layout):
+        """Not on the day when both are there, and not on the next when one of them is."""
+        first = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Ann_311')
+        both = self.of_moodle(tmp_path / '2.zip', 'Li Wei_313', 'Li Wei_314', 'Ann_311')
+        other = notebook('listener')
+        later = self.of_moodle(
+            tmp_path / '3.zip', 'Li Wei_501', 'Ann_502', file='listen.ipynb', data=other
+        )
+        collect(first, layout, layout.submitted)
+        assert f'Li Wei/{TALK}/talk.ipynb' in taken(layout)
+
+        for source in (both, later, first):
+            rows = collect(source, layout, layout.submitted)
+            of_li = [row for row in rows if row.student == 'Li Wei']
+            assert {row.done for row in of_li} == {LEFT}
+            assert all("two people are called 'Li Wei': unpack" in row.notes[0] for row in of_li)
+        assert {name.split('/')[0] for name in taken(layout)} == {'Ann', 'Li Wei'}
+        assert f'Li Wei/{LISTEN}/listen.ipynb' not in taken(layout)
+
+    def test_names_of_their_own_help(self, tmp_path, layout):
+        """As the table says, on every day the same."""
+        both = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Li Wei_314')
+        own = self.of_moodle(tmp_path / '2.zip', 'Li Wei 2024-7_313', 'Li Wei 2024-9_314')
+        collect(both, layout, layout.submitted)
+
+        rows = collect(own, layout, layout.submitted)
+
+        assert {row.student: row.done for row in rows} == {
+            'Li Wei 2024-7': TAKEN,
+            'Li Wei 2024-9': TAKEN,
+        }
+
+    def test_groups_are_downloaded_one_after_the_other(self, tmp_path, layout):
+        """Then each source has one of them, with a number of his own."""
+        one = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Ann_311')
+        newer = notebook('talker', text='of the other Li Wei')
+        two = self.of_moodle(tmp_path / '2.zip', 'Li Wei_314', data=newer)
+        collect(one, layout, layout.submitted)
+
+        (row,) = collect(two, layout, layout.submitted)
+
+        assert row.done == LEFT
+        assert row.notes[0].startswith(
+            "not the 'Li Wei' of before: number 314 in Moodle, then 313"
+        )
+        assert taken(layout)[f'Li Wei/{TALK}/talk.ipynb'] == GOOD
+
+    def test_another_lesson_has_other_numbers(self, tmp_path, layout):
+        """That says nothing; nor does a dry run, which remembers nothing."""
+        one = self.of_moodle(tmp_path / '1.zip', 'Ann_311', 'Bo_312')
+        two = self.of_moodle(
+            tmp_path / '2.zip', 'Ann_312', 'Bo_311', file='listen.ipynb', data=notebook('listener')
+        )
+        collect(one, layout, layout.submitted, write=False)
+        assert not layout.namesakes.exists()
+
+        for source in (one, two):
+            rows = collect(source, layout, layout.submitted)
+            assert [row.done for row in rows] == [TAKEN, TAKEN]
+
+    @pytest.mark.parametrize('data', [b'', b'[]', b'{"shared": 1, "numbers": {}}', b'\xff'])
+    def test_a_damaged_memory_is_one_sentence(self, data, tmp_path, layout):
+        """Without it two people could become one."""
+        laid(layout.work, {layout.namesakes.name: data})
+
+        with pytest.raises(NotCollectedError, match='expected JSON with the numbers of people'):
+            collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+
+    def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):
+        """The notebooks are there all the same."""
+
+        def full(*_):
+            raise OSError(28, 'No space left on device')
+
+        monkeypatch.setattr('autograder.collect.namesakes.keep', full)
+
+        rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+
+        assert rows[0].notes == ('numbers of Moodle cannot be written: no space left on device',)
+        assert f'Bo Berg/{TALK}/talk.ipynb' in taken(layout)
+
+    def test_a_file_called_like_somebody_elses_stays_its_owners(self, tmp_path, layout):
+        """What follows the first number was named by a student."""
+        files = {
+            'Ann_311_assignsubmission_file_Bo_312_assignsubmission_file_talk.ipynb': GOOD,
+            'Cy_313_assignsubmission_file_talk.ipynb': GOOD,
+        }
+
+        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+
+        assert {row.student for row in rows} == {'Ann', 'Cy'}
+
+    def test_file_and_text_of_one_student_are_two_lines(self, tmp_path, layout):
+        """The file is taken."""
+        files = {
+            'Ann_311_assignsubmission_file/talk.ipynb': GOOD,
+            'Ann_311_assignsubmission_onlinetext/onlinetext.html': b'<p>see file',
+            'Default group_assignsubmission_file/talk.ipynb': GOOD,
+        }
+
+        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+
+        assert table(rows) == {
+            ('Ann', 'Ann_311_assignsubmission_file'): TAKEN,
+            ('Ann', 'Ann_311_assignsubmission_onlinetext'): LEFT,
+            ('', 'Default group_assignsubmission_file'): LEFT,
+        }
