@@ -13,7 +13,7 @@ from pathlib import Path
 import sys
 from typing import Any
 
-from autograder.errors import SandboxUnavailable
+from autograder.errors import GraderError, SandboxUnavailable
 from autograder.layout import Layout
 from autograder.whole_class.alone import alone
 
@@ -170,6 +170,8 @@ def _rejudge(chosen: argparse.Namespace) -> int:
     else:
         for change in changes:
             print(change.text())
+    if refused := ' '.join(one.refused for one in changes if one.refused):
+        raise GraderError(refused)
     return code
 
 

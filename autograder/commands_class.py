@@ -179,8 +179,10 @@ def stats_text(numbers: ClassNumbers) -> str:
     if numbers.recorded:
         lines.append(f'  {numbers.recorded} needed no run: from recordings, or nothing to run')
     lines += [f'  NOT PROTECTED: {lack}' for lack in numbers.lacks]
-    versions = ', '.join(f'{name} {text}' for name, text in numbers.versions.items())
-    lines.append(f'  isolation {", ".join(numbers.modes) or "none needed"}; {versions}')
+    lines.append(f'  isolation {", ".join(numbers.modes) or "none needed"}')
+    if numbers.versions:
+        versions = ', '.join(f'{name} {text}' for name, text in numbers.versions.items())
+        lines.append(f'  recorded with {versions}')
     return printable('\n'.join(lines))
 
 

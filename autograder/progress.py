@@ -55,13 +55,15 @@ class Totals:
                 self.full += 1
             else:
                 self.less += 1
-            took = done.outcome.timing.get('run_s', 0.0)
-            self.seconds[done.student] = self.seconds.get(done.student, 0.0) + took
+            took = self.seconds.get(done.student, 0.0) + done.outcome.ran_s
+            self.seconds[done.student] = took
 
     @property
     def slowest(self) -> tuple[str, float]:
-        """Return who took longest to run, and how long [s]; no name if nothing was run."""
-        student = max(self.seconds, key=lambda name: self.seconds[name], default='')
+        """Return who took longest to run, and how long [s]; no name if that is not known."""
+        # Equal files take equally long: the first by name, whichever came in first.
+        names = sorted(self.seconds)
+        student = max(names, key=lambda name: round(self.seconds[name], 3), default='')
         took = self.seconds.get(student, 0.0)
         return (student, took) if took else ('', 0.0)
 
@@ -73,7 +75,7 @@ class Totals:
         return ', '.join(words)
 
     def slowest_text(self) -> str:
-        """Return who took longest in a few words, empty if nothing was run."""
+        """Return who took longest in a few words, empty if that is not known."""
         student, took = self.slowest
         if not student:
             return ''

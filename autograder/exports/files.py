@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+import hashlib
 import os
 from pathlib import Path
+from urllib.parse import quote
 import uuid
 
 from autograder.errors import GraderError
+
+LONGEST_NAME = 150
+"""Bytes of a file name that :func:`safe_name` makes; systems take 255, endings included."""
+DIGEST_CHARS = 16
 
 
 def refuse_existing(paths: Iterable[Path], force: bool) -> None:
@@ -51,8 +57,16 @@ def write_file(path: Path, data: bytes, force: bool = False, mode: int = 0o644) 
 
 
 def safe_name(student: str) -> str:
-    """Return a file name for a student's id, whatever is in it; different ids stay different."""
-    from urllib.parse import quote
+    """
+    Return a file name for a student's id, whatever is in it; different ids stay different.
 
-    name = quote(student, safe='').replace('%', '~')
-    return name.replace('.', '~2E', 1) if name.startswith('.') else name or '~'
+    A letter that is not ASCII takes six characters or more.  Where there would be too many, the
+    end gives way to a digest of the whole id, after two signs that no whole name has in a row.
+    """
+    name = quote(student, safe='').replace('~', '~7E').replace('%', '~') or '~'
+    if name.startswith('.'):
+        name = name.replace('.', '~2E', 1)
+    if len(name) <= LONGEST_NAME:
+        return name
+    end = f'~~{hashlib.sha256(student.encode()).hexdigest()[:DIGEST_CHARS]}'
+    return name[: LONGEST_NAME - len(end)] + end

@@ -101,7 +101,8 @@ class ExamResult:
     :param mode: isolation mode the code ran in, see :mod:`autograder.sandboxes.isolation`
     :param not_protected: what that mode lacks, in words; empty for full isolation
     :param flags: what an instructor should look at, in words
-    :param timing: wall-clock facts [s]; never part of a verdict
+    :param timing: wall-clock facts [s]; never part of a verdict.  ``run_s`` is of a run in this
+        grading, ``kept_run_s`` of the earlier run whose recording was judged
     :param recording: name of the kept recording, empty if nothing was run or kept
     :param pictures: by the name of a check, what its picture shows; JSON types, see
         :mod:`autograder.explaining.picture_data`; never part of a verdict
@@ -126,6 +127,11 @@ class ExamResult:
     def max_points(self) -> float:
         """Return the sum of points that could be had."""
         return sum(check.max_points for check in self.checks)
+
+    @property
+    def ran_s(self) -> float:
+        """Return how long its run took, now or when it was recorded [s]; 0.0 if unknown."""
+        return self.timing.get('run_s', self.timing.get('kept_run_s', 0.0))
 
     @property
     def failed(self) -> tuple[CheckResult, ...]:

@@ -16,6 +16,7 @@ from pathlib import Path
 import signal
 import threading
 import time
+from typing import Any
 
 from autograder.errors import ProbeFailed, RecordingInvalid, SandboxUnavailable, TooBusy
 from autograder.explaining.picture_data import pictures
@@ -25,7 +26,7 @@ from autograder.judging.judge import judge, worth_running
 from autograder.judging.results import CheckResult, ExamResult, Verdict
 from autograder.runs.observe import observe
 from autograder.runs.recording import Event, header, Recording
-from autograder.runs.version import environment_digest
+from autograder.runs.version import environment_digest, made_with
 from autograder.runs.workers import outcome_of, Place, task_of
 from autograder.sandboxes.isolation import not_protected
 from autograder.sandboxes.sandbox import Sandbox
@@ -99,10 +100,16 @@ def judged(
         _note(recording),
         mode,
         flags_of(recording, exam.scenario),
-        {**(timing or {}), 'judge_s': time.perf_counter() - began},
+        {**(timing or _kept_timing(recording)), 'judge_s': time.perf_counter() - began},
         not_protected=not_protected(mode),
         pictures=pictures(exam, run, checks),
     )
+
+
+def _kept_timing(recording: Recording) -> dict[str, float]:
+    """Return what a recording knows of the time of its run: nothing, if it is an old one."""
+    run_s = recording.header.get('run_s')
+    return {'kept_run_s': float(run_s)} if isinstance(run_s, (int, float)) else {}
 
 
 def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamResult | None:
@@ -131,12 +138,21 @@ def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome
             if path in _made_now or kept.process.get('killed') != 'wall_time_limit':
                 return kept, {}
     recording, timing = run()
+    recording = _for_people(recording, timing)
     recording.save(path)
     _made_now.add(path)
     return recording, timing
 
 
 _made_now: set[Path] = set()
+
+
+def _for_people(recording: Recording, timing: Mapping[str, float]) -> Recording:
+    """Return a recording that also says how long it took and which versions made it."""
+    notes: dict[str, Any] = {'made_with': dict(made_with())}
+    if 'run_s' in timing:
+        notes['run_s'] = timing['run_s']
+    return Recording({**recording.header, **notes}, recording.events)
 
 
 def _observer(

@@ -3,8 +3,10 @@ The recording of one run: what the probe received, one JSON event a line.  Kept,
 
 The first line is the header ``{"format": "ros2-course-recording", "version": 1, "exam": ...,
 "mode": ...}``, with digests of the ``scenario``, the ``files`` and the ``environment`` that it was
-made of, and the ``seal`` of the rest, by which a file that was cut off is noticed.  Then, in order
-of observation, events of the probe; ``docs/recording.schema.json`` says the same as data:
+made of, and the ``seal`` of the rest, by which a file that was cut off is noticed.  For people,
+and never for a verdict, it also says how long the run took (``run_s``, seconds of wall time) and
+``made_with`` which versions, by name; older recordings have neither.  Then, in order of
+observation, events of the probe; ``docs/recording.schema.json`` says the same as data:
 
 ``seen``
     the first ``nodes`` of the program that were noticed.

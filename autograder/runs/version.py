@@ -2,6 +2,7 @@
 What decides how a program runs: the same on two machines, or their recordings are not alike.
 
 The project may lie in different folders; its files, its Python and its ROS have to be the same.
+Digests tell whether they are; for people, a recording also names versions (:func:`made_with`).
 """
 
 from __future__ import annotations
@@ -9,9 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 import hashlib
+from importlib import metadata
 import json
+import os
 from pathlib import Path
 import platform
+import subprocess
 import sys
 
 from autograder.sandboxes.sandbox import HERE, PROBE
@@ -28,6 +32,8 @@ AROUND = (
 """What runs programs, beside what runs in the sandbox."""
 ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')
 """Names under which rclpy may be installed."""
+GIT_S = 5.0
+"""How long git may take: a name for people is not worth more."""
 TASKS = 1
 """Format of what :mod:`autograder.runs.workers` sends and gets."""
 
@@ -63,6 +69,49 @@ def difference(wanted: Mapping[str, str], got: Mapping[str, str]) -> str:
 def environment_digest(python: str = sys.executable) -> str:
     """Return a digest of all of it, for the names and the headers of recordings."""
     return _digest(json.dumps(version(python), sort_keys=True).encode(), 32)
+
+
+@lru_cache(maxsize=1)
+def made_with() -> Mapping[str, str]:
+    """Return versions in words, for the headers of recordings; what is unknown is left out."""
+    found = {'grader': commit(HERE.parent), 'python': platform.python_version(), 'rclpy': _rclpy()}
+    return {name: text for name, text in found.items() if text}
+
+
+def commit(root: Path) -> str:
+    """
+    Return the commit of a copy of the project, with a sign if files were changed since.
+
+    :returns: empty if it is no copy of a repository, or git is missing or refuses
+    """
+    if not (root / '.git').exists():  # else git would answer for a repository around it
+        return ''
+    command = ['git', '-C', str(root), 'describe', '--always', '--dirty', '--exclude=*']
+    # Nothing of a hook that runs us, and no lock that would be in somebody's way.
+    around = {name: text for name, text in os.environ.items() if not name.startswith('GIT_')}
+    try:
+        done = subprocess.run(
+            [*command, '--abbrev=12'],
+            env={**around, 'GIT_OPTIONAL_LOCKS': '0'},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=GIT_S,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError, UnicodeDecodeError):
+        return ''
+    return done.stdout.strip()
+
+
+def _rclpy() -> str:
+    """Return the version of rclpy, without importing it."""
+    for name in ROS_PACKAGES:
+        try:
+            return metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return ''
 
 
 def _digest_of_grader() -> str:

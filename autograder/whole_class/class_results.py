@@ -6,7 +6,7 @@ Reports, statistics and exports begin here and run nothing.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 import json
 from pathlib import Path
@@ -45,6 +45,20 @@ def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...
             f'{path}: expected results as a report writes them, got {type(error).__name__}.',
             'Try: grade again',
         ) from error
+
+
+def results_of_others(
+    layout: Layout, assignment: str, students: Collection[str]
+) -> tuple[SubmissionResult, ...]:
+    """
+    Return the last results of everybody but these; of nobody if nothing was graded yet.
+
+    :raises GraderError: if the file is not what a report wrote
+    """
+    if not results_file(layout, assignment).is_file():
+        return ()
+    last = last_results(layout, assignment)
+    return tuple(one for one in last if one.student not in students)
 
 
 def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
@@ -88,6 +102,11 @@ def seconds_of(result: SubmissionResult) -> float:
 def seconds_of_exam(exam: ExamResult) -> float:
     """Return how long an exam was run and judged [s]."""
     return exam.timing.get('run_s', 0.0) + exam.timing.get('judge_s', 0.0)
+
+
+def ran_s(result: SubmissionResult) -> float:
+    """Return how long its runs took, now or when they were recorded [s]; 0.0 if unknown."""
+    return sum(exam.ran_s for exam in result.exams)
 
 
 def was_run(result: SubmissionResult) -> bool:

@@ -7,34 +7,31 @@ Submissions for review have no mark and count nowhere but in their own list.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from importlib.metadata import PackageNotFoundError, version
 import json
 import math
 from pathlib import Path
-import platform
 import statistics
 from typing import Any
 
-from autograder.judging.results import CheckResult, SubmissionResult, Verdict
+from autograder.judging.results import CheckResult, ExamResult, SubmissionResult, Verdict
 from autograder.layout import Layout
-from autograder.runs.version import ROS_PACKAGES
 from autograder.whole_class.class_results import (
     ClassResults,
     has_mark,
     max_points,
-    seconds_of,
+    ran_s,
     was_run,
 )
 
 BINS = 10
 SLOWEST = 5
 CAUSES = 3
-PACKAGES = ('nbgrader', *ROS_PACKAGES)
 DIGEST_CHARS = 12
 HEADER_BYTES = 4096
 """Read of a recording, whose first line names what it was made of."""
+Header = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -84,12 +81,13 @@ class ClassNumbers:
     :param marks: None if nobody has a mark
     :param review: student, and the grader's fault in words
     :param flagged: student, and what an instructor should look at
-    :param slowest: student, and how long the runs took [s]
+    :param slowest: student, and how long the runs took, whenever they took place [s]
     :param recorded: how many needed no run in the last grading
     :param modes: isolation modes
     :param lacks: what they do not protect
     :param exams: exam, and digests of its scenario (the seeded inputs) and of the environment
-    :param versions: of what graded, here and now
+    :param versions: of what the recordings were made with, as far as they say; several of one
+        name stand side by side
     """
 
     assignment: str
@@ -119,7 +117,8 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
     results = graded.results
     marked = [result for result in results if not result.fault]
     exams = [exam for result in results for exam in result.exams]
-    run = sorted(filter(was_run, results), key=seconds_of, reverse=True)
+    slowest = sorted(filter(ran_s, results), key=ran_s, reverse=True)
+    headers = _headers(layout, exams)
     return ClassNumbers(
         assignment=graded.assignment,
         submissions=len(results),
@@ -127,12 +126,12 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
         checks=_checks(marked),
         review=tuple((one.student, one.fault) for one in results if one.fault),
         flagged=tuple((one.student, flag) for one in results for flag in one.flags),
-        slowest=tuple((one.student, seconds_of(one)) for one in run[:SLOWEST]),
-        recorded=len(results) - len(run),
+        slowest=tuple((one.student, ran_s(one)) for one in slowest[:SLOWEST]),
+        recorded=sum(not was_run(one) for one in results),
         modes=tuple(sorted({exam.mode for exam in exams if exam.mode})),
         lacks=tuple(dict.fromkeys(lack for exam in exams for lack in exam.not_protected)),
-        exams=_origins(layout, results),
-        versions=versions(),
+        exams=_origins(headers),
+        versions=_versions(headers),
     )
 
 
@@ -202,26 +201,42 @@ def _causes(failed: Sequence[CheckResult]) -> tuple[tuple[str, int], ...]:
     return tuple((texts.most_common(1)[0][0], texts.total()) for texts in counted[:CAUSES])
 
 
-def _origins(
-    layout: Layout, results: Sequence[SubmissionResult]
-) -> dict[str, dict[str, tuple[str, ...]]]:
+def _headers(layout: Layout, exams: Sequence[ExamResult]) -> list[tuple[str, Header]]:
+    """Return each exam with the first line of each of its recordings, once; empty if none."""
+    places = dict.fromkeys((one.exam, one.recording) for one in exams)
+    return [
+        (exam, _header(layout.recordings / exam / name) if name else {}) for exam, name in places
+    ]
+
+
+def _origins(headers: Sequence[tuple[str, Header]]) -> dict[str, dict[str, tuple[str, ...]]]:
     """Return for each exam what its recordings were made with; more than one digest is odd."""
     found: dict[str, dict[str, dict[str, None]]] = {}
-    for result in results:
-        for exam in result.exams:
-            digests = found.setdefault(exam.exam, {'scenario': {}, 'environment': {}})
-            if exam.recording:
-                header = _header(layout.recordings / exam.exam / exam.recording)
-                for name, seen in digests.items():
-                    if name in header:
-                        seen[str(header[name])[:DIGEST_CHARS]] = None
+    for exam, header in headers:
+        digests = found.setdefault(exam, {'scenario': {}, 'environment': {}})
+        for name, seen in digests.items():
+            if name in header:
+                seen[str(header[name])[:DIGEST_CHARS]] = None
     return {
         exam: {name: tuple(seen) for name, seen in digests.items()}
         for exam, digests in found.items()
     }
 
 
-def _header(path: Path) -> dict[str, Any]:
+def _versions(headers: Sequence[tuple[str, Header]]) -> dict[str, str]:
+    """Return what the recordings say they were made with: this machine may have changed since."""
+    found: dict[str, dict[str, None]] = {}
+    for _, header in headers:
+        named = header.get('made_with')
+        named = dict(named) if isinstance(named, dict) else {}
+        if 'environment' in header:
+            named['environment'] = str(header['environment'])[:DIGEST_CHARS]
+        for name, text in named.items():
+            found.setdefault(name, {})[str(text)] = None
+    return {name: ' and '.join(texts) for name, texts in found.items()}
+
+
+def _header(path: Path) -> Header:
     """Return the first line of a recording, empty if it is not there any more."""
     try:
         with path.open('rb') as file:
@@ -229,14 +244,3 @@ def _header(path: Path) -> dict[str, Any]:
     except (OSError, ValueError):
         return {}
     return data if isinstance(data, dict) else {}
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of what grades here."""
-    found = {'python': platform.python_version(), 'kernel': platform.release()}
-    for name in PACKAGES:
-        try:
-            found.setdefault('rclpy' if name in ROS_PACKAGES else name, version(name))
-        except PackageNotFoundError:
-            continue
-    return found

@@ -8,7 +8,7 @@ when, is continued by the same command.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import cache, partial
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from autograder.judging.results import SubmissionResult
+    from autograder.whole_class.inbox import Submission
     from autograder.whole_class.pipeline import Engine, Graded, Lesson, SandboxEngine
 
 OK, FOR_REVIEW = 0, 1
@@ -62,7 +63,8 @@ def add_grade(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         '--submitted',
         type=Path,
         metavar='DIR',
-        help='folder of STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: autograder/_work/submitted)',
+        help='folder of STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: autograder/_work/submitted); '
+        'students who are only in the default one keep their results and pages',
     )
     grade.add_argument('--assignment', metavar='NAME', help='only this one (default: all)')
     grade.add_argument(
@@ -238,19 +240,13 @@ def _grade_assignment(
     layout: Layout, assignment: str, submitted: Path, engine: Engine, jobs: int, told: Console
 ) -> list[SubmissionResult]:
     """Grade one assignment of a class, record it, write the reports, print the table."""
-    from autograder.whole_class.class_report import write_class_report
-    from autograder.whole_class.inbox import discover
-    from autograder.whole_class.people import read_people
     from autograder.whole_class.pipeline import grade_class, load_lesson
-    from autograder.whole_class.report import print_table, write_reports
 
     lesson = load_lesson(layout, assignment, engine)
-    try:
-        submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())
-    except OSError as error:
-        raise UsageError(f'{submitted}: cannot be read: {error.strerror}.') from error
+    submissions = _submissions(layout, lesson, submitted)
     if not submissions:
         return []
+    others = _others(layout, assignment, submitted, {one.student for one in submissions})
     graded_in_full = getattr(engine, 'hidden', True)  # visible checks alone make no grade
     begin = cache(lambda: begin_to_enter(layout, assignment) if graded_in_full else None)
     began = time.monotonic()
@@ -270,15 +266,59 @@ def _grade_assignment(
     summary = _summary(graded, graded_s, time.monotonic() - began, totals)
     if graded_in_full and new < len(graded):
         summary += f' {len(graded) - new} were in the gradebook as they are.'
+    if others:
+        summary += f' Not in this folder, kept as they were: {len(others)} others.'
+    _report(layout, assignment, results, others, summary, told)
+    if refused:
+        raise NotEnteredError(refused, results)
+    return results
+
+
+def _submissions(layout: Layout, lesson: Lesson, submitted: Path) -> tuple[Submission, ...]:
+    """Return what was handed in for an assignment."""
+    from autograder.whole_class.inbox import discover
+
+    try:
+        return discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
+    except OSError as error:
+        raise UsageError(f'{submitted}: cannot be read: {error.strerror}.') from error
+
+
+def _others(
+    layout: Layout, assignment: str, submitted: Path, students: Collection[str]
+) -> tuple[SubmissionResult, ...]:
+    """
+    Return the results that stay: of those who are not in a folder that is not the course's own.
+
+    It is read before anything is run, so that results that cannot be read cost no grading.
+    """
+    from autograder.whole_class.class_results import results_of_others
+
+    if submitted.resolve() == layout.submitted.resolve():
+        return ()
+    return results_of_others(layout, assignment, students)
+
+
+def _report(
+    layout: Layout,
+    assignment: str,
+    results: Sequence[SubmissionResult],
+    others: Sequence[SubmissionResult],
+    summary: str,
+    told: Console,
+) -> None:
+    """Write the reports of everybody, and print the table of those who were graded now."""
+    from autograder.whole_class.class_report import write_class_report
+    from autograder.whole_class.people import read_people
+    from autograder.whole_class.report import print_table, write_reports
+
     people = read_people(layout)
-    index = write_reports(layout.reports, assignment, results, summary, people)
+    everybody = sorted((*results, *others), key=lambda one: one.student)
+    index = write_reports(layout.reports, assignment, everybody, summary, people)
     write_class_report(layout, assignment, summary)
     print_table(told, assignment, results, people)
     told.print(summary, highlight=False, markup=False)
     told.print(f'Reports: {short(index, layout)}', highlight=False, soft_wrap=True)
-    if refused:
-        raise NotEnteredError(refused, results)
-    return results
 
 
 def _both(one: Callable[[Done], None], two: Callable[[Done], None]) -> Callable[[Done], None]:

@@ -3,7 +3,8 @@ New verdicts after an exam was edited, from the recordings that are kept; nothin
 
 What was graded last is in the reports' ``results.json``, which names each recording.  A recording
 counts only for the files it was made of and for the scenario it was made with, both of which its
-header names; everyone else is named and keeps the points that are there.
+header names; everyone else is named and keeps the points that are there.  What is to be written
+goes the way of a grading: nbgrader is given only what differs from what it has.
 """
 
 from __future__ import annotations
@@ -73,12 +74,15 @@ class Account:
     What judging one assignment again came to.
 
     :param seconds: wall time of the judging
+    :param written: what became of it, empty if nothing was to be written
+    :param refused: what nbgrader did not enter, and why
     """
 
     assignment: str
     rejudged: tuple[Rejudged, ...]
     seconds: float
     written: str = ''
+    refused: str = ''
 
     @property
     def incomplete(self) -> bool:
@@ -111,6 +115,7 @@ class Account:
             'assignment': self.assignment,
             'seconds': self.seconds,
             'written': self.written,
+            'refused': self.refused,
             'submissions': [
                 {
                     'student': one.student,
@@ -148,8 +153,9 @@ def rejudge_command(
     """
     Judge one assignment or all graded ones again.
 
-    :param write: enter the new points in gradebook and reports
-    :returns: an account for each, and the exit code
+    :param write: enter the new points in gradebook and reports; what the gradebook refuses is in
+        the account, and the reports are written all the same
+    :returns: an account for each, and the exit code if nothing was refused
     :raises GraderError: if nothing was graded yet
     """
     graded = [one for one in layout.assignments() if results_file(layout, one).is_file()]
@@ -166,7 +172,7 @@ def rejudge_command(
         lesson = load_lesson(layout, one, NothingRuns())
         account = rejudge(layout, lesson, submitted or layout.submitted)
         if write:
-            account = replace(account, written=_write(layout, lesson, account))
+            account = _write(layout, lesson, account)
         accounts.append(account)
     return accounts, FOR_REVIEW if any(one.incomplete for one in accounts) else OK
 
@@ -290,18 +296,21 @@ def _why(before: CheckResult | None, after: CheckResult | None) -> str:
     return f'it was: {before.observed or before.expected or before.verdict.value}'
 
 
-def _write(layout: Layout, lesson: Lesson, account: Account) -> str:
-    """Enter what was judged again, and write all reports anew."""
-    from autograder.gradebook.record import enter_assignment, record
+def _write(layout: Layout, lesson: Lesson, account: Account) -> Account:
+    """Enter what is new in the gradebook, write all reports anew, and note what came of it."""
     from autograder.whole_class.class_report import write_class_report
+    from autograder.whole_class.grading import begin_to_enter, enter
     from autograder.whole_class.people import read_people
     from autograder.whole_class.report import write_reports
 
     again = [one.graded for one in account.rejudged if one.graded is not None and not one.kept]
-    enter_assignment(layout, lesson.assignment)
-    record(layout, lesson, again)
+    new, refused = enter(layout, lesson, again, lambda: begin_to_enter(layout, lesson.assignment))
     results = [one.after for one in account.rejudged]
     summary = f'{len(again)} of {len(results)} submissions were judged again from recordings.'
     write_reports(layout.reports, lesson.assignment, results, summary, read_people(layout))
     write_class_report(layout, lesson.assignment, summary)
-    return f'The gradebook and the reports have the new points of {len(again)}.'
+    in_gradebook = f'{new} given to the gradebook, {len(again) - new} were there as they are'
+    if refused:
+        in_gradebook = f'of {new} given to the gradebook, not all were taken'
+    written = f'The reports have the points of {len(again)}; {in_gradebook}.'
+    return replace(account, written=written, refused=refused)

@@ -15,6 +15,7 @@ from urllib.parse import quote
 
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html
+from autograder.exports.files import safe_name
 from autograder.judging.results import ExamResult, shortened, SubmissionResult
 from autograder.runs.recording import keep
 
@@ -110,7 +111,7 @@ def with_name(student: str, people: Mapping[str, str]) -> str:
 
 def page_name(student: str) -> str:
     """Return the file of a student's page below the index; any name is safe."""
-    return f'students/{quote(student, safe="").replace("%", "~")}.html'
+    return f'students/{safe_name(student)}.html'
 
 
 def _modes(results: Sequence[SubmissionResult]) -> list[str]:

@@ -15,9 +15,11 @@ from autograder import __main__ as command
 from autograder import exams, sample_class
 from autograder.errors import GraderError
 from autograder.exams.visible.temperature_publisher import build
+from autograder.gradebook.record import record
 from autograder.judging.exam import Exam, Failed
 from autograder.layout import Layout
 from autograder.sandboxes.sandbox import strongest
+from autograder.whole_class.class_results import last_results, ran_s
 from autograder.whole_class.explain import evidence, evidence_text, MOST_LINES, WIDEST
 from autograder.whole_class.inbox import discover
 from autograder.whole_class.pipeline import grade_class, load_lesson, SandboxEngine
@@ -195,13 +197,45 @@ class TestRejudge:
         assert results.read_text(encoding='utf-8') == before
 
         (account,), _ = rejudge_command(layout, None, None, write=True)
-        assert account.written == 'The gradebook and the reports have the new points of 4.'
+        assert account.written == (
+            'The reports have the points of 4; 4 given to the gradebook, 0 were there as they are.'
+        )
         data = {one['student']: one for one in json.loads(results.read_text(encoding='utf-8'))}
         points = [check['points'] for check in data['pass__reference']['exams'][0]['checks']]
         assert sum(points) == 14
         with Gradebook(f'sqlite:///{layout.work}/gradebook.db') as book:
             entered = book.find_submission(ASSIGNMENT, 'pass__reference')
             assert entered.score == 14
+
+    def test_only_who_has_another_result_is_entered(self, layout, now, monkeypatch):
+        """Nobody else is touched, and the slowest stay the slowest."""
+        given = []
+
+        def noted(layout, lesson, graded):
+            given.append({one.result.student for one in graded})
+            record(layout, lesson, graded)
+
+        monkeypatch.setattr('autograder.gradebook.record.record', noted)
+        slowest = [(one.student, ran_s(one)) for one in last_results(layout, ASSIGNMENT)]
+        rejudge_command(layout, None, None, write=True)
+        (unchanged,), _ = rejudge_command(layout, None, None, write=True)
+        exam = build(10, 0.1)
+        exam.checks = [
+            replace(check, judge=lambda run: None)
+            if check.name == 'publishes_once_per_second'
+            else check
+            for check in exam.checks
+        ]
+        now(exam)
+        (account,), _ = rejudge_command(layout, None, None, write=True)
+
+        changed = {one.student for one in account.rejudged if one.changed}
+        assert 'fail__two_hertz' in changed
+        assert len(changed) < len(STUDENTS)
+        assert given == [set(STUDENTS), changed]
+        assert '0 given to the gradebook, 4 were there as they are' in unchanged.written
+        assert [(one.student, ran_s(one)) for one in last_results(layout, ASSIGNMENT)] == slowest
+        assert all(seconds > 0 for _, seconds in slowest)
 
     def test_what_was_never_graded_cannot_be_judged_again(self, course, now):
         """The way out is named."""
@@ -306,6 +340,32 @@ class TestCommands:
         assert command.main(['rejudge', '--json']) == command.OK
         (account,) = json.loads(capsys.readouterr().out)
         assert {one['student'] for one in account['submissions']} == set(STUDENTS)
+
+    def test_a_refusal_of_the_gradebook_is_told_after_the_reports(
+        self, layout, now, capsys, monkeypatch
+    ):
+        """Reports and account are there, then the reason; exit code 2."""
+
+        def refuse(*_):
+            raise GraderError('nbgrader failed in recording: no disk.')
+
+        exam = build(10, 0.1)
+        exam.checks = [replace(check, points=7) for check in exam.checks]
+        now(exam)
+        monkeypatch.setattr('autograder.gradebook.record.record', refuse)
+
+        assert command.main(['rejudge', '--write']) == command.USAGE
+        said = capsys.readouterr()
+        assert 'of 4 given to the gradebook, not all were taken.' in said.out
+        assert said.err == 'autograder: nbgrader failed in recording: no disk.\n'
+        points = {one.student: one.points for one in last_results(layout, ASSIGNMENT)}
+        assert points['pass__reference'] == 7 * len(exam.checks)
+        page = (layout.reports / ASSIGNMENT / 'class.html').read_text(encoding='utf-8')
+        assert '4 of 4 submissions were judged again from recordings.' in page
+
+        assert command.main(['rejudge', '--write', '--json']) == command.USAGE
+        (account,) = json.loads(capsys.readouterr().out)
+        assert account['refused'] == 'nbgrader failed in recording: no disk.'
 
     def test_explain_prints_evidence(self, capsys):
         """Or all of it as JSON; who is not there is one line."""

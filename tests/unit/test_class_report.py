@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from html.parser import HTMLParser
 from itertools import pairwise
 import json
@@ -26,6 +27,25 @@ ASSIGNMENT = '01_talker'
 def numbers_of(*results, root='/nowhere'):
     """Return the numbers of a class."""
     return class_numbers(Layout(Path(root)), ClassResults(ASSIGNMENT, results))
+
+
+def timed(student, **timing):
+    """Return a submission with one exam that took so long."""
+    one = submission(student)
+    return replace(one, exams=(replace(one.exams[0], timing=timing),))
+
+
+def with_headers(root, *headers):
+    """Return the numbers of a class whose recordings begin like this."""
+    place = Layout(root).recordings / 'talker'
+    place.mkdir(parents=True)
+    results = []
+    for number, header in enumerate(headers):
+        name = f'{number}.jsonl'
+        (place / name).write_text(f'{json.dumps(header)}\nnonsense', encoding='utf-8')
+        one = submission(f's{number}')
+        results.append(replace(one, exams=(replace(one.exams[0], recording=name),)))
+    return numbers_of(*results, root=root)
 
 
 def with_points(*points):
@@ -129,12 +149,51 @@ class TestNumbers:
             'environment': (),
         }
 
+    def test_damaged_digests_are_no_error(self, tmp_path):
+        """A header is for people here."""
+        numbers = with_headers(tmp_path, {'made_with': 'nonsense'}, {'made_with': {'python': 3}})
+
+        assert numbers.versions == {'python': '3'}
+
+    def test_versions_are_those_of_the_recordings(self, tmp_path):
+        """Side by side if there are several; recordings of before name an environment only."""
+        numbers = with_headers(
+            tmp_path,
+            {'environment': 'b' * 32, 'made_with': {'grader': '79c8bf8', 'python': '3.9.1'}},
+            {'environment': 'b' * 32, 'made_with': {'grader': '523d5a5', 'python': '3.9.1'}},
+            {'environment': 'c' * 32},
+        )
+
+        assert numbers.versions == {
+            'grader': '79c8bf8 and 523d5a5',
+            'python': '3.9.1',
+            'environment': f'{"b" * 12} and {"c" * 12}',
+        }
+        assert '  recorded with grader 79c8bf8 and 523d5a5, python 3.9.1' in stats_text(numbers)
+        page = read(class_page(CLASS, numbers)).text
+        assert 'Recorded with grader 79c8bf8 and 523d5a5, python 3.9.1' in page
+
+    def test_no_recordings_no_versions(self):
+        """Those of this machine, today, say nothing about the grading."""
+        assert numbers_of(FULL).versions == {}
+        assert 'ecorded with' not in class_page(CLASS, numbers_of(FULL))
+
     def test_the_slowest_come_first_and_the_recorded_are_counted(self):
         """What was not run has no time."""
-        numbers = numbers_of(submission('a'), submission('b'))
+        numbers = numbers_of(submission('a'), submission('b'), timed('c', run_s=2.0))
 
-        assert numbers.slowest == (('a', 1.251), ('b', 1.251))
+        assert numbers.slowest == (('c', 2.0), ('a', 1.25), ('b', 1.25))
         assert numbers.recorded == 0
+
+    def test_the_slowest_are_the_same_after_a_rerun(self):
+        """Whatever judging took; an old recording has no time."""
+        first = numbers_of(timed('a', run_s=1.0), timed('b', run_s=2.0))
+        again = numbers_of(
+            timed('a', kept_run_s=1.0, judge_s=5.0), timed('b', kept_run_s=2.0), timed('c')
+        )
+
+        assert again.slowest == first.slowest == (('b', 2.0), ('a', 1.0))
+        assert (first.recorded, again.recorded) == (0, 3)
 
     @settings(deadline=None, max_examples=40)
     @given(strategies.lists(strategies.floats(0, 10), min_size=1, max_size=30))
@@ -243,7 +302,8 @@ class TestTerminal:
             'talker/warns',
             '1 of 1: a typo',
             'flag: ann: odd',
-            'isolation bwrap-user; python ',
+            'slowest: ann: 1.2 s',
+            'isolation bwrap-user',
         ):
             assert part in text
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies
 import pytest
 
 from autograder.errors import GraderError
-from autograder.exports.files import refuse_existing, safe_name, write_file
+from autograder.exports.files import LONGEST_NAME, refuse_existing, safe_name, write_file
 
 
 def test_a_file_is_written_with_its_folder_and_nothing_else(tmp_path):
@@ -60,6 +60,30 @@ def test_a_folder_is_not_replaced(tmp_path):
     """Not even if forced."""
     with pytest.raises(GraderError, match='got a folder'):
         refuse_existing([tmp_path], force=True)
+
+
+@pytest.mark.parametrize('letter', ['x', 'ü', 'Щ', '漢', '\N{GRINNING FACE}', '~', '.'])
+@pytest.mark.parametrize('count', [1, 42, 100, 1000])
+def test_a_long_id_is_a_file_name_all_the_same(tmp_path, letter, count):
+    """With what is put around it, also while it is written; its last letter still counts."""
+    names = [safe_name(letter * count + end) for end in ('', 'a', 'b')]
+
+    assert len(set(names)) == 3
+    for name in names:
+        assert len(name.encode()) <= LONGEST_NAME
+        write_file(tmp_path / f'{name}.html', b'x')
+
+
+def test_short_names_stay_as_they_are():
+    """Nobody's page is moved by the bound."""
+    assert safe_name('x' * LONGEST_NAME) == 'x' * LONGEST_NAME
+    assert safe_name('ü b') == '~C3~BC~20b'
+
+
+def test_signs_that_stand_for_others_stand_for_themselves_too():
+    """An id may look like what is made of another one."""
+    for one, two in (('a b', 'a~20b'), ('', '~'), ('Щ' * 42, safe_name('Щ' * 42))):
+        assert safe_name(one) != safe_name(two)
 
 
 @settings(deadline=None, max_examples=40)

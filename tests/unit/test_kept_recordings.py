@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import pytest
 
-from autograder.runs.examine import _kept_or_run, _made_now
+from autograder.judging.exam import Exam
+from autograder.runs import examine as module
+from autograder.runs.examine import _kept_or_run, _made_now, examine, judged
 from autograder.runs.recording import header, Recording
+from autograder.runs.scenario import Scenario
 
 WHOLE = Recording(
     {**header('talker', 'bwrap-user'), 'files': 'a'},
@@ -95,3 +101,59 @@ def test_a_run_that_was_killed_leaves_nothing_under_its_name(path):
         _kept_or_run(path, False, dies)
 
     assert not path.exists()
+
+
+@pytest.fixture
+def exam(monkeypatch):
+    """Return an exam that any program passes in 1.25 s."""
+    made = Exam(
+        'talker',
+        title='Talker',
+        assignment='01',
+        part=1,
+        cells=('talker',),
+        requires=('talker.py',),
+        scenario=Scenario(file='talker.py'),
+    )
+
+    @made.check(points=1)
+    def runs(run):
+        """It runs."""
+
+    recording = Recording(header('talker', 'bwrap-user'), WHOLE.events)
+    monkeypatch.setattr(module, 'observe', lambda *_: (recording, {'run_s': 1.25, 'ready_s': 0.5}))
+    monkeypatch.setattr(module, 'environment_digest', lambda _: 'e' * 32)
+    monkeypatch.setattr(module, 'made_with', lambda: {'grader': '79c8bf8'})
+    return made
+
+
+SANDBOX = SimpleNamespace(mode='bwrap-user', keeps_secrets=True, ros=SimpleNamespace(python=''))
+FILES = {'talker.py': 'x = 1'}
+
+
+def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
+    """And so is what it was made with; of a rerun nothing says that it was run now."""
+    first = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
+    again = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
+
+    kept = Recording.load(tmp_path / 'talker' / first.recording)
+    assert kept.header['run_s'] == first.timing['run_s'] == 1.25
+    assert kept.header['made_with'] == {'grader': '79c8bf8'}
+    assert set(again.timing) == {'kept_run_s', 'judge_s'}
+    assert again.ran_s == first.ran_s == 1.25
+    assert replace(again, timing={}) == replace(first, timing={})
+
+
+def test_a_recording_of_before_that_is_judged_the_same(exam, tmp_path):
+    """Nobody knows its time, and nothing else is different."""
+    new = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
+    kept = Recording.load(tmp_path / 'talker' / new.recording)
+    old = Recording(
+        {name: kept.header[name] for name in kept.header if name not in ('run_s', 'made_with')},
+        kept.events,
+    )
+    result = judged(exam, FILES, old)
+
+    assert set(result.timing) == {'judge_s'}
+    assert result.ran_s == 0.0
+    assert result.checks == new.checks

@@ -183,7 +183,9 @@ class TestPages:
         assert 'caption' in read(index).tags
         assert '<th scope="col">' in index.read_text(encoding='utf-8')
 
-    @pytest.mark.parametrize('name', ['ann', 'a/b', '..', 'index', 'ü', 'a%2Fb', 'x' * 80])
+    @pytest.mark.parametrize(
+        'name', ['ann', 'a/b', '..', 'index', 'ü', 'a%2Fb', 'x' * 80, 'Щ' * 100]
+    )
     def test_every_name_has_a_page_of_its_own_below_students(self, tmp_path, name):
         """No name leads elsewhere."""
         index = write_reports(tmp_path, '01_talker', [submission(name), submission('other')])

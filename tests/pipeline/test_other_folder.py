@@ -1,0 +1,120 @@
+"""``grade --submitted DIR``: the class keeps what it has, whoever is graded elsewhere."""
+
+from __future__ import annotations
+
+import io
+import json
+
+from conftest import ASSIGNMENT
+from fake_engine import FakeEngine
+import pytest
+from rich.console import Console
+
+from autograder.errors import GraderError
+from autograder.whole_class.class_results import one_graded, results_file
+from autograder.whole_class.grading import _grade_assignment
+
+NOTEBOOK = 'temperature_monitor.ipynb'
+
+
+class VisibleEngine(FakeEngine):
+    """Without the gradebook, which is not the matter here."""
+
+    hidden = False
+
+
+def hand_in(course, folder, student, **changes):
+    """Lay the solution into a folder of a class, with some words replaced."""
+    text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    place = folder / student / ASSIGNMENT
+    place.mkdir(parents=True, exist_ok=True)
+    (place / NOTEBOOK).write_text(text, encoding='utf-8')
+
+
+def grade(course, folder):
+    """Grade a folder; return what a terminal shows."""
+    console = Console(file=io.StringIO(), width=150)
+    _grade_assignment(course, ASSIGNMENT, folder, VisibleEngine(), 1, console)
+    return console.file.getvalue()
+
+
+def points(course):
+    """Return the last results, by student."""
+    return {one.student: one.points for one in one_graded(course, ASSIGNMENT).results}
+
+
+def pages(course):
+    """Return the students' pages, by name."""
+    return {
+        path.name: path.read_text(encoding='utf-8')
+        for path in (course.reports / ASSIGNMENT / 'students').iterdir()
+    }
+
+
+@pytest.fixture
+def graded(course):
+    """Return a course with a class of three."""
+    for student in ('ann', 'cho'):
+        hand_in(course, course.submitted, student)
+    hand_in(course, course.submitted, 'bob', temperature_topic='temprature_topic')
+    assert 'kept as they were' not in grade(course, course.submitted)
+    return course
+
+
+def test_an_appeal_changes_one_student(graded, tmp_path):
+    """Results and pages of the others stay; the lists have everybody, and the terminal says so."""
+    before, old = points(graded), pages(graded)
+    hand_in(graded, tmp_path / 'appeal', 'bob')
+    hand_in(graded, tmp_path / 'appeal', 'dee')
+
+    said = grade(graded, tmp_path / 'appeal')
+
+    assert before == {'ann': 40, 'bob': 30, 'cho': 40}
+    assert points(graded) == {'ann': 40, 'bob': 40, 'cho': 40, 'dee': 40}
+    assert list(points(graded)) == ['ann', 'bob', 'cho', 'dee']
+    assert 'Not in this folder, kept as they were: 2 others.' in said
+    assert 'cho' not in said
+    new = pages(graded)
+    assert sorted(new) == ['ann.html', 'bob.html', 'cho.html', 'dee.html']
+    for name in ('ann.html', 'cho.html'):
+        assert new[name] == old[name]
+    for name in ('index.html', 'class.html'):
+        text = (graded.reports / ASSIGNMENT / name).read_text(encoding='utf-8')
+        assert [one for one in new if f'students/{one}' not in text] == []
+
+
+@pytest.mark.parametrize('link', [False, True], ids=['by its name', 'by a link'])
+def test_the_courses_own_folder_is_the_class(graded, tmp_path, link):
+    """Who is not in it any more is gone, however the folder is called."""
+    (graded.submitted / 'cho' / ASSIGNMENT / NOTEBOOK).unlink()
+    (graded.submitted / 'cho' / ASSIGNMENT).rmdir()
+    (graded.submitted / 'cho').rmdir()
+    folder = graded.submitted
+    if link:
+        folder = tmp_path / 'link'
+        folder.symlink_to(graded.submitted)
+
+    assert 'kept as they were' not in grade(graded, folder)
+    assert sorted(points(graded)) == ['ann', 'bob']
+    assert sorted(pages(graded)) == ['ann.html', 'bob.html']
+
+
+def test_a_first_grading_from_elsewhere_has_nobody_to_keep(course, tmp_path):
+    """As with a class that lies elsewhere."""
+    hand_in(course, tmp_path / 'mine', 'ann')
+
+    assert 'kept as they were' not in grade(course, tmp_path / 'mine')
+    assert points(course) == {'ann': 40}
+
+
+def test_results_that_cannot_be_read_are_not_replaced(graded, tmp_path):
+    """And nothing is run before that is known."""
+    path = results_file(graded, ASSIGNMENT)
+    path.write_text(json.dumps([{'student': 'ann'}]), encoding='utf-8')
+    hand_in(graded, tmp_path / 'appeal', 'bob')
+
+    with pytest.raises(GraderError, match='expected results as a report writes them'):
+        grade(graded, tmp_path / 'appeal')
+    assert json.loads(path.read_text(encoding='utf-8')) == [{'student': 'ann'}]
