@@ -108,8 +108,9 @@ def judged(
 
 def _kept_timing(recording: Recording) -> dict[str, float]:
     """Return what a recording knows of the time of its run: nothing, if it is an old one."""
-    run_s = recording.header.get('run_s')
-    return {'kept_run_s': float(run_s)} if isinstance(run_s, (int, float)) else {}
+    run_s, repeated = recording.header.get('run_s'), recording.header.get('repeated')
+    timing = {'kept_run_s': float(run_s)} if isinstance(run_s, (int, float)) else {}
+    return {**timing, **({'repeated': 1.0} if repeated else {})}
 
 
 def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamResult | None:
@@ -152,6 +153,8 @@ def _for_people(recording: Recording, timing: Mapping[str, float]) -> Recording:
     notes: dict[str, Any] = {'made_with': dict(made_with())}
     if 'run_s' in timing:
         notes['run_s'] = timing['run_s']
+    if timing.get('repeated'):
+        notes['repeated'] = True
     return Recording({**recording.header, **notes}, recording.events)
 
 

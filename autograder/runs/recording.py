@@ -5,7 +5,8 @@ The first line is the header ``{"format": "ros2-course-recording", "version": 1,
 "mode": ...}``, with digests of the ``scenario``, the ``files`` and the ``environment`` that it was
 made of, and the ``seal`` of the rest, by which a file that was cut off is noticed.  For people,
 and never for a verdict, it also says how long the run took (``run_s``, seconds of wall time) and
-``made_with`` which versions, by name; older recordings have neither.  Then, in order of
+``made_with`` which versions, by name (older recordings have neither), and ``repeated`` if it was
+run a second time because something but the program may have ended the first.  Then, in order of
 observation, events of the probe; ``docs/recording.schema.json`` says the same as data:
 
 ``seen``

@@ -82,6 +82,7 @@ class ClassNumbers:
     :param review: student, and the grader's fault in words
     :param flagged: student, and what an instructor should look at
     :param slowest: student, and how long the runs took, whenever they took place [s]
+    :param repeated: whose runs took place twice, as something but the program may have ended one
     :param recorded: how many needed no run in the last grading
     :param modes: isolation modes
     :param lacks: what they do not protect
@@ -97,6 +98,7 @@ class ClassNumbers:
     review: tuple[tuple[str, str], ...]
     flagged: tuple[tuple[str, str], ...]
     slowest: tuple[tuple[str, float], ...]
+    repeated: tuple[str, ...]
     recorded: int
     modes: tuple[str, ...]
     lacks: tuple[str, ...]
@@ -127,6 +129,9 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
         review=tuple((one.student, one.fault) for one in results if one.fault),
         flagged=tuple((one.student, flag) for one in results for flag in one.flags),
         slowest=tuple((one.student, ran_s(one)) for one in slowest[:SLOWEST]),
+        repeated=tuple(
+            one.student for one in results if any(x.timing.get('repeated') for x in one.exams)
+        ),
         recorded=sum(not was_run(one) for one in results),
         modes=tuple(sorted({exam.mode for exam in exams if exam.mode})),
         lacks=tuple(dict.fromkeys(lack for exam in exams for lack in exam.not_protected)),

@@ -107,6 +107,14 @@ class TestNumbers:
 
         assert (marks.lower_quartile, marks.median, marks.upper_quartile) == (7, 7, 7)
 
+    def test_runs_that_took_place_twice_are_named(self):
+        """Now or when they were recorded."""
+        numbers = numbers_of(
+            timed('a', run_s=1.0, repeated=1.0), timed('b', run_s=2.0), timed('c', repeated=1.0)
+        )
+
+        assert numbers.repeated == ('a', 'c')
+
     def test_for_review_counts_nowhere_but_in_its_list(self):
         """No zero among the marks, no failure among the checks."""
         numbers = numbers_of(FULL, REVIEW)

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from autograder.errors import TooBusy
 from autograder.judging.exam import Exam
 from autograder.runs import examine as module
 from autograder.runs.examine import _kept_or_run, _made_now, examine, judged
@@ -157,3 +158,21 @@ def test_a_recording_of_before_that_is_judged_the_same(exam, tmp_path):
     assert set(result.timing) == {'judge_s'}
     assert result.ran_s == 0.0
     assert result.checks == new.checks
+
+
+def test_a_run_that_took_place_twice_says_so_for_good(exam, tmp_path, monkeypatch):
+    """A machine that was too busy, or an observer that died, ends a run only once."""
+    whole, ended = module.observe, []
+
+    def ends_once(*given):
+        if not ended:
+            ended.append(given)
+            raise TooBusy('The machine was too busy.')
+        return whole(*given)
+
+    monkeypatch.setattr(module, 'observe', ends_once)
+    first = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
+    again = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
+
+    assert first.timing['repeated'] == again.timing['repeated'] == 1.0
+    assert Recording.load(tmp_path / 'talker' / first.recording).header['repeated'] is True
