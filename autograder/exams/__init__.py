@@ -46,6 +46,7 @@ def load(name: str, hidden: bool = True) -> Exam:
         raise ExamInvalid(f'autograder/exams/{folder}/{name}.py defines no whole exam {name!r}.')
     if hidden and not exam.hidden:
         exam.hidden = True
+        exam.facts['secret'] = True
         exam.scenario = watched_longer(name, exam.scenario)
     return exam
 

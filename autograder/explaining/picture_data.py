@@ -20,6 +20,7 @@ from autograder.judging.checks import LEVELS
 from autograder.judging.deviation import deviation
 from autograder.judging.exam import Check, Exam, Failed, Run
 from autograder.judging.results import CheckResult, Verdict
+from autograder.judging.untold import namespace_of
 from autograder.runs.recording import Event
 from autograder.runs.scenario import FeedTopic, Join, Offer, Scenario
 
@@ -77,9 +78,8 @@ def _without_secrets(scenario: Scenario, picture: Mapping[str, Any]) -> Mapping[
     if picture.get('unit') in ('input', 'real seconds'):
         return None
     text = json.dumps(picture, ensure_ascii=False)
-    for argument in scenario.arguments:
-        if argument.startswith('__ns:=/'):
-            text = text.replace(argument.removeprefix('__ns:='), '\N{HORIZONTAL ELLIPSIS}')
+    if space := namespace_of(scenario):
+        text = text.replace(space, '\N{HORIZONTAL ELLIPSIS}')
     shown: dict[str, Any] = json.loads(text)
     for row in shown.get('rows', []):
         row['times'] = [round(time, 1) for time in row['times']]

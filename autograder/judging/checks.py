@@ -21,6 +21,7 @@ from autograder.judging.causes import why_no_endpoint, why_no_message, why_no_no
 from autograder.judging.exam import Cause, Failed, Run
 from autograder.judging.own_time import is_regular, names_another_clock
 from autograder.judging.stalled import why_it_sleeps
+from autograder.judging.untold import own_words
 from autograder.runs.recording import Event
 
 SECOND = 1_000_000_000
@@ -137,16 +138,17 @@ def require_messages(
     return found
 
 
-def require_field(messages: Iterable[Event], field: str, wanted: Any) -> None:
+def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) -> None:
     """
     Fail unless a field has one value in every message.
 
+    :param messages: of the student's node
     :param field: its name; dots lead into nested messages
     """
     others = [value for one in messages if (value := field_of(one, field)) != wanted]
     if not others:
         return
-    shown = ', '.join(dict.fromkeys(repr(value)[:40] for value in others[:3]))
+    shown = ', '.join(dict.fromkeys(_own_value(run, value) for value in others[:3]))
     near = isinstance(wanted, str) and any(
         str(value).strip().lower() == wanted.lower() for value in others
     )
@@ -156,6 +158,13 @@ def require_field(messages: Iterable[Event], field: str, wanted: Any) -> None:
         observed=f'{field} {shown}',
         why=Cause('wrong_value', slip, f'Set msg.{field} = {wanted!r} before you publish.'),
     )
+
+
+def _own_value(run: Run, value: Any) -> str:
+    """Show what stands in a field, unless it may be an input of a hidden exam."""
+    if isinstance(value, str):
+        return own_words(run, value, 'another text')[:40]
+    return 'another value' if run.secret else repr(value)[:40]
 
 
 def field_of(message: Event, field: str) -> Any:

@@ -96,6 +96,11 @@ class Run:
     recording: Recording
     facts: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def secret(self) -> bool:
+        """Tell whether the inputs were drawn, so that no text may show them."""
+        return bool(self.facts.get('secret'))
+
 
 @dataclass(frozen=True)
 class Check:

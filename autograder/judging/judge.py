@@ -9,6 +9,7 @@ from autograder.judging.causes import how_to_look
 from autograder.judging.exam import Cause, Check, Exam, Failed, Run
 from autograder.judging.reading_list import where_to_read
 from autograder.judging.results import CheckResult, Verdict
+from autograder.judging.untold import without_namespace
 from autograder.runs.recording import Recording
 
 SLOW = ('wall_time_limit', 'sleeps_in_callback')
@@ -26,7 +27,8 @@ def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
     """
     results: dict[str, CheckResult] = {}
     for check in exam.checks:
-        results[check.name] = _judge_one(exam, check, run, results)
+        result = _judge_one(exam, check, run, results)
+        results[check.name] = without_namespace(exam.scenario, result) if exam.hidden else result
     return tuple(results.values())
 
 

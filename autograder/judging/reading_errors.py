@@ -81,7 +81,7 @@ def _logged(run: Run, text: str) -> Cause:
 def quoted(run: Run, text: str) -> str:
     """Return what a node has logged, without the numbers and names that a hidden exam has sent."""
     text = ' '.join(text.split())
-    if run.facts.get('secret'):
+    if run.secret:
         sent: Sequence[Reading] = (*run.facts['singles'], *run.facts['burst'])
         for unit in {one.unit for one in sent} - set(PUBLIC):
             text = re.sub(re.escape(unit), '…', text, flags=re.IGNORECASE)

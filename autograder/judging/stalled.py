@@ -13,6 +13,7 @@ from autograder.judging.exam import Cause, Run
 from autograder.judging.learners_code import pause_in_callback
 from autograder.judging.raised import exception_cause
 from autograder.judging.tracebacks import traceback_of
+from autograder.judging.untold import asked
 from autograder.runs.recording import Recording
 
 THREAD = 'Exception in thread '
@@ -36,7 +37,11 @@ def why_thread_ended(run: Run) -> Cause | None:
     said = str(run.recording.process.get('stderr', ''))
     for thread in said.split(THREAD, MOST_THREADS)[1:]:
         # With what a hidden exam has sent: the words of an exception must not show it.
-        events = [*run.recording.of('input'), {**run.recording.process, 'stderr': thread}]
+        events = [
+            *run.recording.of('input'),
+            *asked(run),
+            {**run.recording.process, 'stderr': thread},
+        ]
         trace = traceback_of(replace(run, recording=Recording({}, events)))
         spins = bool(SPINS.search(thread))
         idle = not run.recording.nodes or nobody_answers(run)

@@ -13,6 +13,7 @@ from functools import cached_property
 import re
 
 from autograder.judging.exam import Run
+from autograder.judging.untold import drawn_values
 
 _HEAD = 'Traceback (most recent call last)'
 _IGNORED = 'Exception ignored in'
@@ -130,11 +131,10 @@ def _error_of(lines: Sequence[str]) -> str:
 
 def _without_secrets(run: Run, error: str) -> str:
     """Leave out the message of an exception that shows what a hidden exam has sent."""
-    if not run.facts.get('secret'):
+    if not run.secret:
         return error
-    for event in run.recording.of('input'):
-        for value in event['data'].values():
-            shown = f'{value:g}' if isinstance(value, float) else str(value)
-            if shown not in PUBLIC and (shown in error or str(value) in error):
-                return error.partition(':')[0]
+    for value in drawn_values(run):
+        shown = f'{value:g}' if isinstance(value, float) else str(value)
+        if shown not in PUBLIC and (shown in error or str(value) in error):
+            return error.partition(':')[0]
     return error

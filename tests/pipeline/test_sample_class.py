@@ -14,6 +14,7 @@ from autograder.judging.results import SubmissionResult, Verdict
 from autograder.layout import Layout
 from autograder.whole_class.inbox import Submission
 from autograder.whole_class.pipeline import grade_class, grading_engine, load_lesson
+from tests.judgement.drawn_inputs import texts_of, told_of
 from tests.judgement.references import exercises
 from tests.judgement.samples import counted, expected_verdicts, samples, verdicts_of
 
@@ -109,3 +110,13 @@ def test_every_failing_text_is_short(assignment):
                 assert max(map(len, lines)) <= WIDTH, (name, lines)
                 if check.verdict is not Verdict.PASSED:
                     assert len(lines) > 1, (name, lines)
+
+
+@pytest.mark.parametrize('assignment', EXAMINED)
+def test_no_failing_text_tells_what_was_drawn(assignment):
+    """Whoever is told the inputs writes them into the code, and hands in again."""
+    drawn = {exam.name: exam for exam in exams.for_assignment(assignment)}
+    for name, submission in graded(assignment).items():
+        for result in submission.exams:
+            for check in result.failed:
+                assert told_of(drawn[result.exam], texts_of(check)) == [], (name, check)

@@ -77,7 +77,7 @@ class TestMessages:
         found = [message(1, unit={'name': 'Celsius'}), message(2, unit={'name': 'celsius'})]
 
         with pytest.raises(Failed) as failed:
-            checks.require_field(found, 'unit.name', 'Celsius')
+            checks.require_field(run_of(), found, 'unit.name', 'Celsius')
 
         assert failed.value.observed == "unit.name 'celsius'"
         assert 'case' in failed.value.why.text

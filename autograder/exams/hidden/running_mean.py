@@ -17,5 +17,4 @@ def _numbers(count: int) -> list[float]:
 exam = build(
     [*_numbers(5), math.nan, *_numbers(2), 0.0, math.nan, *_numbers(1)],
     burst=_numbers(4),
-    secret=True,
 )

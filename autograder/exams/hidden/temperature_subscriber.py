@@ -48,11 +48,10 @@ def usual(draw: random.Random, count: int) -> list[Reading]:
 _draw = generator('temperature_subscriber', 'readings')
 exam = build(
     [
-        Reading(18.25, 'a reading of 18.25 °C'),
+        Reading(18.25, 'a reading below 30 °C'),
         *usual(_draw, 4),
         *edges(_draw),
-        Reading(21.5, 'a reading of 21.5 °C'),
+        Reading(21.5, 'a reading below 30 °C'),
     ],
     burst=[Reading(45.0, 'a reading above 30 °C'), *usual(_draw, 4)],
-    secret=True,
 )

@@ -107,7 +107,7 @@ def _why_nothing(run: Run) -> Cause:
 
 def addresses_the_parcel(run: Run) -> None:
     """The text of the parcel is: for you."""
-    require_field(parcels(run, 'first')[:1], 'data', TEXT)
+    require_field(run, parcels(run, 'first')[:1], 'data', TEXT)
 
 
 def delivers_once(run: Run) -> None:

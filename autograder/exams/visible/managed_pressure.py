@@ -366,7 +366,7 @@ def build(numbers: Inputs) -> Exam:
             first_log_s=0,
         ),
         read='Part 3: When a transition goes wrong',
-        facts={'inputs': numbers, 'secret': True},
+        facts={'inputs': numbers},
     )
     exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(points=2, needs=['starts_its_node'])(refuses_a_senseless_limit)

@@ -15,6 +15,7 @@ from itertools import groupby
 from autograder.judging.causes import why_no_endpoint, why_silent
 from autograder.judging.checks import require_endpoint, require_node, require_qos, SECOND
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.untold import own_words
 from autograder.runs.scenario import Advance, Feed, FeedTopic, Join, Look, Qos, Scenario
 
 TYPE = 'std_msgs/msg/String'
@@ -99,7 +100,7 @@ def has_a_map_from_the_start(run: Run) -> None:
         return
     raise Failed(
         expected=f'one map, {FIRST!r}, before any survey',
-        observed=_shown([text for text in found if text not in run.facts['surveys']]),
+        observed=_shown(run, [text for text in found if text not in run.facts['surveys']]),
         why=_why_no_first_map(run, found),
     )
 
@@ -144,8 +145,8 @@ def publishes_each_survey(run: Run) -> None:
     found = new_maps(run)
     if found != surveys:
         raise Failed(
-            expected=f'the maps {_shown(surveys)} after the surveys of the same texts',
-            observed=_shown(found),
+            expected=f'the maps {_shown(run, surveys)} after the surveys of the same texts',
+            observed=_shown(run, found),
             why=_why_other_maps(run, found, surveys),
         )
 
@@ -164,7 +165,7 @@ def _why_other_maps(run: Run, found: Sequence[str], surveys: Sequence[str]) -> C
         return Cause('repeats', 'Maps are published more than once.', 'Publish once per survey.')
     others = [text for text in found if text not in surveys]
     if others:
-        slip = f'{others[0][:40]!r} is no text of a survey.'
+        slip = f'{own_words(run, others[0][:40], "What is published")} is no text of a survey.'
         return Cause('wrong_text', slip, 'Publish String(data=survey.data), unchanged.')
     return None
 
@@ -196,8 +197,9 @@ def keeps_only_the_newest(run: Run) -> None:
     found = maps_of(run, 'late')
     if found != [newest]:
         raise Failed(
-            expected=f'the newest map, {newest!r}, and nothing else, for who comes late',
-            observed=_shown(found),
+            expected=f'the newest map, {_named(run, newest)}, and nothing else, '
+            'for who comes late',
+            observed=_shown(run, found),
             why=why_silent(run)
             or _why_unmatched(run, 'late')
             or _why_many(run, found)
@@ -223,9 +225,17 @@ def _why_many(run: Run, found: Sequence[str]) -> Cause | None:
     )
 
 
-def _shown(texts: Sequence[str]) -> str:
+def _named(run: Run, text: str) -> str:
+    """Name a map: by its text, or where the surveys are secret by the number of its survey."""
+    surveys: Sequence[str] = run.facts['surveys']
+    if run.secret and text in surveys:
+        return f'survey {surveys.index(text) + 1}'
+    return repr(text) if text == FIRST else own_words(run, text[:40], 'another text')
+
+
+def _shown(run: Run, texts: Sequence[str]) -> str:
     # How often a loop repeats one before we leave is luck.
-    found = [(repr(text[:40]), len(list(same))) for text, same in groupby(texts)]
+    found = [(_named(run, text), len(list(same))) for text, same in groupby(texts)]
     shown = [text if count == 1 else f'{text} again and again' for text, count in found]
     return ', '.join(shown[:6]) or 'no map'
 

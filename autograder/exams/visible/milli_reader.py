@@ -22,6 +22,7 @@ from autograder.judging.checks import (
     SECOND,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.untold import own_words
 from autograder.runs.recording import Event
 from autograder.runs.scenario import Advance, Feed, Look, Scenario, Step
 
@@ -84,7 +85,7 @@ def divides_by_a_thousand(run: Run) -> None:
         if not math.isclose(value, number / 1000, rel_tol=1e-9, abs_tol=1e-9):
             raise Failed(
                 expected='the number divided by 1000, with its fraction',
-                observed=f'{value:.12g}',
+                observed='another value' if run.secret and value else f'{value:.12g}',
                 why=_why_value(numbers, values),
             )
 
@@ -130,12 +131,12 @@ def _why_value(numbers: Sequence[int], values: Sequence[float]) -> Cause | None:
 def names_unit_and_sensor(run: Run) -> None:
     """The unit is Celsius, and the sensor is the description of the number."""
     found = readings(run)
-    require_field(found, 'unit', 'Celsius')
+    require_field(run, found, 'unit', 'Celsius')
     for event, name in zip(found, run.facts['names'], strict=False):
         if field_of(event, 'sensor_id') != name:
             raise Failed(
                 expected='the description of the Num in sensor_id',
-                observed=repr(field_of(event, 'sensor_id'))[:60],
+                observed=own_words(run, field_of(event, 'sensor_id'), 'another text')[:60],
                 why=Cause(
                     'sensor_id',
                     'sensor_id is something else than the description that arrived.',
@@ -153,14 +154,22 @@ def stamps_with_its_own_clock(run: Run) -> None:
         clock = event['clock_ns'] / SECOND
         if abs(sec + nanosec / SECOND - clock) > CLOSE_S:
             raise Failed(
-                expected=f'a timestamp near {clock:.2f} s, the time on the ROS clock',
-                # What the computer's clock shows differs from run to run.
-                observed=f'{sec}.{nanosec:09d} s' if sec < 1e9 else 'the time of day',
-                why=_why_stamp(sec, nanosec, clock),
+                expected='the time on the ROS clock when the number came, as timestamp'
+                if run.secret
+                else f'a timestamp near {clock:.2f} s, the time on the ROS clock',
+                observed=_shown_stamp(run, sec, nanosec),
+                why=_why_stamp(run, sec, nanosec, clock),
             )
 
 
-def _why_stamp(sec: int, nanosec: int, clock: float) -> Cause:
+def _shown_stamp(run: Run, sec: int, nanosec: int) -> str:
+    if sec >= 1e9:
+        return 'the time of day'  # which differs from run to run
+    # The fraction may be that of our clock.
+    return f'another time, in second {sec}' if run.secret and nanosec else f'{sec}.{nanosec:09d} s'
+
+
+def _why_stamp(run: Run, sec: int, nanosec: int, clock: float) -> Cause:
     take = 'Take it in the callback: reading.timestamp = self.get_clock().now().to_msg().'
     if sec == nanosec == 0:
         return Cause(
@@ -182,7 +191,8 @@ def _why_stamp(sec: int, nanosec: int, clock: float) -> Cause:
             take,
         )
     if sec == int(clock) and nanosec < MOST_MICROSECONDS:
-        slip = f'nanosec is {nanosec}: that many milliseconds or microseconds, not nanoseconds.'
+        counts = 'counts' if run.secret else f'is {nanosec}: that many'
+        slip = f'nanosec {counts} milliseconds or microseconds, not nanoseconds.'
         return Cause('nanoseconds', slip, take)
     return Cause(
         'stale_stamp', 'The stamp was taken at another moment, or its parts are wrong.', take

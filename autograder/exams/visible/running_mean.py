@@ -130,7 +130,7 @@ def _compare(run: Run, found: list[float], due: list[float]) -> None:
 
 def _value(run: Run, value: float, index: int, instead: str) -> str:
     """Show a value, unless it gives away a hidden input."""
-    shown = instead if run.facts['secret'] else f'{value:g}'
+    shown = instead if run.secret else f'{value:g}'
     return f'{shown} in answer {index + 1}'
 
 
@@ -254,13 +254,12 @@ def _why_not_after_nan(run: Run, found: Sequence[float], before: int) -> Cause |
     return None
 
 
-def build(singles: Sequence[float], burst: Sequence[float] = (), secret: bool = False) -> Exam:
+def build(singles: Sequence[float], burst: Sequence[float] = ()) -> Exam:
     """
     Return the exam for some numbers.
 
     :param singles: sent one by one; the first three are no NaN, a later one is, the last is not
     :param burst: sent at once at the end, at most five, none of them NaN
-    :param secret: whether the values must not appear in what learners are told
     """
     numbers = [{'data': 'nan' if math.isnan(one) else one} for one in (*singles, *burst)]
     steps = [Feed(SOURCE, numbers[: len(singles)])]
@@ -281,7 +280,7 @@ def build(singles: Sequence[float], burst: Sequence[float] = (), secret: bool = 
             first_log_s=0.0,
         ),
         read='Part 4: One topic, one type',
-        facts={'singles': tuple(singles), 'burst': tuple(burst), 'secret': secret},
+        facts={'singles': tuple(singles), 'burst': tuple(burst)},
     )
     exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(points=2)(reads_and_writes)

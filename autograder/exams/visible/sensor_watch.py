@@ -29,6 +29,7 @@ from autograder.judging.checks import (
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.results import shortened
+from autograder.judging.untold import without_numbers
 from autograder.runs.recording import ERROR, Event, INFO, Recording, WARN
 from autograder.runs.scenario import Await, Feed, Leave, Look, Mark, Offer, Qos, Scenario
 
@@ -105,10 +106,13 @@ def logs_each_distance(run: Run) -> None:
         # A later line may show it again, as the nearest distance so far.
         at_once = [line for line in found if line['after_input'] == index]
         if len(found) != 1 and len(at_once) != 1:
+            shown = f'the number of distance {index + 1}' if run.secret else f'{distance:g}'
             raise Failed(
-                expected=f'one INFO line with {distance:g}',
+                expected=f'one INFO line with {shown}',
                 observed=f'{len(found) or "no"} such line{"" if len(found) == 1 else "s"}',
-                why=_why_not_shown(run, index) if not found else TWICE,
+                why=TWICE
+                if found
+                else why_silent(run) or without_numbers(run, _why_not_shown(run, index)),
             )
 
 

@@ -235,7 +235,7 @@ def stamps_follow_the_clock(run: Run) -> None:
         if not _is_a_tick(run, stamp['sec'] * SECOND + stamp['nanosec'], event['clock_ns']):
             raise Failed(
                 expected=_wanted_stamp(run, seconds, clock),
-                observed=_describe_stamp(seconds, clock),
+                observed=_describe_stamp(run, seconds, clock),
                 why=(
                     OWN_LOOP
                     if run.recording.in_wall_time
@@ -263,15 +263,18 @@ def _is_a_tick(run: Run, stamp_ns: int, clock_ns: int) -> bool:
 
 def _wanted_stamp(run: Run, seconds: float, clock: float) -> str:
     # Which reading is the first wrong one is chance where a program keeps its own time.
-    if run.recording.in_wall_time or seconds > 1e9:
+    if run.recording.in_wall_time or run.secret or seconds > 1e9:
         return 'a stamp of the simulated time of that reading'
     return f'a stamp near {clock:.1f} s, the simulated time of that reading'
 
 
-def _describe_stamp(seconds: float, clock: float) -> str:
+def _describe_stamp(run: Run, seconds: float, clock: float) -> str:
     # Wall-clock values differ from run to run, so they are described and not shown.
     if seconds > 1e9:
         return "a stamp of this computer's own time of day"
+    # The fraction of an older stamp is the moment at which our clock began.
+    if run.secret and seconds % 1:
+        return f'a stamp of {"an earlier" if seconds < clock else "a later"} moment'
     return f'a stamp of {seconds:.9g} s'
 
 

@@ -359,7 +359,7 @@ def _lines(count: int, level: str) -> str:
     return f'{count or "no"} {level} line{"" if count == 1 else "s"}'
 
 
-def build(singles: Sequence[Reading], burst: Sequence[Reading] = (), secret: bool = False) -> Exam:
+def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
     """
     Return the exam for some readings.
 
@@ -367,7 +367,6 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = (), secret: boo
         first reading may be late, see the log barrier of :mod:`autograder.probe.probe`
     :param burst: sent at once at the end, Celsius only; at most five, so that the sensor-data
         profile's depth is enough
-    :param secret: whether their values must not appear in what learners are told
     """
     messages = [reading.message(number) for number, reading in enumerate((*singles, *burst))]
     steps = [Feed(TOPIC, messages[: len(singles)])]
@@ -382,7 +381,7 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = (), secret: boo
         requires=('temp_subscriber.py',),
         scenario=Scenario(file='temp_subscriber.py', feed={TOPIC: TYPE}, steps=tuple(steps)),
         read='Part 3: The subscriber',
-        facts={'singles': tuple(singles), 'burst': tuple(burst), 'secret': secret},
+        facts={'singles': tuple(singles), 'burst': tuple(burst)},
     )
     exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(points=1)(subscribes_to_readings)

@@ -1,0 +1,88 @@
+"""What the hidden exams have drawn, and whether a text tells any of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+import re
+from typing import Any
+
+from autograder import exams
+from autograder.judging.exam import Exam
+from autograder.judging.results import CheckResult
+from autograder.judging.tracebacks import PUBLIC
+from autograder.judging.untold import namespace_of
+from autograder.runs.scenario import Advance, Call, Feed
+
+NAMES = exams._names('hidden')
+LEAST_DIGITS = 3
+"""Fewer are the numbers of any sentence: periods, counts, lines of a cell."""
+_NUMBER = re.compile(r'(?<![\w.])\d+(?:\.\d+)?(?!\w)')
+_WORD = re.compile(r'\w{3,}')
+
+
+def texts_of(check: CheckResult) -> str:
+    """Return all that a learner is told about a check."""
+    return '\n'.join((check.expected, check.observed, check.cause, check.try_this))
+
+
+def told_of(exam: Exam, text: str) -> list[str]:
+    """Return which of the drawn values and moments a text tells, and the namespace."""
+    words = {word.casefold() for word in _WORD.findall(text.replace('/', ' '))}
+    space = namespace_of(exam.scenario).strip('/')
+    found = [space] if space and space in text.casefold() else []
+    found += sorted(words & _secret_words(exam))
+    numbers = [(float(one), one) for one in _NUMBER.findall(text) if _digits(one) >= LEAST_DIGITS]
+    values, moments = list(_secret_numbers(exam)), list(_moments_s(exam))
+    for number, token in numbers:
+        decimals = len(token.partition('.')[2])
+        # To a tenth of a second, any number is a moment of a long run.
+        secrets = [*values, *moments] if decimals > 1 else values
+        if any(round(abs(secret), decimals) == number for secret in secrets):
+            found.append(token)
+    return found
+
+
+def _digits(token: str) -> int:
+    return len(token.replace('.', '').lstrip('0'))
+
+
+def _secret_words(exam: Exam) -> set[str]:
+    texts = [value for value in sent_by(exam) if isinstance(value, str)]
+    words = {word.casefold() for text in texts for word in _WORD.findall(text)}
+    return words - {word.casefold() for word in PUBLIC}
+
+
+def _secret_numbers(exam: Exam) -> Iterator[float]:
+    """Yield the numbers that are sent, but for those that every lesson shows."""
+    public = {float(word) for word in PUBLIC if word.isdigit()} | {30.01, 29.99}
+    yield from {float(one) for one in sent_by(exam) if isinstance(one, (int, float))} - public
+
+
+def _moments_s(exam: Exam) -> Iterator[float]:
+    """Yield the moments at which the clock is seen [s]."""
+    moment_ns = 0
+    for step in exam.scenario.steps:
+        if isinstance(step, Advance):
+            ticks = step.to_json()
+            for number in range(ticks['steps']):
+                moment_ns += ticks['step_ns'] if number else ticks['first_ns']
+                yield moment_ns / 1e9
+
+
+def sent_by(exam: Exam) -> Iterator[Any]:
+    """Yield each text and number that an exam sends or sets."""
+    for step in exam.scenario.steps:
+        if isinstance(step, Feed):
+            yield from _leaves([message for message in step.messages])
+        elif isinstance(step, Call):
+            yield from (one for one in _leaves(step.request) if isinstance(one, float))
+
+
+def _leaves(value: Any) -> Iterator[Any]:
+    if isinstance(value, dict):
+        value = list(value.values())
+    if not isinstance(value, list):
+        yield value
+        return
+    for one in value:
+        yield from _leaves(one)
