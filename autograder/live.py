@@ -12,8 +12,8 @@ import json
 from typing import Any
 
 from autograder.explaining.feedback import printable
-from autograder.judging.checks import LEVELS
 from autograder.judging.results import shortened
+from autograder.judging.unlogged import LEVELS
 from autograder.runs.recording import Event
 
 WIDEST = 110

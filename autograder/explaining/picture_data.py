@@ -16,10 +16,10 @@ import json
 import re
 from typing import Any
 
-from autograder.judging.checks import LEVELS
 from autograder.judging.deviation import deviation
 from autograder.judging.exam import Check, Exam, Failed, Run
 from autograder.judging.results import CheckResult, Verdict
+from autograder.judging.unlogged import LEVELS
 from autograder.judging.untold import namespace_of
 from autograder.runs.recording import Event
 from autograder.runs.scenario import FeedTopic, Join, Offer, Scenario

@@ -54,6 +54,7 @@ def as_package(exam: Exam, package: str) -> Exam:
     changed.scenario = replace(
         exam.scenario, program='package', build_type=package, appear_s=APPEAR_S
     )
+    changed.facts = {**exam.facts, 'package': package}  # a build has other limits
     changed.requires = tuple(name for name in exam.requires if not name.endswith('.py'))
     return changed
 

@@ -13,12 +13,14 @@ import re
 
 from autograder.judging import stalled
 from autograder.judging.exam import Cause, Run
+from autograder.judging.learners_code import without_texts
 from autograder.judging.raised import exception_cause
 from autograder.judging.tracebacks import traceback_of
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
 # The usual last line, sys.exit(main()), ends nothing before its time.
 _EXIT = re.compile(r'\b(?:sys\.|os\._)?(?:exit|quit)\((?!\s*main\()')
+_GOES_ON = re.compile(r'\bspin\(|\bwhile\b')
 _PERIOD = re.compile(r'create_timer\(\s*([\w.]{1,60})\s*,')
 
 BUSY_S = 1.5
@@ -37,19 +39,27 @@ LIMITS = {
     'memory_limit': ('it used more than 1 GiB of memory', 'a list that grows without bound'),
     'output_limit': ('it printed more than 8 MB', 'a print in a loop without a pause'),
     'inode_limit': ('it made more than 20000 files', 'a loop that creates files'),
+    'disk_limit': ('it wrote more than 64 MB into files', 'a loop that writes into a file'),
     'too_much_recorded': ('it sent more than 32 MB', 'a publish in a loop without a pause'),
     'too_many_events': ('it sent thousands of messages', 'a publish in a loop without a pause'),
 }
+OF_A_PACKAGE = {
+    'wall_time_limit': 'its build and the run took longer than 150 s together',
+    'cpu_limit': 'its build and the run used more than 50 s of processor time together',
+}
+"""What is another limit where a package is built first."""
 
 
 def why_it_ended(run: Run) -> Cause | None:
     """Explain a program that is gone or was ended; empty if it was alive to the end."""
     recording = run.recording
     killed = str(recording.process.get('killed', '')) or recording.end_reason
-    if killed == 'no_node' and recording.process.get('cpu_s', 0.0) > BUSY_S:
+    package = bool(run.facts.get('package'))
+    if killed == 'no_node' and not package and recording.process.get('cpu_s', 0.0) > BUSY_S:
         killed = 'busy_before_node'  # on a busy machine the clock strikes before the limit
     if killed in LIMITS:
         what, why = LIMITS[killed]
+        what = OF_A_PACKAGE.get(killed, what) if package else what
         return Cause(killed, f'The program was ended: {what}.', f'Look for {why}.')
     trace = traceback_of(run)
     if trace is not None and recording.process.get('exit') is not None:
@@ -62,7 +72,7 @@ def why_it_ended(run: Run) -> Cause | None:
             'A node lives until it is stopped: rclpy.spin(node), and no sys.exit() in a callback.',
         )
     if code == 0:
-        return _why_over_at_once('\n'.join(run.files.values()))
+        return _why_over(run)
     if code is not None and _EXIT.search('\n'.join(run.files.values())):
         if not recording.nodes:
             return Cause(
@@ -81,10 +91,21 @@ def why_it_ended(run: Run) -> Cause | None:
     return None
 
 
-def _why_over_at_once(code: str) -> Cause:
-    """Explain a program that came to its end before anything could happen, by what it says."""
-    if 'def main' in code and not re.search(
-        r'^(?!\s*(?:async )?def ).*\bmain\b', code, re.MULTILINE
+def _why_over(run: Run) -> Cause:
+    """Explain a program that came to its end by itself, by what it says."""
+    code = '\n'.join(map(without_texts, run.files.values()))
+    # An answer alone may be what a single spin_once() has served.
+    if run.recording.of('barrier', answered=True) and _GOES_ON.search(code):
+        return Cause(
+            'exited_early',
+            'Your node was at work, and then the program ended by itself.',
+            'A node lives until it is stopped: rclpy.spin(node) in main(). To leave a callback, '
+            'use return, and neither exit() nor SystemExit.',
+        )
+    # An entry point names main() in a text, so this one looks at texts, too.
+    written = '\n'.join(run.files.values())
+    if 'def main' in written and not re.search(
+        r'^(?!\s*(?:async )?def ).*\bmain\b', written, re.MULTILINE
     ):
         return Cause(
             'main_not_called',
@@ -101,7 +122,8 @@ def _why_over_at_once(code: str) -> Cause:
         return Cause(
             'no_spin',
             'Nothing in your code spins the node, so the program runs to its end at once.',
-            'Call rclpy.spin(node) in main(); it returns when the program is stopped.',
+            'In main(), call rclpy.spin(node), or spin() of the executor that has your nodes; it '
+            'returns when the program is stopped.',
         )
     return Cause(
         'exited_early',

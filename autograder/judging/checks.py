@@ -21,12 +21,11 @@ from autograder.judging.causes import why_no_endpoint, why_no_message, why_no_no
 from autograder.judging.exam import Cause, Failed, Run
 from autograder.judging.own_time import is_regular, names_another_clock
 from autograder.judging.stalled import why_it_sleeps
+from autograder.judging.unlogged import LEVELS, why_not_logged
 from autograder.judging.untold import own_words
 from autograder.runs.recording import Event
 
 SECOND = 1_000_000_000
-LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
-CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
 OTHER_CLOCK = Cause(
     'other_clock',
     "The messages do not come in the rhythm of the node's own clock, and your code names another.",
@@ -334,39 +333,6 @@ def require_ros_clock(run: Run) -> None:
 def count_of(number: int) -> str:
     """Return a count in words for a sentence."""
     return str(number) if number else 'no'
-
-
-def why_not_logged(run: Run, found: Sequence[Event], level: int) -> Cause | None:
-    """
-    Explain a log line that did not come.
-
-    :param found: what was logged instead at that moment
-    :param level: the level that is missing
-    """
-    if why := why_silent(run):
-        return why
-    printed = str(run.recording.process.get('stdout', ''))
-    if not run.recording.logs() and f'[{LEVELS[level]}] [' in printed:
-        return Cause(
-            'other_logger',
-            "The lines come from a logger that is not the node's own; they reach no /rosout.",
-            'Use self.get_logger(), not rclpy.logging.get_logger(...).',
-        )
-    if found:
-        other = LEVELS.get(found[0]['level'], found[0]['level'])
-        return Cause(
-            'wrong_level',
-            f'A line at level {other} comes instead.',
-            f'Use self.get_logger().{CALLS[level]}(...).',
-        )
-    words = [line for line in printed.splitlines() if line.strip() and '] [' not in line]
-    if words and not run.recording.logs(level=level):
-        return Cause(
-            'print_instead_of_logger',
-            'Something is printed; print() reaches its own terminal and nobody else.',
-            f'Use self.get_logger().{CALLS[level]}(...): it also goes to the topic /rosout.',
-        )
-    return None
 
 
 def require_answers(

@@ -1,5 +1,5 @@
 """
-Why a temperature monitor answers a reading with a line of the wrong level: what the line says.
+Why a temperature monitor answers a reading with a line of the wrong level, or with none.
 
 A monitor may not know the unit, or its code may have a mistake that an ``except`` turns into an
 ERROR.  Only the text tells the two apart.
@@ -16,7 +16,7 @@ from autograder.judging.learners_code import calls, texts_in
 from autograder.judging.raised import exception_cause
 from autograder.judging.readings import Reading, Sent, sent, shown_in
 from autograder.judging.tracebacks import PUBLIC, Traceback
-from autograder.runs.recording import ERROR, Event
+from autograder.runs.recording import ERROR, Event, INFO, WARN
 
 NO_UNIT = Cause(
     'unit_text',
@@ -121,6 +121,30 @@ def why_fahrenheit_is_refused(run: Run, group: Sent) -> Cause | None:
         'fahrenheit_refused',
         'Readings in Fahrenheit are answered with an ERROR, as if their unit were unknown.',
         hint,
+    )
+
+
+def why_conversion(run: Run, group: Sent) -> Cause | None:
+    """
+    Explain a warm reading in Fahrenheit without a warning, if all in Celsius are judged rightly.
+
+    Then it is not the comparison that is wrong.
+
+    :param group: of the reading, which has nothing but INFO lines
+    """
+    singles = [(one, *one.readings) for one in sent(run) if len(one.readings) == 1]
+    right = all(
+        one.count(WARN) == reading.hot
+        for one, reading in singles
+        if reading.unit == 'Celsius' and not reading.odd
+    )
+    if not (right and run.recording.logs(level=WARN)) or len(group.logs) > group.count(INFO):
+        return None
+    return Cause(
+        'wrong_conversion',
+        'Warm readings in Celsius are warned about, a warm one in Fahrenheit is not: it is not '
+        'compared, or its conversion gives too small a number.',
+        'celsius = (value - 32) / 1.8. Try yours: 86 °F must give 30, and 212 °F 100.',
     )
 
 

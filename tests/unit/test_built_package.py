@@ -34,6 +34,7 @@ def test_the_exam_stays_the_same_but_for_what_runs():
     assert EXAM.checks == exam.checks
     assert EXAM.scenario.steps == exam.scenario.steps
     assert (EXAM.scenario.program, EXAM.scenario.build_type) == ('package', 'thermo')
+    assert EXAM.facts == {**exam.facts, 'package': 'thermo'}
     assert EXAM.requires == ()
     assert exam.scenario.program == 'node'
 

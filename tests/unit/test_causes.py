@@ -6,7 +6,9 @@ import pytest
 
 from autograder.judging import causes
 from autograder.judging.exam import Run
+from autograder.runs.observe import PACKAGE_LIMITS
 from autograder.runs.recording import Recording
+from autograder.sandboxes.confined import Limits
 
 TOPIC, TYPE = '/temperature_topic', 'temp_monitor_pkg/msg/Temperature'
 
@@ -159,6 +161,44 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
     assert causes.why_it_ended(Run({'talker.py': code}, seen.recording)).cause_id == cause_id
 
 
+@pytest.mark.parametrize(
+    ('code', 'cause_id', 'words'),
+    [
+        ('rclpy.spin(node)', 'exited_early', 'was at work'),
+        ('while rclpy.ok():\n    rclpy.spin_once(node)', 'exited_early', 'was at work'),
+        # What one call of it has served, may be the question itself.
+        ('rclpy.spin_once(node)  # for a while', 'spins_once', 'serves one callback'),
+        ('for node in nodes:\n    rclpy.spin_once(node)', 'exited_early', 'before anything'),
+    ],
+)
+def test_program_that_ends_in_a_callback_is_not_told_to_spin(code, cause_id, words):
+    """Its node has answered, so somebody spun it."""
+    seen = run({'event': 'barrier', 'node': '/n', 'answered': True}, exit=0)
+
+    found = causes.why_it_ended(Run({'n.py': code}, seen.recording))
+
+    assert found.cause_id == cause_id
+    assert words in found.text
+
+
+def test_comment_about_spinning_spins_nothing():
+    """The lesson's own comments are in every file."""
+    code = 'def main():\n    # The pattern with rclpy.spin for a node.\n    Talker()\n\n\nmain()\n'
+
+    found = causes.why_it_ended(Run({'n.py': code}, run(nodes=(), exit=0).recording))
+
+    assert found.cause_id == 'no_spin'
+
+
+def test_entry_point_calls_main():
+    """A package names it in a text of setup.py."""
+    files = {'n.py': 'def main():\n    rclpy.spin(n)\n', 'setup.py': "['talker = a.n:main']"}
+
+    found = causes.why_it_ended(Run(files, run(nodes=(), exit=0).recording))
+
+    assert found.cause_id == 'exited_early'
+
+
 def test_node_that_is_destroyed_before_it_is_spun_was_never_missing():
     """It is not said that nobody made a node."""
     code = 'node = Talker()\nnode.destroy_node()\nrclpy.spin(node)\n'
@@ -248,6 +288,7 @@ def test_without_a_cause_it_is_said_how_to_look():
         'memory_limit',
         'output_limit',
         'inode_limit',
+        'disk_limit',
         'too_much_recorded',
         'too_many_events',
     ],
@@ -259,3 +300,28 @@ def test_each_limit_says_what_was_too_much_and_where_to_look(limit):
     assert found.cause_id == limit
     assert found.text.startswith('The program was ended: ')
     assert found.try_this.startswith('Look for ')
+
+
+@pytest.mark.parametrize(('package', 'limits'), [('', Limits()), ('thermo', PACKAGE_LIMITS)])
+def test_limits_that_are_told_are_those_that_hold(package, limits):
+    """A package is built first, and has more time and more of the processor."""
+    ended = {
+        kind: causes.why_it_ended(Run({}, run(killed=kind).recording, {'package': package})).text
+        for kind in causes.LIMITS
+    }
+
+    assert f' {limits.wall_s:g} s' in ended['wall_time_limit']
+    assert f' {limits.cpu_s} s' in ended['cpu_limit']
+    assert f' {limits.memory >> 30} GiB' in ended['memory_limit']
+    assert f' {limits.output >> 20} MB' in ended['output_limit']
+    assert f' {limits.folder >> 20} MB' in ended['disk_limit']
+    assert f' {limits.inodes} files' in ended['inode_limit']
+
+
+def test_time_of_a_build_is_no_busy_loop():
+    """A package takes ten seconds of processor time before it can have a node."""
+    late = {'event': 'end', 'reason': 'no_node'}
+    seen = run(late, nodes=(), cpu_s=12.0).recording
+
+    assert causes.why_it_ended(Run({}, seen)).cause_id == 'busy_before_node'
+    assert causes.why_it_ended(Run({}, seen, {'package': 'thermo'})) is None

@@ -149,12 +149,6 @@ class TestLogs:
 
         assert failed.value.why.text == 'A line at level ERROR comes instead.'
 
-    def test_printed_text_is_the_cause(self):
-        """Nothing is on /rosout, something is on the terminal."""
-        run = run_of(stdout='too hot\n')
-
-        assert checks.why_not_logged(run, [], WARN).cause_id == 'print_instead_of_logger'
-
 
 class TestAnswers:
     """What services answer."""

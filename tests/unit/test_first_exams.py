@@ -25,11 +25,12 @@ def log(clock_s, text, level=INFO, name='n.night_watch'):
     return {'event': 'log', 'clock_ns': clock_ns, 'name': name, 'level': level, 'text': text}
 
 
-def night(*lines, code='create_timer(1.0, self.report)'):
-    """Return a run of the night watch with these lines, one a second."""
-    events = [log(1.1 + second, *line) for second, line in enumerate(lines)]
+def night(*lines, code='create_timer(1.0, self.report)', printed=''):
+    """Return a run of the night watch with these lines, one a second; None is silence."""
+    events = [log(1.1 + second, *line) for second, line in enumerate(lines) if line]
     facts = {'namespace': '/n', 'simulated_s': SECONDS}
-    return Run({'n.py': code}, Recording({}, (*SERVED, *events, *RUNS)), facts)
+    ends = (RUNS[0], {**RUNS[1], 'stdout': printed})
+    return Run({'n.py': code}, Recording({}, (*SERVED, *events, *ends)), facts)
 
 
 def watches(level=lambda number: INFO if number % 5 else WARN, text='watch {}', first=1, step=1):
@@ -109,6 +110,50 @@ class TestNightWatch:
 
         assert cause_of(night_watch.reports_every_second, run) == 'fifth_missing'
         assert cause_of(night_watch.lines_are_numbered, run) == 'fifth_missing'
+
+    @pytest.mark.parametrize(
+        ('form', 'code', 'cause_id'),
+        [
+            ('', '', 'fifth_missing'),
+            ('{}: ready\n', '', 'fifth_missing'),
+            ('Watch {}\n', '', 'print_instead_of_logger'),
+            ('[WARN] [mine]: Watch {}\n', '', 'other_logger'),
+            ('', 'log.debug(1)', 'debug_level'),
+        ],
+    )
+    def test_fifth_watch_that_is_elsewhere_is_not_called_missing(self, form, code, cause_id):
+        """Printed, dropped or said by another logger: what it lacks is not an else."""
+        lines = [line if number % 5 else None for number, line in enumerate(watches(), 1)]
+        numbers = (1, 2) if 'ready' in form else (5, 10)
+        run = night(*lines, code=code, printed=''.join(map(form.format, numbers)))
+
+        assert cause_of(night_watch.reports_every_second, run) == cause_id
+
+    @pytest.mark.parametrize(
+        ('form', 'code', 'cause_id'),
+        [
+            ('', '', 'only_fifths'),
+            ('Watch {}\n', '', 'print_instead_of_logger'),
+            ('[INFO] [mine]: Watch {}\n', '', 'other_logger'),
+            ('', 'log.debug(1)', 'debug_level'),
+        ],
+    )
+    def test_period_is_not_blamed_where_only_the_fifths_are_logged(self, form, code, cause_id):
+        """Their numbers show that the others were counted."""
+        lines = [None if number % 5 else line for number, line in enumerate(watches(), 1)]
+        run = night(*lines, code=code, printed=''.join(map(form.format, (1, 2, 3, 4))))
+
+        assert cause_of(night_watch.reports_every_second, run) == cause_id
+        assert cause_of(night_watch.lines_are_numbered, run) == cause_id
+
+    def test_right_period_is_not_advised_again(self):
+        """Every other call says nothing, or every other second has no call."""
+        other = [line if number % 2 else None for number, line in enumerate(watches(), 1)]
+        right, wrong = 'self.create_timer(1.0, f)', 'self.create_timer(2.0, f)'
+        check = night_watch.reports_every_second
+
+        assert cause_of(check, night(*other, code=right)) == 'lines_missing'
+        assert cause_of(check, night(*other, code=wrong)) == 'wrong_rate'
 
     def test_flood_of_lines_is_told_without_a_count(self):
         """How many of them arrive is luck."""

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from autograder.exams.visible import talker, temperature_message, temperature_subscriber
+from autograder.exams.visible import (
+    sensor_watch,
+    talker,
+    temperature_message,
+    temperature_subscriber,
+)
 from autograder.judging.exam import Failed, Run
 from autograder.judging.readings import Reading, Sent
-from autograder.runs.recording import Recording
+from autograder.runs.recording import INFO, Recording, WARN
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stdout': ''})
 
@@ -63,3 +68,37 @@ def test_burst_of_which_a_part_is_lost_tells_of_the_queue():
 
     assert found is not None
     assert found.cause_id == 'queue_depth'
+
+
+@pytest.mark.parametrize(
+    ('level', 'text', 'printed', 'code', 'cause_id'),
+    [
+        (None, '', '', '', 'not_logged'),
+        (None, '', '', 'log.debug(1)', 'debug_level'),
+        (None, '', '1.25 m\n', '', 'print_instead_of_logger'),
+        (None, '', '[INFO] [mine]: 1.25 m\n', '', 'other_logger'),
+        (WARN, '1.25 m', '', '', 'wrong_level'),
+        (INFO, 'a distance', '', '', 'number_not_shown'),
+    ],
+)
+def test_warning_of_silence_does_not_come_instead_of_a_distance(
+    level, text, printed, code, cause_id
+):
+    """It is right, whatever is wrong with the line that shows the number."""
+    end = {
+        'topic': '/distance',
+        'kind': 'subscription',
+        'node': sensor_watch.NODE,
+        'type': sensor_watch.TYPE,
+        'qos': {},
+    }
+    line = {'event': 'log', 'name': 'sensor_watch', 'after_input': 0, 'clock_ns': None}
+    silence = {**line, 'level': WARN, 'text': 'No distance in time (1 misses)'}
+    logged = [{**line, 'level': level, 'text': text}] if level else []
+    sent = {'event': 'input', 'index': 0, 'data': {'data': 1.25}}
+    output = f'[WARN] [sensor_watch]: {silence["text"]}\n{printed}'
+    ends = (ENDS[0], {**ENDS[1], 'stdout': output})
+    events = (graph([sensor_watch.NODE], [end]), sent, *logged, silence, *ends)
+    run = Run({'n.py': code}, Recording({}, events), {'distances': [1.25]})
+
+    assert why(sensor_watch.logs_each_distance, run).cause_id == cause_id

@@ -147,7 +147,7 @@ NAN = Reading(math.nan, 'a reading that is not a number')
 ODD = Reading(300.0, 'a reading in an unknown unit', 'QXZ')
 
 
-def heard(readings, answer, code='', secret=False):
+def heard(readings, answer, code='', secret=False, printed=''):
     """Return a run of the subscriber, which logs for each reading what a function says."""
     events = []
     for number, reading in enumerate(readings):
@@ -164,7 +164,8 @@ def heard(readings, answer, code='', secret=False):
             for level, text in answer(reading)
         ]
     facts = {'singles': tuple(readings), 'burst': (), 'secret': secret}
-    return Run({'temp_subscriber.py': code}, Recording({}, (*events, *ENDS)), facts)
+    ends = (ENDS[0], {**ENDS[1], 'stdout': printed})
+    return Run({'temp_subscriber.py': code}, Recording({}, (*events, *ends)), facts)
 
 
 def right(reading):
@@ -178,6 +179,66 @@ CHECKS = (
     subscriber.warns_when_too_hot,
     subscriber.stays_quiet_otherwise,
 )
+
+
+def warnings_only(reading):
+    """Log what is too hot, and nothing else."""
+    return right(reading)[1:]
+
+
+OWN = '[WARN] [temperature_subscriber]: Too warm: 45.25 degC is above 30.0 degC\n'
+
+
+class TestUnlogged:
+    """Lines that are missing beside others that come, and stand on standard output as well."""
+
+    @pytest.mark.parametrize('check', [subscriber.logs_every_reading, CHECKS[2]])
+    @pytest.mark.parametrize(
+        ('printed', 'code', 'cause_id'),
+        [
+            ('', '', 'not_logged'),
+            ('', 'log.debug(1)\nlog.warning(2)', 'debug_level'),
+            ('21.50 Celsius\n', '', 'print_instead_of_logger'),
+            ('[INFO] [mine]: 21.50 Celsius\n', '', 'other_logger'),
+        ],
+    )
+    def test_own_warnings_are_no_printed_readings(self, check, printed, code, cause_id):
+        """The course sends log lines to standard output."""
+        run = heard([COOL, HOT, COOL], warnings_only, code, printed=OWN + printed)
+
+        assert why(check, run).cause_id == cause_id
+
+    @pytest.mark.parametrize(
+        ('printed', 'code', 'cause_id'),
+        [
+            ('', '', 'no_warning'),
+            ('', 'log.debug(1)\nlog.info(2)', 'debug_level'),
+            ('WARNING: too hot\n', '', 'print_instead_of_logger'),
+            ('[WARN] [mine]: too hot\n', '', 'other_logger'),
+        ],
+    )
+    def test_warning_alone_may_be_elsewhere(self, printed, code, cause_id):
+        """The readings are logged as they should be."""
+        run = heard([COOL, HOT, COOL], lambda one: right(one)[:1], code, printed=printed)
+
+        assert why(subscriber.warns_when_too_hot, run).cause_id == cause_id
+
+    @pytest.mark.parametrize(
+        ('printed', 'cause_id'),
+        [
+            ('', 'unknown_unit'),
+            ('unknown unit\n', 'print_instead_of_logger'),
+            ('[ERROR] [mine]: unknown unit\n', 'other_logger'),
+        ],
+    )
+    def test_error_that_nobody_gets_is_looked_for_where_all_is_silent(self, printed, cause_id):
+        """A program that logs nothing at all."""
+        run = heard([COOL, ODD, COOL], lambda _: [], printed=printed)
+
+        found = why(subscriber.reports_an_unknown_unit, run)
+
+        assert found.cause_id == cause_id
+        assert 'info(' not in found.try_this
 
 
 class TestErrors:
@@ -280,6 +341,25 @@ class TestFahrenheit:
         assert 'as if their unit were unknown' in found.text
         assert hint in found.try_this
         assert 'warning' not in found.try_this
+
+    def test_wrong_conversion_is_no_wrong_comparison(self):
+        """Celsius is compared as it should be."""
+        run = heard([COOL, HOT, WARM_F, COOL], lambda one: right(one)[: 1 + (one is HOT)])
+
+        found = why(subscriber.converts_fahrenheit, run)
+
+        assert found.cause_id == 'wrong_conversion'
+        assert '86 °F must give 30' in found.try_this
+
+    def test_comparison_that_is_wrong_in_celsius_too_is_blamed_for_both(self):
+        """A warning that comes once explains the missing one as well."""
+        run = heard([HOT, HOT, WARM_F, COOL], right)
+        first, *others = run.recording.logs(level=WARN)
+        events = [event for event in run.recording.events if event not in others]
+        run = Run(run.files, Recording({}, events), run.facts)
+
+        assert first in events
+        assert why(subscriber.converts_fahrenheit, run).cause_id == 'missed_warning'
 
     def test_mistake_in_the_conversion_is_quoted(self):
         """What Python says is no unknown unit."""

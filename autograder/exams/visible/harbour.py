@@ -12,9 +12,10 @@ from collections.abc import Sequence
 import re
 
 from autograder.judging.causes import why_it_ended, why_no_node, why_silent
-from autograder.judging.checks import OTHER_CLOCK, own_logs, SECOND, why_not_logged
+from autograder.judging.checks import OTHER_CLOCK, own_logs, SECOND
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.own_time import names_another_clock
+from autograder.judging.unlogged import debug_level, why_not_logged
 from autograder.runs.recording import Event, INFO
 from autograder.runs.scenario import Advance, Await, Scenario
 
@@ -168,11 +169,7 @@ def why_no_report(run: Run, period_s: int) -> Cause:
     if 'create_timer' not in code and 'create_rate' not in code:
         return Cause('no_timer', 'No timer is created, so nothing is called.', f'Call {call}.')
     if '.debug(' in code:
-        return Cause(
-            'debug_level',
-            'Lines at level DEBUG are dropped unless the program was told to show them.',
-            'Use self.get_logger().info(...).',
-        )
+        return debug_level(INFO)
     if re.search(r'except\s*:|except\s+(Base)?Exception\b', code):
         return Cause(
             'swallowed',

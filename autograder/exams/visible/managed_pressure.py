@@ -16,7 +16,7 @@ import re
 from typing import Any
 
 from autograder.judging.causes import why_no_endpoint, why_no_verdict, why_silent
-from autograder.judging.checks import own_logs, require_answers, require_node, why_not_logged
+from autograder.judging.checks import own_logs, require_answers, require_node
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.lifecycle_causes import (
     died_in_vain,
@@ -29,6 +29,7 @@ from autograder.judging.lifecycle_causes import (
     without_its_end,
     WRONG_DEFAULT,
 )
+from autograder.judging.unlogged import why_not_logged
 from autograder.runs.recording import ERROR, Event, Recording, WARN
 from autograder.runs.scenario import (
     Await,

@@ -18,16 +18,12 @@ from autograder.exams.visible.harbour import (
     why_other_period,
 )
 from autograder.judging.causes import why_silent
-from autograder.judging.checks import (
-    LEVELS,
-    own_logs,
-    require_node,
-    require_ros_clock,
-    why_not_logged,
-)
+from autograder.judging.checks import own_logs, require_node, require_ros_clock
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.learners_code import timer_periods
 from autograder.judging.own_time import is_flood
 from autograder.judging.results import shortened
+from autograder.judging.unlogged import LEVELS, why_not_logged
 from autograder.runs.recording import Event, INFO, WARN
 from autograder.runs.scenario import Advance, Await, Scenario
 
@@ -88,14 +84,49 @@ def _no_flood(run: Run) -> list[Event]:
 def _why_not_every_second(run: Run, found: list[Event]) -> Cause | None:
     seconds = run.facts['simulated_s']
     if not found:
-        return why_not_logged(run, found, INFO) or why_no_report(run, 1)
+        return why_not_logged(run, found, INFO, _has_another) or why_no_report(run, 1)
     if len(found) < seconds and (ended := why_silent(run)):
         return ended
-    return _why_not_one_line(seconds, found) or why_other_period(found, seconds, 1)
+    return (
+        _why_not_one_line(run, found)
+        or _why_some_missing(run, found)
+        or why_other_period(found, seconds, 1)
+    )
 
 
-def _why_not_one_line(seconds: int, found: Sequence[Event]) -> Cause | None:
+def _why_some_missing(run: Run, found: Sequence[Event]) -> Cause | None:
+    """Explain lines that are too few, although the timer ticks once a second."""
+    seconds = run.facts['simulated_s']
+    fifths = list(range(EVERY, seconds + 1, EVERY))
+    # The numbers show that it has counted the others.
+    counted = all(second_of(entry) in numbers_in(entry) for entry in found)
+    if counted and [second_of(entry) for entry in found] == fifths:
+        return why_not_logged(run, [], INFO, _has_another) or Cause(
+            'only_fifths',
+            'Every fifth watch is logged, and the others are not.',
+            'Use if and else: a WARN for the fifth, self.get_logger().info(...) for the others.',
+        )
+    if len(found) < seconds and timer_periods(run.files) == {1.0}:
+        return Cause(
+            'lines_missing',
+            'The period of your timer is 1 s, and yet lines are missing.',
+            'Does each call of the callback log a line? Is the timer made in __init__(), and '
+            'never cancelled? Start the node, and look at logs().',
+        )
+    return None
+
+
+def _has_a_fifth(text: str) -> bool:
+    return any(number and number % EVERY == 0 for number in numbers_in({'text': text}))
+
+
+def _has_another(text: str) -> bool:
+    return any(number % EVERY for number in numbers_in({'text': text}))
+
+
+def _why_not_one_line(run: Run, found: Sequence[Event]) -> Cause | None:
     """Explain watches with two lines or with none, which shift all that follow."""
+    seconds = run.facts['simulated_s']
     fifths, moments = seconds // EVERY, {entry['clock_ns'] for entry in found}
     if len(found) - seconds == fifths and len(moments) <= seconds:
         return Cause(
@@ -104,7 +135,7 @@ def _why_not_one_line(seconds: int, found: Sequence[Event]) -> Cause | None:
             'Use if and else: one line a watch, either INFO or WARN.',
         )
     if seconds - len(found) == fifths and not _warned(found):
-        return Cause(
+        return why_not_logged(run, [], WARN, _has_a_fifth) or Cause(
             'fifth_missing',
             'A fifth watch is not logged at all.',
             'Use if and else: one line a watch, also for the fifth.',
@@ -126,8 +157,7 @@ def lines_are_numbered(run: Run) -> None:
             raise Failed(
                 expected=f'the number {number} in line {number}',
                 observed=repr(shortened(entry['text'])),
-                why=_why_not_one_line(run.facts['simulated_s'], found)
-                or _why_misnumbered(number, found),
+                why=_why_not_one_line(run, found) or _why_misnumbered(number, found),
             )
 
 
@@ -183,7 +213,7 @@ def every_fifth_is_a_warning(run: Run) -> None:
             raise Failed(
                 expected=f'level {LEVELS[wanted]} for watch {number}',
                 observed=f'level {LEVELS.get(entry["level"], entry["level"])}',
-                why=_why_not_one_line(run.facts['simulated_s'], found)
+                why=_why_not_one_line(run, found)
                 or _why_wrong_level(number, entry['level'], found),
             )
 

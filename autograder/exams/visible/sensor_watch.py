@@ -25,10 +25,10 @@ from autograder.judging.checks import (
     require_node,
     require_qos,
     SECOND,
-    why_not_logged,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.results import shortened
+from autograder.judging.unlogged import why_not_logged
 from autograder.judging.untold import without_numbers
 from autograder.runs.recording import ERROR, Event, INFO, Recording, WARN
 from autograder.runs.scenario import Await, Feed, Leave, Look, Mark, Offer, Qos, Scenario
@@ -127,7 +127,13 @@ def _why_not_shown(run: Run, index: int) -> Cause | None:
             f'The INFO line is {shortened(other)!r}: the number is not in it, or it is rounded.',
             "Log the number as it came: self.get_logger().info(f'{message.data} m').",
         )
-    return why_not_logged(run, then, INFO)
+    distance = run.facts['distances'][index]
+    # A deadline may be missed after any distance: that WARN line does not come instead.
+    return why_not_logged(run, then, INFO, lambda text: distance in numbers_in(text)) or Cause(
+        'not_logged',
+        'A distance is sent to your node, and no INFO line follows it.',
+        'Is hear() called? Log the number in it: self.get_logger().info(...), before any return.',
+    )
 
 
 def _why_unheard(run: Run) -> Cause | None:

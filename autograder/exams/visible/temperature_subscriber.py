@@ -10,14 +10,14 @@ warning; does not warn for NaN; uses the node's logger.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 import math
 
 from autograder.judging.causes import why_silent
-from autograder.judging.checks import LEVELS, require_endpoint, require_node, require_partner
+from autograder.judging.checks import require_endpoint, require_node, require_partner
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.reading_errors import (
     refuses_fahrenheit,
+    why_conversion,
     why_fahrenheit_is_refused,
     why_nan,
     why_refused,
@@ -31,6 +31,13 @@ from autograder.judging.readings import (
     shown_in,
     THRESHOLD_C,
 )
+from autograder.judging.unlogged import (
+    LEVELS,
+    why_dropped,
+    why_elsewhere,
+    why_other_logger,
+    why_printed,
+)
 from autograder.runs.recording import ERROR, INFO, WARN
 from autograder.runs.scenario import Feed, Scenario
 
@@ -43,10 +50,10 @@ REPEATED = Cause(
     'One call of self.get_logger().warning(...) in the callback, one subscription, and no timer '
     'for it.',
 )
-OTHER_LOGGER = Cause(
-    'other_logger',
-    "The lines come from a logger that is not the node's own; they reach no /rosout.",
-    'Use self.get_logger(), not rclpy.logging.get_logger(...).',
+NOT_LOGGED = Cause(
+    'not_logged',
+    'A reading is sent to your node, and no INFO line follows it.',
+    'Call self.get_logger().info(...) first in the callback: before any if and any return.',
 )
 QUEUE_DEPTH = Cause(
     'queue_depth',
@@ -99,22 +106,18 @@ def logs_every_reading(run: Run) -> None:
 
 
 def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Cause | None:
-    why = why_silent(run)
-    if why:
-        return why
-    printed = str(run.recording.process.get('stdout', ''))
-    if not run.recording.logs() and '[INFO] [' in printed:
-        return OTHER_LOGGER
-    if not run.recording.logs(level=INFO) and any(
-        shown_in(one, [{'level': 0, 'text': printed}], None)
-        for one in (*run.facts['singles'], *run.facts['burst'])
-        if not one.odd
-    ):
-        return Cause(
-            'print_instead_of_logger',
-            'The readings are printed; print() reaches its own terminal and nobody else.',
-            'Use self.get_logger().info(...): it also goes to the topic /rosout.',
+    everything: Sequence[Reading] = (*run.facts['singles'], *run.facts['burst'])
+    due = [reading] if reading else [one for one in everything if not one.odd]
+    # With an INFO line after it, the line is not elsewhere: it lacks the value, or a burst is cut.
+    why = (
+        why_silent(run)
+        if group is not None and group.count(INFO)
+        else why_elsewhere(
+            run, INFO, lambda text: any(shown_in(one, [{'text': text}], None) for one in due)
         )
+    )
+    if why or (group is not None and not group.sent):
+        return why
     if group is not None and len(group.readings) > 1:
         return QUEUE_DEPTH
     if reading is not None and group is not None:
@@ -135,7 +138,7 @@ def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Ca
                 'There is an INFO line, but the value of the reading is not in it.',
                 "Put msg.temperature_value into the text: f'{msg.temperature_value:.2f}'.",
             )
-    return None
+    return why_dropped(run, INFO) or NOT_LOGGED
 
 
 def warns_when_too_hot(run: Run) -> None:
@@ -185,16 +188,6 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
             f'A line at level {LEVELS.get(min(levels), min(levels))} comes instead.',
             'Use self.get_logger().warning(...).',
         )
-    printed = str(run.recording.process.get('stdout', '')).upper()
-    if not run.recording.logs() and '[WARN] [' in printed:
-        return OTHER_LOGGER
-    logged = ''.join(entry['text'] for entry in run.recording.logs()).upper()
-    if 'WARN' in printed and 'WARN' not in logged and not run.recording.logs(level=WARN):
-        return Cause(
-            'print_instead_of_logger',
-            'The warning is printed; print() reaches its own terminal and nobody else.',
-            'Use self.get_logger().warning(...).',
-        )
     if run.recording.logs(level=WARN):
         return Cause(
             'missed_warning',
@@ -202,7 +195,13 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
             'Compare each reading by itself: value > 30.0, without int(), round(), once= and '
             'without memory.',
         )
-    return _never_warns(run)
+    logged = ''.join(entry['text'] for entry in run.recording.logs()).upper()
+    printed = why_printed(run, WARN, lambda text: 'WARN' in text.upper())
+    return (
+        why_other_logger(run, WARN)
+        or (printed if 'WARN' not in logged else None)
+        or _never_warns(run)
+    )
 
 
 def stays_quiet_otherwise(run: Run) -> None:
@@ -238,10 +237,14 @@ def _can_warn(run: Run) -> None:
 
 
 def _never_warns(run: Run) -> Cause:
-    return why_refused(run, cool_groups(run)) or Cause(
-        'no_warning',
-        'No warning is ever logged.',
-        'In the callback: if the value is above 30.0, call self.get_logger().warning(...).',
+    return (
+        why_refused(run, cool_groups(run))
+        or why_dropped(run, WARN)
+        or Cause(
+            'no_warning',
+            'No warning is ever logged.',
+            'In the callback: if the value is above 30.0, call self.get_logger().warning(...).',
+        )
     )
 
 
@@ -284,7 +287,8 @@ def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
         return why_silent(run) or why_fahrenheit_is_refused(run, group)
     # Without a conversion the usual Fahrenheit numbers are all above 30: too many warnings.
     if not too_many or group.count(WARN) > len(group.readings):
-        return _why_no_warning(run, group, too_many)
+        converted = None if too_many else why_silent(run) or why_conversion(run, group)
+        return converted or _why_no_warning(run, group, too_many)
     if alarms := [one for one in cool_groups(run) if one.count(WARN) and not _at_limit(one)]:
         return why_silent(run) or _why_false_alarm(alarms[0])
     return why_silent(run) or Cause(
@@ -292,14 +296,6 @@ def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
         'The number is compared without conversion, or the conversion gives another number.',
         'Look at msg.unit first: celsius = (value - 32) / 1.8 for Fahrenheit.',
     )
-
-
-def _why_no_error(run: Run) -> Cause | None:
-    """Explain that nothing at all is logged, in words about a line that says what is wrong."""
-    why = _why_not_logged(run, None, None)
-    if why is None or why.cause_id != 'print_instead_of_logger':
-        return why
-    return replace(why, try_this='Use self.get_logger().error(...) for a unit you do not know.')
 
 
 def reports_an_unknown_unit(run: Run) -> None:
@@ -312,7 +308,7 @@ def reports_an_unknown_unit(run: Run) -> None:
                 observed=f'{_lines(group.count(ERROR), "ERROR")}, '
                 f'{_lines(group.count(WARN), "WARN")}',
                 why=(
-                    (why_silent(run) if run.recording.logs() else _why_no_error(run))
+                    (why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR))
                     or Cause(
                         'unknown_unit',
                         'A number without a known unit cannot be compared with 30 °C.',
