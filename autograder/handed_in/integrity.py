@@ -20,10 +20,11 @@ MARKS = ('grade', 'solution', 'locked', 'points', 'task')
 """nbgrader's marks that decide what a cell is worth."""
 
 MOST_LINES = 20
-_NUMBERS = {float(number): number for number in range(1001)}
+_NUMBERS = {number / 20: number / 20 for number in range(20001)}
+"""Points as courses give them, in steps of 0.05; shared, as a file may hold millions."""
 
 
-def small_number(text: str) -> int | bool:
+def small_number(text: str) -> float | bool:
     """
     Return a number as a notebook's points may be, or True for any other.
 

@@ -65,6 +65,14 @@ def test_points_with_a_fraction_of_nothing_are_the_same_points(student):
     assert flags(json.dumps(student).replace('"points": 3', '"points": 3.0')) == ()
 
 
+def test_points_of_a_fraction_are_points(student, monkeypatch):
+    """A check may be worth two and a half."""
+    monkeypatch.setitem(RELEASE['cells'][CHECK]['metadata']['nbgrader'], 'points', 2.5)
+    student['cells'][CHECK]['metadata']['nbgrader']['points'] = 2.5
+
+    assert flags(student) == ()
+
+
 @pytest.mark.parametrize(
     ('change', 'line'),
     [
@@ -116,7 +124,16 @@ def test_lines_are_bounded(student):
 
 @pytest.mark.parametrize(
     ('text', 'number'),
-    [('10', 10), ('2.0', 2), ('2.5', True), ('1e3', 1000), ('-1', True), ('9' * 10**6, True)],
+    [
+        ('10', 10),
+        ('2.0', 2),
+        ('2.5', 2.5),
+        ('0.1', 0.1),
+        ('2.51', True),
+        ('1e3', 1000),
+        ('-1', True),
+        ('9' * 10**6, True),
+    ],
 )
 def test_numbers_are_small_or_just_numbers(text, number):
     """No large number is ever made."""
