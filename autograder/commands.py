@@ -125,7 +125,8 @@ def _collect(chosen: argparse.Namespace) -> int:
         rows = collect(
             chosen.source, layout, to, assignment, chosen.kind, write, prefix=chosen.prefix
         )
-        taken = write and to == layout.submitted and any(row.done != LEFT for row in rows)
+        ours = write and to.resolve() == layout.submitted.resolve()
+        taken = ours and any(row.done != LEFT for row in rows)
         if taken and (count := take_out_sample_class(layout)):
             said = f'The {count} example students were taken out of {to.name}/ and the gradebook.'
             print(said, file=sys.stderr)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
+import io
 from pathlib import Path
 import re
 import sys
@@ -21,6 +22,7 @@ from autograder.handed_in.extract import CHECK_PREFIX
 from autograder.handed_in.submission import marks_of, Notebook, read_release
 from autograder.layout import Layout
 from autograder.portions import portions
+from autograder.runs.recording import keep
 
 if TYPE_CHECKING:
     from autograder.judging.exam import Exam
@@ -121,7 +123,7 @@ def _contents(folder: Path) -> dict[str, bytes]:
     return {
         path.relative_to(folder).as_posix(): path.read_bytes()
         for path in folder.rglob('*')
-        if path.is_file() and not NO_PARTS & set(path.parts)
+        if path.is_file() and not NO_PARTS & set(path.relative_to(folder).parts)
     }
 
 
@@ -205,18 +207,18 @@ def regenerate(layout: Layout) -> tuple[str, ...]:
 
 def pack(layout: Layout, bundle: Path) -> int:
     """
-    Write the zip file that students receive; the same course gives the same bytes.
+    Write the zip file that students receive, whole; the same course gives the same bytes.
 
     :returns: number of files
     """
-    bundle.parent.mkdir(parents=True, exist_ok=True)
-    files = bundled_files(layout)
-    with zipfile.ZipFile(bundle, 'w', zipfile.ZIP_DEFLATED) as archive:
+    files, made = bundled_files(layout), io.BytesIO()
+    with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
         for name, path in sorted(files.items()):
             entry = zipfile.ZipInfo(f'ros2-course/{name}', date_time=(2024, 1, 1, 0, 0, 0))
             entry.external_attr = (0o755 if path.stat().st_mode & 0o100 else 0o644) << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, path.read_bytes())
+    keep(bundle, made.getvalue())
     return len(files)
 
 

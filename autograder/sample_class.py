@@ -226,6 +226,7 @@ def take_out_sample_class(layout: Layout) -> int:
                 gone.add(name)
     if gone:
         _forget_in_gradebook(layout, names)
+        _forget_in_reports(layout, names)
     return len(gone)
 
 
@@ -237,3 +238,22 @@ def _forget_in_gradebook(layout: Layout, names: set[str]) -> None:
         from autograder.gradebook.record import forget_students
 
         forget_students(layout, names)
+
+
+def _forget_in_reports(layout: Layout, names: set[str]) -> None:
+    """Leave the sample students out of the results, with which every export begins."""
+    from autograder.whole_class.class_report import write_class_report  # needs packages
+    from autograder.whole_class.class_results import last_results, results_file
+    from autograder.whole_class.people import read_people
+    from autograder.whole_class.report import write_reports
+
+    for assignment in layout.assignments():
+        if not results_file(layout, assignment).is_file():
+            continue
+        everybody = last_results(layout, assignment)
+        left = [one for one in everybody if one.student not in names]
+        if not left:
+            shutil.rmtree(layout.reports / assignment)
+        elif len(left) < len(everybody):
+            write_reports(layout.reports, assignment, left, people=read_people(layout))
+            write_class_report(layout, assignment)

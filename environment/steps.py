@@ -133,6 +133,7 @@ class Step:
     :param run: does it; raises StepError
     :param about: a hint how long it takes
     :param try_this: what to do if it fails and the error does not say
+    :param optional: whether its failure is told and the set-up is complete all the same
     """
 
     name: str
@@ -141,6 +142,7 @@ class Step:
     run: Callable[[Job], None]
     about: str = ''
     try_this: str = 'run the same command again: it goes on where it stopped'
+    optional: bool = False
 
 
 def run_steps(
@@ -150,7 +152,7 @@ def run_steps(
     Run the steps that are needed, in order.
 
     :param logs: folder of the log files
-    :returns: False if one failed; what and why was shown
+    :returns: False if one failed that is not optional; what and why was shown
     """
     for number, step in enumerate(steps, start=1):
         if not step.needed():
@@ -172,6 +174,8 @@ def run_steps(
                 step.run(Job(log=log, tick=tick, keep_open=keep_open))
             except StepError as error:
                 explain(error, step, label, log_path, screen)
+                if step.optional:
+                    continue
                 return False
         screen.say(f'{label}: done in {time.monotonic() - started:.0f} s')
     return True

@@ -126,7 +126,7 @@ def _package(package_dir: str | Path | None) -> LearnerPackage:
     package = learner_package()
     if package_dir is not None:
         folder = Path(package_dir).resolve()
-        package = LearnerPackage(folder.name, folder.parents[2])
+        package = LearnerPackage(folder.name, folder.parent.parent.parent)
         if package.folder != folder:
             raise NotHereError(
                 f'{folder}: expected a package inside a workspace, as in ros_ws/src/{folder.name}.'

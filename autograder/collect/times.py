@@ -8,7 +8,7 @@ from datetime import datetime, timedelta, timezone
 import re
 
 from autograder.errors import GraderError
-from autograder.gradebook.settings import gradebook_file, load_config
+from autograder.gradebook.connection import connected
 from autograder.layout import Layout
 
 STAMP = 'timestamp.txt'
@@ -121,19 +121,13 @@ def due_dates(layout: Layout) -> DueDates:
     """
     if not (layout.root / 'nbgrader_config.py').is_file():
         return DueDates()
-    path = gradebook_file(layout)
-    if path is not None and not path.is_file():
-        return DueDates()
-    from sqlalchemy import create_engine, DateTime, inspect, Interval, text
-    from sqlalchemy.exc import SQLAlchemyError
-    from sqlalchemy.pool import NullPool
+    from sqlalchemy import DateTime, inspect, Interval, text
 
     dates = text(_DATES).columns(duedate=DateTime())
     extensions = text(_EXTENSIONS).columns(extension=Interval())
     try:
-        engine = create_engine(str(load_config(layout).CourseDirectory.db_url), poolclass=NullPool)
-        with engine.connect() as gradebook:
-            if not inspect(gradebook).has_table('assignment'):
+        with connected(layout) as gradebook:
+            if gradebook is None or not inspect(gradebook).has_table('assignment'):
                 return DueDates()
             return DueDates(
                 {
@@ -145,6 +139,6 @@ def due_dates(layout: Layout) -> DueDates:
                     for student, name, more in gradebook.execute(extensions)
                 },
             )
-    except (SQLAlchemyError, GraderError, ValueError, ImportError) as error:
+    except (GraderError, ValueError, ImportError) as error:
         what = ' '.join(str(error).split())[:120]
         return DueDates(problem=f'no due dates, the gradebook cannot be read: {what}')

@@ -98,7 +98,7 @@ def from_gradebook(
 
 
 def _entered(result: SubmissionResult, entered: dict[str, Mark], most: float) -> Mark:
-    """Return one student's mark; what is for review stays so."""
-    if result.fault:
-        return Mark(result.student, None, most, REVIEW)
+    """Return one student's mark; without one of the last grading, what is there may be older."""
+    if (last := automatic(result)).points is None:
+        return Mark(result.student, None, most, last.status)
     return entered.get(result.student) or Mark(result.student, None, most, NOT_ENTERED)

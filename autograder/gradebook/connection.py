@@ -31,10 +31,17 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
     if path is not None and not path.is_file():
         yield None
         return
-    url = make_url(str(load_config(layout).CourseDirectory.db_url))
-    address = url.render_as_string(hide_password=True)
+    address = 'c.CourseDirectory.db_url'
     try:
+        url = make_url(str(load_config(layout).CourseDirectory.db_url))
+        address = url.render_as_string(hide_password=True)
         engine = create_engine(url, poolclass=NullPool)
+    except (SQLAlchemyError, ValueError) as error:
+        raise GraderError(
+            f'{address}: expected the address of a gradebook, got: {error}.',
+            'Try: c.CourseDirectory.db_url in nbgrader_config.py as in docs/gradebook.md, then '
+            'the same command again; no run is lost.',
+        ) from error
     except ModuleNotFoundError as error:
         raise GraderError(
             f'{address}: expected the driver {error.name} for this gradebook, got none.',

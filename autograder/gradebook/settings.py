@@ -15,12 +15,18 @@ def load_config(layout: Layout) -> Config:
     """
     Return the settings in the course's ``nbgrader_config.py``.
 
-    :raises GraderError: if there is none
+    :raises GraderError: if there is none, or it breaks
     """
     path = layout.root / 'nbgrader_config.py'
     if not path.is_file():
         raise GraderError(f'{path.name} is missing in {layout.root}.', 'Restore it from git.')
-    return PyFileConfigLoader(path.name, path=str(layout.root)).load_config()
+    try:
+        return PyFileConfigLoader(path.name, path=str(layout.root)).load_config()
+    except Exception as error:  # noqa: BLE001 - it is a program, and instructors edit it
+        raise GraderError(
+            f'{path}: expected settings of nbgrader, got {type(error).__name__}: {error}.',
+            'Try: mend it, then the same command again; no run is lost.',
+        ) from error
 
 
 def gradebook_file(layout: Layout) -> Path | None:

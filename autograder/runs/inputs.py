@@ -16,6 +16,8 @@ from pathlib import Path
 import random
 import secrets
 
+from autograder.errors import GraderError
+
 SECRET_FILE = Path(__file__).parents[1] / '_work' / 'course_secret'
 
 
@@ -26,9 +28,11 @@ def course_secret() -> bytes:
 
     The file is created complete and readable by its owner alone; when two graders start at once,
     the first to link it wins and both read that one.
+
+    :raises GraderError: if it is empty
     """
     if 'COURSE_SECRET' in os.environ:
-        return os.environ['COURSE_SECRET'].encode()
+        return _not_empty(os.environ['COURSE_SECRET'].encode(), 'COURSE_SECRET')
     if not SECRET_FILE.exists():
         SECRET_FILE.parent.mkdir(parents=True, exist_ok=True)
         draft = SECRET_FILE.with_name(f'.course_secret.{secrets.token_hex(8)}')
@@ -40,7 +44,17 @@ def course_secret() -> bytes:
             pass
         finally:
             draft.unlink()
-    return SECRET_FILE.read_bytes()
+    return _not_empty(SECRET_FILE.read_bytes(), str(SECRET_FILE))
+
+
+def _not_empty(secret: bytes, where: str) -> bytes:
+    """Refuse the secret that everybody can guess: of it, all hidden inputs are known."""
+    if not secret.strip():
+        raise GraderError(
+            f'{where}: expected the secret of the course, got an empty one.',
+            'Try: give it a value, or remove it; without one, a secret is made.',
+        )
+    return secret
 
 
 def generator(exam: str, purpose: str) -> random.Random:

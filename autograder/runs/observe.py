@@ -44,7 +44,7 @@ TICK, QUIET, EXITED = b't', b'q', b'e'
 BUSY_S = 3.0  # processor time without a node: imports take 0.3 s, and a slow machine thrice that
 MOST_WALL = 5  # times the limit, before a machine counts as too busy for a verdict
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
-# A message package takes 9 to 10 s of processor time; three times that, for slower machines.
+# A message package takes some 5 s of processor time; six times that, for slower machines.
 BUILD_LIMITS = Limits(cpu_s=30)
 # A build and a run, one after the other.
 PACKAGE_LIMITS = Limits(wall_s=2 * Limits.wall_s, cpu_s=BUILD_LIMITS.cpu_s + Limits.cpu_s)

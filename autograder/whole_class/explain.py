@@ -26,7 +26,7 @@ from autograder.live import live_line
 from autograder.runs.examine import files_digest
 from autograder.runs.recording import Event, Recording
 from autograder.runs.version import ROS_PACKAGES
-from autograder.whole_class.class_results import last_results, results_file
+from autograder.whole_class.class_results import graded
 from autograder.whole_class.inbox import discover
 from autograder.whole_class.pipeline import Lesson, load_lesson, open_one
 from autograder.whole_class.rejudge import again, NothingRuns
@@ -93,11 +93,8 @@ def _find(
     students: set[str] = set()
     there: list[str] = []
     found = []
-    for one in layout.assignments():
-        meant = assignment is None or one == assignment or one.endswith(f'_{assignment}')
-        if not meant or not results_file(layout, one).is_file():
-            continue
-        for result in last_results(layout, one):
+    for one in graded(layout, assignment):
+        for result in one.results:
             students.add(result.student)
             if result.student == student:
                 for exam in result.exams:
@@ -115,7 +112,7 @@ def _find(
     if student not in students:
         raise GraderError(
             f'{student}: expected a student with results, got none of that name.',
-            f'Graded: {", ".join(sorted(students)[:20]) or "nobody"}.',
+            f'Graded: {", ".join(sorted(students)[:20])}.',
         )
     raise GraderError(f'{check}: {student} has no such verdict.', f'There are: {", ".join(there)}')
 

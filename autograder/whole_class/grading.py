@@ -151,14 +151,14 @@ def _grade_all(
 ) -> tuple[list[SubmissionResult], str]:
     """Grade each assignment; return all results, and what the gradebook refused."""
     results: list[SubmissionResult] = []
-    trouble = ''
+    trouble: list[str] = []
     for assignment in assignments:
         try:
             results += _grade_assignment(layout, assignment, submitted, engine, jobs, told)
         except NotEnteredError as error:
             results += error.results
-            trouble = str(error)
-    return results, trouble
+            trouble.append(str(error))
+    return results, ' '.join(dict.fromkeys(trouble))
 
 
 @contextmanager

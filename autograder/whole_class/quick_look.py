@@ -83,10 +83,10 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
     :param path: a script, a package folder, a zip file or a notebook
     :raises NotTakenInError: if nothing in it is for these exams
     """
-    if path.suffix == '.ipynb':
-        return list(_in_notebook(path, chosen, layout))
     if not path.exists():
         raise NotTakenInError(f'{path}: expected a submission, got nothing of that name.')
+    if path.suffix == '.ipynb':
+        return list(_in_notebook(path, chosen, layout))
     files = read_handed_in(path)
     package = package_name(files) if path.suffix != '.py' else ''
     found = []

@@ -24,7 +24,7 @@ from autograder.layout import Layout
 from autograder.runs.examine import files_digest, judged, without_recording
 from autograder.runs.recording import Recording
 from autograder.sandboxes.isolation import MODES
-from autograder.whole_class.class_results import last_results, results_file
+from autograder.whole_class.class_results import graded, last_results
 from autograder.whole_class.inbox import discover
 from autograder.whole_class.pipeline import Engine, Graded, Lesson, load_lesson, open_one
 
@@ -156,20 +156,11 @@ def rejudge_command(
     :param write: enter the new points in gradebook and reports; what the gradebook refuses is in
         the account, and the reports are written all the same
     :returns: an account for each, and the exit code if nothing was refused
-    :raises GraderError: if nothing was graded yet
+    :raises GraderError: if there is no such assignment, or nothing was graded yet
     """
-    graded = [one for one in layout.assignments() if results_file(layout, one).is_file()]
-    if assignment is not None:
-        graded = [one for one in graded if one == assignment or one.endswith(f'_{assignment}')]
-    if not graded:
-        what = assignment or 'any assignment'
-        raise GraderError(
-            f'{layout.reports}: expected results of {what}, got none.',
-            'Try: grade the class first, with make grade',
-        )
     accounts = []
-    for one in graded:
-        lesson = load_lesson(layout, one, NothingRuns())
+    for one in graded(layout, assignment):
+        lesson = load_lesson(layout, one.assignment, NothingRuns())
         account = rejudge(layout, lesson, submitted or layout.submitted)
         if write:
             account = _write(layout, lesson, account)

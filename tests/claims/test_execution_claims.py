@@ -104,7 +104,7 @@ def test_spin_once_without_time_does_not_wait(world):
     began = time.monotonic()
     world.executor.spin_once(timeout_sec=0)
 
-    assert time.monotonic() - began < 5  # against an hour
+    assert time.monotonic() - began < 60  # against an hour
     assert ticks == []
     assert not timer.is_canceled()
 

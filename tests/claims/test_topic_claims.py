@@ -184,7 +184,7 @@ class neighbour:  # noqa: N801 - reads like a function
         return self
 
     def __exit__(self, *_):
-        self.process.communicate(timeout=30)
+        self.process.communicate(timeout=60)
 
 
 @claim('T14')

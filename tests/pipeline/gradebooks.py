@@ -6,16 +6,19 @@ from conftest import ASSIGNMENT
 from fake_engine import FakeEngine
 from nbgrader.api import Gradebook
 
+from autograder.collect.times import due_dates
 from autograder.exports.marks import from_gradebook, GRADED
 from autograder.gradebook import entered
 from autograder.gradebook.settings import gradebook_file, load_config
 from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
 from autograder.sample_class import take_out_sample_class
+from autograder.whole_class.class_results import last_results, results_file
 from autograder.whole_class.grading import begin_to_enter, enter
 from autograder.whole_class.inbox import discover
 from autograder.whole_class.people import keep_people
 from autograder.whole_class.pipeline import grade_class, load_lesson
+from autograder.whole_class.report import write_reports
 
 NOTEBOOK = 'temperature_monitor.ipynb'
 WRITTEN = 'explain_threshold'
@@ -131,16 +134,36 @@ def says_that_a_gradebook_does_not_answer(course: Layout) -> None:
     if path is None:
         return  # a server is not harmed for a test
     path.write_bytes(b'no database' * 100)
+
+    assert 'gradebook.db: expected a gradebook that answers, got: ' in refused(course)
+    assert path.read_bytes() == b'no database' * 100
+
+
+def says_that_settings_are_wrong(course: Layout) -> None:
+    """Instructors edit them: a mistake there costs one sentence and no grading."""
+    hand_in(course, 'ann')
+    config = course.root / 'nbgrader_config.py'
+    text = config.read_text(encoding='utf-8')
+    for line, said in {
+        'c.LateSubmissionPlugin.penalty_method = zero': 'got NameError',
+        "c.CourseDirectory.db_url = 'postgres://u@localhost/g'": 'expected the address of',
+        "c.CourseDirectory.db_url = 'gradebook.db'": 'expected the address of',
+        "c.CourseDirectory.db_url = 'postgresql://u@localhost:port/g'": 'expected the address of',
+    }.items():
+        config.write_text(f'{text}\n{line}\n', encoding='utf-8')
+        assert said in refused(course)
+        assert due_dates(course).problem.startswith('no due dates, the gradebook cannot be read')
+
+
+def refused(course: Layout) -> str:
+    """Grade the class, and return why the one submission in it was not entered."""
     engine = FakeEngine()
     lesson = load_lesson(course, ASSIGNMENT, engine)
     class_ = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
     graded = grade_class(class_, lesson, engine, jobs=1)
-
-    count, refused = enter(course, lesson, graded, lambda: begin(course))
-
+    count, said = enter(course, lesson, graded, lambda: begin(course))
     assert count == 1
-    assert 'gradebook.db: expected a gradebook that answers, got: ' in refused
-    assert path.read_bytes() == b'no database' * 100
+    return said
 
 
 def fills_what_was_changed_or_lost(course: Layout) -> None:
@@ -236,14 +259,23 @@ def lets_the_sample_students_go(course: Layout) -> None:
     hand_in(course, 'pass__sample')
     hand_in(course, 'ann')
     grade(course)
+    there = [SubmissionResult(one, ASSIGNMENT) for one in ('ann', 'pass__sample')]
+    write_reports(course.reports, ASSIGNMENT, there)
 
     assert take_out_sample_class(course) == 1
     assert not (course.submitted / 'pass__sample').exists()
+    assert [one.student for one in last_results(course, ASSIGNMENT)] == ['ann']
+    assert not list(course.reports.glob('*/students/pass__*'))
     with book(course) as gradebook:
         assert [student.id for student in gradebook.students] == ['ann']
     assert scores(course, 'ann')[CHECK] == 15
     assert grade(course) == 0
     assert take_out_sample_class(course) == 0
+
+    (course.submitted / 'pass__sample').mkdir()
+    write_reports(course.reports, ASSIGNMENT, there[1:])
+    assert take_out_sample_class(course) == 1
+    assert not results_file(course, ASSIGNMENT).exists()
 
 
 ALL = (
@@ -252,6 +284,7 @@ ALL = (
     writes_reruns_and_keeps_grades_given_by_hand,
     leaves_marks_alone_that_nothing_speaks_against,
     says_that_a_gradebook_does_not_answer,
+    says_that_settings_are_wrong,
     fills_what_was_changed_or_lost,
     fills_a_gradebook_that_was_deleted,
     takes_off_for_lateness_as_nbgrader_is_told,

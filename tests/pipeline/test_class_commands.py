@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 import io
 import json
 import os
@@ -17,8 +18,17 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.exports.gradescope_zip import autograder_zip
-from autograder.exports.marks import AUTOMATIC, BY_HAND, GRADED, marks, NOT_ENTERED, REVIEW
+from autograder.exports.marks import (
+    AUTOMATIC,
+    BY_HAND,
+    GRADED,
+    marks,
+    NO_GRADE,
+    NOT_ENTERED,
+    REVIEW,
+)
 from autograder.gradebook.record import record
+from autograder.judging.results import ExamResult, SubmissionResult
 from autograder.layout import Layout
 from autograder.sample_class import compose
 from autograder.whole_class.class_results import one_graded
@@ -99,6 +109,17 @@ class TestMarks:
         assert (found['ann'].points, found['ann'].max_points) == (42.0, 45.0)
         assert found['ann'].status == GRADED
         assert found['eve'].points is None
+
+    def test_visible_checks_alone_make_no_mark_whatever_the_gradebook_has(self, graded):
+        """It has a mark for work that is perhaps another one by now."""
+        grade_by_hand(graded, 'ann', 4.0)
+        seen = replace(
+            one_graded(graded, ASSIGNMENT),
+            results=(SubmissionResult('ann', ASSIGNMENT, (ExamResult('e', (), mode='none'),)),),
+        )
+        (mark,) = marks(graded, seen, 'gradebook')
+
+        assert (mark.points, mark.status) == (None, NO_GRADE)
 
     def test_automatic_marks_are_those_of_the_checks(self, graded):
         """Whatever the gradebook has."""

@@ -38,7 +38,7 @@ def test_a_probe_ends_at_whatever_moment_it_is_killed(tmp_path: Path, turn: int)
     try:
         probe = sandbox.start_probe(student, home)
         os.killpg(probe.pid, signal.SIGKILL)
-        said, _ = probe.communicate(timeout=30)
+        said, _ = probe.communicate(timeout=60)
     finally:
         student.kill()
 

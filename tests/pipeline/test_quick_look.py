@@ -159,6 +159,14 @@ class TestWhatIsMeant:
         with pytest.raises(NotTakenInError, match=r'temp_subscriber\.py, got only odd\.py'):
             quick_look.looks(tmp_path / 'odd.py', monitor, LAYOUT)
 
+    @pytest.mark.parametrize('name', ['odd.ipynb', 'odd.zip', 'odd.py', 'odd'])
+    def test_a_path_that_leads_nowhere_is_no_submission(self, tmp_path, name):
+        """Of whatever form: a slip of the instructor's is nobody's zero."""
+        monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
+
+        with pytest.raises(NotTakenInError, match='got nothing of that name'):
+            quick_look.looks(tmp_path / name, monitor, LAYOUT)
+
 
 @pytest.mark.pipeline
 @pytest.mark.ros

@@ -383,4 +383,6 @@ class TestCommands:
     def test_what_was_not_graded_is_one_line(self, capsys):
         """Exit code 2."""
         assert command.main(['rejudge', '03_topics']) == command.USAGE
-        assert 'expected results of 03_topics, got none' in capsys.readouterr().err
+        assert 'Did you mean 07_temperature_monitor?' in capsys.readouterr().err
+        assert command.main(['explain', 'ann', 'x', '--assignment', 'topics']) == command.USAGE
+        assert 'topics: there is no such assignment' in capsys.readouterr().err

@@ -323,7 +323,9 @@ class TestCommand:
         command.main(['collect', str(empty)])
         assert (example / 'pass__example').is_dir()
 
-        command.main(['collect', str(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}))])
+        source = str(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}))
+        named_otherwise = layout.submitted / '..' / layout.submitted.name
+        command.main(['collect', source, '--to', str(named_otherwise)])
         assert [path.name for path in layout.submitted.iterdir()] == ['ann']
         assert '1 example students were taken out' in capsys.readouterr().err
 

@@ -15,7 +15,7 @@ from autograder import __main__ as command
 from autograder.errors import SandboxUnavailable
 from autograder.layout import Layout
 from autograder.whole_class import grading
-from autograder.whole_class.grading import submitted_folder
+from autograder.whole_class.grading import NotEnteredError, submitted_folder
 
 
 @pytest.fixture(autouse=True)
@@ -339,3 +339,16 @@ def test_starting_imports_neither_nbgrader_nor_ros():
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
 
     assert done.stdout.strip() == '[]'
+
+
+def test_what_the_gradebook_refuses_is_told_of_every_assignment(monkeypatch):
+    """Once each: a server that does not answer says the same for all of them."""
+
+    def refuses(layout, assignment, *_):
+        raise NotEnteredError('no server.' if assignment == '09' else f'{assignment}: cells.', ())
+
+    monkeypatch.setattr(grading, '_grade_assignment', refuses)
+    done, trouble = grading._grade_all(None, ['03', '07', '09', '09'], None, None, 1, None)
+
+    assert done == []
+    assert trouble == '03: cells. 07: cells. no server.'

@@ -104,6 +104,16 @@ class TestCheckCells:
         assert line.startswith('x.ipynb, cell 2')
 
 
+def test_what_is_above_the_course_hides_nothing_of_it(tmp_path):
+    """Machines that build check projects out in folders called build."""
+    folder = tmp_path / 'build' / 'notebooks'
+    for name in ('01/a.ipynb', '01/ros_ws/x.py'):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(name)
+
+    assert sorted(course._contents(folder)) == ['01/a.ipynb']
+
+
 class TestBundle:
     """What students receive."""
 
@@ -148,6 +158,19 @@ class TestBundle:
         assert course.pack(layout, first) == course.pack(layout, second) == 5
         assert first.read_bytes() == second.read_bytes()
         assert zipfile.ZipFile(first).testzip() is None
+
+    def test_a_bundle_that_cannot_be_made_leaves_the_one_before(
+        self, layout, tmp_path, monkeypatch
+    ):
+        """Half of one would be handed to students."""
+        course.pack(layout, tmp_path / 'a.zip')
+        before = (tmp_path / 'a.zip').read_bytes()
+        broken = {'a': layout.root / 'README.md', 'b': layout.root / 'not there'}
+        monkeypatch.setattr(course, 'bundled_files', lambda layout: broken)
+        with pytest.raises(FileNotFoundError):
+            course.pack(layout, tmp_path / 'a.zip')
+
+        assert (tmp_path / 'a.zip').read_bytes() == before
 
     def test_its_readme_is_the_page_for_students(self, layout, tmp_path):
         """The project's own speaks of grading and of pages that are not there."""

@@ -1,9 +1,11 @@
 """Running steps: resuming, explaining, waiting for one another."""
 
+import dataclasses
 import io
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
@@ -224,3 +226,27 @@ def test_the_sample_in_environment_md_shows_the_steps_as_they_are():
     for number, step in list(enumerate(steps, start=1))[1:]:
         label = f'[{number}/{len(steps)}] {step.title}'
         assert f'{label} ...{f" ({step.about})" if step.about else ""}\n{label}: done in' in page
+
+
+def test_run_steps_optional_failure_is_told_and_the_rest_goes_on(fake):
+    """Whoever reads "done" believes it."""
+    one, two, three = fake.steps()
+    fake.fail_in = 'two'
+    steps = [one, dataclasses.replace(two, optional=True), three]
+
+    assert run_steps(steps, fake.folder / 'logs', Screen(fake.out))
+    assert fake.ran == ['one', 'two', 'three']
+    assert 'Step two: FAILED: two broke' in fake.out.getvalue()
+    assert 'Step two: done' not in fake.out.getvalue()
+
+
+def test_a_grader_that_fails_its_proof_is_told(tmp_path, monkeypatch):
+    """The reference without full marks is no success of the last step."""
+    plan = make_plan(Places(tmp_path / 'venv'), {**os.environ, 'ROS_SOURCE': 'wheels'})
+    monkeypatch.setattr(plan, 'description', lambda: SimpleNamespace(python='/bin/false'))
+    last = dataclasses.replace(prepare.steps_of(plan)[-1], needed=lambda: True)
+    out = io.StringIO()
+
+    assert run_steps([last], tmp_path / 'logs', Screen(out))
+    assert 'FAILED: self-check ended with code 1' in out.getvalue()
+    assert 'done in' not in out.getvalue()

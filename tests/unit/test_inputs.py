@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from autograder.errors import GraderError
 from autograder.runs import inputs
 
 
@@ -44,3 +45,16 @@ def test_secret_is_made_once_and_for_its_owner_alone(monkeypatch, tmp_path):
     assert len(first) == 64
     assert (tmp_path / 'work' / 'secret').stat().st_mode & 0o777 == 0o600
     assert len(list((tmp_path / 'work').iterdir())) == 1
+
+
+def test_an_empty_secret_is_refused_wherever_it_stands(monkeypatch, tmp_path):
+    """Of an empty one everybody knows all hidden inputs: a CI without its secret sets it so."""
+    monkeypatch.setenv('COURSE_SECRET', '')
+    with pytest.raises(GraderError, match='COURSE_SECRET: expected the secret of the course'):
+        inputs.generator('e', 'p')
+
+    monkeypatch.delenv('COURSE_SECRET')
+    monkeypatch.setattr(inputs, 'SECRET_FILE', tmp_path / 'secret')
+    (tmp_path / 'secret').write_bytes(b'\n')
+    with pytest.raises(GraderError, match='secret: expected the secret of the course'):
+        inputs.course_secret()

@@ -9,7 +9,8 @@ import pytest
 
 from autograder.handed_in.cells import CellFile
 from roslab import child, package_files
-from roslab.errors import NameRefusedError
+from roslab.errors import NameRefusedError, NotHereError
+from roslab.messages import build_messages
 from roslab.package_files import learner_package, LearnerPackage, package
 
 
@@ -117,3 +118,10 @@ def test_long_output_is_cut_at_its_beginning(tmp_path):
 
     assert len(outcome.output) <= 2_000_000
     assert outcome.output.endswith('end\n')
+
+
+@pytest.mark.parametrize('folder', ['/', '/tmp', '/nowhere/a/b/c'])
+def test_a_folder_in_no_workspace_is_not_built(folder):
+    """However short its path is."""
+    with pytest.raises(NotHereError, match='expected a package inside a workspace'):
+        build_messages(folder)
