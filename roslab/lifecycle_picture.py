@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from html import escape
 from typing import Any
 
@@ -11,6 +12,7 @@ from rclpy.node import Node
 
 from drawing.svg import FONT
 from roslab.errors import NotHereError, RoslabError
+from roslab.ros2.service_calls import meet
 from roslab.session import Session, session
 from roslab.waiting import wait_in
 
@@ -164,7 +166,8 @@ def _asked(current: Session, name: str) -> str:
     helper = current.helper
     client: Any = helper.create_client(GetState, f'{name}/get_state')
     try:
-        if wait_in(current, client.service_is_ready, _PATIENCE_S):
+        ready = wait_in(current, client.service_is_ready, _PATIENCE_S)
+        if ready and meet(helper, client.service_name, _PATIENCE_S, partial(wait_in, current)):
             future = client.call_async(GetState.Request())
             if wait_in(current, future.done, _PATIENCE_S):
                 return str(future.result().current_state.label)

@@ -7,9 +7,10 @@ import argparse
 from rclpy.node import Node
 
 from roslab.ros2.cli import Outcome, verbs_of
-from roslab.ros2.discovery import add_node_arguments, knowing_node, ros_node, wait_for
+from roslab.ros2.discovery import add_node_arguments, knowing_node, wait_for
 from roslab.ros2.filling import fill, parsed
 from roslab.ros2.interface_files import interface_class
+from roslab.ros2.service_calls import ANSWER_S, meet
 
 
 def add_arguments(group: argparse.ArgumentParser) -> None:
@@ -70,12 +71,13 @@ def call_service(args: argparse.Namespace) -> Outcome:
         fill(request, parsed(args.values))
     except (AttributeError, TypeError, ValueError, AssertionError) as problem:
         return f'Failed to populate field: {problem}'
-    with ros_node(args) as node:
+    with knowing_node(args) as node:
         client = node.create_client(kind, args.service_name)
         if not client.service_is_ready():
             print('waiting for service to become available...', flush=True)
         wait_for(node, client.service_is_ready, float('inf'))
         print(f'requester: making request: {request!r}\n', flush=True)
+        meet(node, client.service_name, ANSWER_S)
         future = client.call_async(request)
         wait_for(node, future.done, float('inf'))
         print(f'response:\n{future.result()!r}\n')

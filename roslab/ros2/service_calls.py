@@ -1,14 +1,30 @@
-"""Calling the services that nodes have by themselves: parameters and lifecycle."""
+"""
+Calling a service once, from a process that has only just come.
+
+Both sides discover each other on their own.  A client that knows the server may call before the
+server knows the client, and then the answer goes to nobody: rmw_fastrtps waits a tenth of a second
+for the client and drops it ("client will not receive response").  So the node that serves is first
+asked something harmless, again and again until it answers, by a client that is made last:
+announcements are in order, and its answer proves that the earlier clients are known.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
-from rclpy.node import Node
+from rcl_interfaces.srv import GetParameters
+from rclpy.node import Node, NodeNameNonExistentError
+from type_description_interfaces.srv import GetTypeDescription
 
-from roslab.ros2.discovery import wait_for
+from roslab.ros2.discovery import full_name, wait_for
 
 ANSWER_S = 5.0
+AGAIN_S = 1.0
+HARMLESS = ((GetParameters, 'get_parameters'), (GetTypeDescription, 'get_type_description'))
+"""What nodes answer by themselves; most have both, and a node may be without either."""
+
+Wait = Callable[[Callable[[], Any], float], Any]
 
 
 def call(node: Node, kind: type, name: str, request: Any, limit_s: float = ANSWER_S) -> Any:
@@ -24,12 +40,56 @@ def call(node: Node, kind: type, name: str, request: Any, limit_s: float = ANSWE
     try:
         if not wait_for(node, client.service_is_ready, limit_s):
             raise RuntimeError(f'Wait for service timed out: {name} is not there')
-        future = client.call_async(request)
-        if not wait_for(node, future.done, limit_s):
-            raise RuntimeError(f'{name} did not answer within {limit_s:.0f} s: is its node spun?')
-        return future.result()
+        if meet(node, name, limit_s):
+            future = client.call_async(request)
+            if wait_for(node, future.done, limit_s):
+                return future.result()
+        raise RuntimeError(f'{name} did not answer within {limit_s:.0f} s: is its node spun?')
     finally:
         node.destroy_client(client)
+
+
+def meet(node: Node, service: str, limit_s: float, wait: Wait | None = None) -> bool:
+    """
+    Wait until the node that offers a service knows all clients that our node has by now.
+
+    :param service: its full name; it is known to our node
+    :param limit_s: how long to wait [s]
+    :param wait: given a condition and seconds, spins our node until it holds, and says whether
+    :returns: False if that node answers nothing; True also if there is no harmless question
+    """
+    wait = wait or (lambda condition, seconds: wait_for(node, condition, seconds))
+    question = _harmless(node, service)
+    if question is None:
+        return True
+    kind, name = question
+    client = node.create_client(kind, name)
+    try:
+        answers: list[Any] = []
+        for _ in range(max(1, round(limit_s / AGAIN_S))):
+            if wait(client.service_is_ready, AGAIN_S):
+                answers.append(client.call_async(kind.Request()))
+                if wait(lambda: any(answer.done() for answer in answers), AGAIN_S):
+                    return True
+        return False
+    finally:
+        node.destroy_client(client)
+
+
+def _harmless(node: Node, service: str) -> tuple[Any, str] | None:
+    """Return a service of the node that offers this one which anybody may call at any time."""
+    for base, namespace in node.get_node_names_and_namespaces():
+        try:
+            known = node.get_service_names_and_types_by_node(base, namespace)
+        except NodeNameNonExistentError:  # gone meanwhile
+            continue
+        names = {name for name, _ in known}
+        if service in names:
+            own = full_name(base, namespace)
+            for kind, name in HARMLESS:
+                if f'{own}/{name}' in names:
+                    return kind, f'{own}/{name}'
+    return None
 
 
 def has_service(node: Node, name: str) -> bool:

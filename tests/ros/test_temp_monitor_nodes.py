@@ -21,6 +21,7 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 
+from roslab.ros2.service_calls import meet
 import temp_monitor_pkg
 from temp_monitor_pkg.msg import Temperature
 from tests.own_domain import own_domain
@@ -68,15 +69,20 @@ class Operator:
         self._processes.append(process)
         self._clients[node] = AsyncParameterClient(self._node, node)
         self.wait_for(self._clients[node].services_are_ready, f'{node} offers its services')
+        # An answer to a client that its node does not know yet would be lost.
+        assert meet(self._node, f'/{node}/get_parameters', DEADLINE_S, self._waits)
         self.settle(node)
         return process
 
     def wait_for(self, condition, what: str) -> None:
         """Spin until the condition holds."""
-        end = time.monotonic() + DEADLINE_S
-        while not condition():
-            assert time.monotonic() < end, f'not within {DEADLINE_S} s: {what}'
+        assert self._waits(condition, DEADLINE_S), f'not within {DEADLINE_S} s: {what}'
+
+    def _waits(self, condition, seconds: float) -> bool:
+        end = time.monotonic() + seconds
+        while not (holds := condition()) and time.monotonic() < end:
             self._executor.spin_once(timeout_sec=0.1)
+        return holds
 
     def answer_of(self, future, what: str):
         """Return what a service answers."""

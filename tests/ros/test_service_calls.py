@@ -1,0 +1,95 @@
+"""A service is called when its node knows the client, with real nodes on both sides."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, suppress
+import time
+
+import pytest
+from rcl_interfaces.srv import GetParameters
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node, NodeNameNonExistentError
+
+from roslab.ros2.service_calls import meet
+from tests.own_domain import own_domain
+
+pytestmark = [pytest.mark.ros]
+SERVICE = '/asked/reset'
+
+
+@pytest.fixture
+def executors() -> Iterator[list[SingleThreadedExecutor]]:
+    """Provide executors of two participants, as of two processes."""
+    with ExitStack() as until:
+        domain, made = own_domain(until), []
+        for _ in range(2):
+            context = Context()
+            context.init(args=[], domain_id=domain)
+            until.callback(context.try_shutdown)
+            made.append(SingleThreadedExecutor(context=context))
+            until.callback(made[-1].shutdown)
+        yield made
+
+
+def a_node(executor: SingleThreadedExecutor, name: str, **options: bool) -> Node:
+    """Make a node that the executor serves."""
+    node = Node(name, context=executor.context, **options)
+    executor.add_node(node)
+    return node
+
+
+def wait_until_known(node: Node, executor: SingleThreadedExecutor) -> None:
+    """Wait until the node knows who offers the service."""
+    end = time.monotonic() + 60.0
+    while True:
+        with suppress(NodeNameNonExistentError):
+            if SERVICE in dict(node.get_service_names_and_types_by_node('asked', '/')):
+                return
+        assert time.monotonic() < end
+        executor.spin_once(timeout_sec=0.01)
+
+
+def test_a_lost_answer_is_asked_for_again(executors):
+    """Until the first answer has come, each look asks once more."""
+    asking, asked = executors
+    node, server = a_node(asking, 'asking'), a_node(asked, 'asked')
+    server.create_service(GetParameters, SERVICE, lambda _, answer: answer)
+    (parameters,) = [
+        each for each in server.services if each.service_name == '/asked/get_parameters'
+    ]
+    wait_until_known(node, asking)
+    lost = []
+
+    def wait(condition, seconds):
+        for _ in range(1000):
+            if condition():
+                return True
+            asking.spin_once(timeout_sec=0.01)
+            if len(lost) < 2:  # the server has taken it, and its answer reaches nobody
+                header = parameters.handle.service_take_request(parameters.srv_type.Request)[1]
+                if header is not None:
+                    lost.append(header)
+                    return False
+            else:
+                asked.spin_once(timeout_sec=0.01)
+        return False
+
+    assert meet(node, SERVICE, 60.0, wait)
+    assert len(lost) == 2
+
+
+def test_who_answers_nothing_is_not_met(executors):
+    """Nobody spins the node that serves."""
+    asking, asked = executors
+    node, server = a_node(asking, 'asking'), a_node(asked, 'asked')
+    server.create_service(GetParameters, SERVICE, lambda _, answer: answer)
+    wait_until_known(node, asking)
+
+    def wait(condition, seconds):
+        asking.spin_once(timeout_sec=0.01)
+        return condition()
+
+    assert not meet(node, SERVICE, 5.0, wait)
+    assert not list(node.clients)
