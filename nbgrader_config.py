@@ -71,6 +71,8 @@ c.HTMLExporter.filters = {
 # Our own page for students: nothing is loaded from elsewhere, and it is readable in the dark.
 # HTMLExporter itself is left alone: formgrader uses it, with a template of its own.
 c.GenerateFeedback.exporter_class = 'autograder.gradebook.nbgrader_plugin.FeedbackExporter'
+# Marks change without a new submission: by hand, for an appeal, with an edited exam.
+c.GenerateFeedback.force = True
 c.GenerateFeedback.preprocessors = [
     'autograder.gradebook.nbgrader_plugin.GradesToShow',
     'nbconvert.preprocessors.CSSHTMLHeaderPreprocessor',

@@ -2,7 +2,8 @@
 The grader on the command line; COMMAND --help says more about each.
 
 Exit codes: 0 everything has a verdict, 1 some submissions are for review, 2 the command cannot
-be done (its arguments, or our own fault), 130 stopped by Ctrl-C.
+be done (its arguments, or our own fault), 130 stopped by Ctrl-C, 141 its output is not read to
+the end, as in '... | head'.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Sequence
 import json
 import os
 from pathlib import Path
+import select
 import sys
 from typing import Any, TYPE_CHECKING
 
@@ -26,7 +28,7 @@ from environment.ros import EnvironmentError_
 if TYPE_CHECKING:
     from autograder.judging.exam import Exam
 
-USAGE, STOPPED = 2, 130
+USAGE, STOPPED, UNREAD = 2, 130, 141
 GOES_ON = {
     'grade': 'Finished runs are kept; the same command goes on.',
     'collect': 'What was taken stays; the same command goes on.',
@@ -45,7 +47,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = _parser().parse_args(arguments)
     try:
         code: int = chosen.run(chosen)
+        sys.stdout.flush()
     except (UsageError, GraderError, EnvironmentError_, OSError, ModuleNotFoundError) as error:
+        if isinstance(error, BrokenPipeError) and _nobody_reads():
+            end_runs()
+            return UNREAD
         if isinstance(error, ModuleNotFoundError) and str(error.name).partition('.')[0] in OURS:
             if (Path(__file__).parent / 'exams' / 'hidden').is_dir():
                 raise  # a defect of ours, not of the Python in use
@@ -61,6 +67,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
             os._exit(STOPPED)
         return STOPPED
     return code
+
+
+def _nobody_reads() -> bool:
+    """
+    Tell whether standard output is a pipe that its reader has closed.
+
+    If so it is led away, or Python itself would complain at its end.
+    """
+    try:
+        output = sys.stdout.fileno()
+    except (OSError, ValueError):  # no file of the system's
+        return False
+    looked_at = select.poll()
+    looked_at.register(output, 0)  # errors are always reported
+    if not any(what & select.POLLERR for _, what in looked_at.poll(0)):
+        return False
+    os.dup2(os.open(os.devnull, os.O_WRONLY), output)
+    return True
 
 
 def _how_to_go_on(chosen: argparse.Namespace) -> str:

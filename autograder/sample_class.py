@@ -225,9 +225,30 @@ def take_out_sample_class(layout: Layout) -> int:
                 shutil.rmtree(above / name)
                 gone.add(name)
     if gone:
-        _forget_in_gradebook(layout, names)
         _forget_in_reports(layout, names)
+        _forget_in_gradebook(layout, names)
     return len(gone)
+
+
+def _forget_in_reports(layout: Layout, names: set[str]) -> None:
+    """Take them out of the last results, with which statistics and exports begin."""
+    from autograder.whole_class.class_report import write_class_report
+    from autograder.whole_class.class_results import results_file, results_of_others
+    from autograder.whole_class.people import read_people
+    from autograder.whole_class.report import write_reports
+
+    for assignment in layout.assignments():
+        if not results_file(layout, assignment).is_file():
+            continue
+        try:
+            others = results_of_others(layout, assignment, names)
+        except GraderError:
+            continue  # a grading writes them anew
+        if others:
+            write_reports(layout.reports, assignment, others, people=read_people(layout))
+            write_class_report(layout, assignment)
+        else:
+            shutil.rmtree(layout.reports / assignment)
 
 
 def _forget_in_gradebook(layout: Layout, names: set[str]) -> None:
@@ -238,22 +259,3 @@ def _forget_in_gradebook(layout: Layout, names: set[str]) -> None:
         from autograder.gradebook.record import forget_students
 
         forget_students(layout, names)
-
-
-def _forget_in_reports(layout: Layout, names: set[str]) -> None:
-    """Leave the sample students out of the results, with which every export begins."""
-    from autograder.whole_class.class_report import write_class_report  # needs packages
-    from autograder.whole_class.class_results import last_results, results_file
-    from autograder.whole_class.people import read_people
-    from autograder.whole_class.report import write_reports
-
-    for assignment in layout.assignments():
-        if not results_file(layout, assignment).is_file():
-            continue
-        everybody = last_results(layout, assignment)
-        left = [one for one in everybody if one.student not in names]
-        if not left:
-            shutil.rmtree(layout.reports / assignment)
-        elif len(left) < len(everybody):
-            write_reports(layout.reports, assignment, left, people=read_people(layout))
-            write_class_report(layout, assignment)

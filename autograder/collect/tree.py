@@ -11,7 +11,7 @@ programs leave beside people's work is in no list and does not count as files of
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 import os
@@ -48,6 +48,8 @@ _MARK = 'COLCON_IGNORE'
 _WORKSPACE = 'ros_ws'
 _CHUNK = 1 << 20
 _NOT_LISTED = 'made by a program'
+_UTF_8 = 0x800
+"""Set where a zip says that a name is UTF-8."""
 _TAKEN = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -277,12 +279,11 @@ def _read_path(path: Path, where: str, budget: Budget) -> bytes:
 
 def _of_zip(name: str, archive: zipfile.ZipFile, budget: Budget) -> Tree:
     found, inside = _Listing(name), archive.infolist()
+    names = [_name_of(entry) for entry in inside]
     # What is deeper than allowed stays in one piece: a name may have thousands of slashes.
-    paths = [
-        tuple(entry.orig_filename.removesuffix('/').split('/', DEEPEST + 1)) for entry in inside
-    ]
+    paths = [tuple(one.removesuffix('/').split('/', DEEPEST + 1)) for one in names]
     marked = {parts[:-1] for parts in paths if parts[-1] == _MARK}
-    for entry, parts in zip(inside, paths):
+    for entry, where, parts in zip(inside, names, paths):
         upto = range(1, len(parts) + 1)
         noise = next((parts[:count] for count in upto if _is_noise(parts[:count], marked)), None)
         found.count(noise is not None)
@@ -297,10 +298,22 @@ def _of_zip(name: str, archive: zipfile.ZipFile, budget: Budget) -> Tree:
         if not trouble and parts in found.files:
             trouble = 'a name that is there twice'
         if trouble:
-            found.refused.append((entry.orig_filename[:LONGEST_NAME], trouble))
+            found.refused.append((where[:LONGEST_NAME], trouble))
         else:
             found.files[parts] = File(parts, partial(_read_entry, archive, entry, budget))
     return found.tree(name.removesuffix('.zip'))
+
+
+def _name_of(entry: zipfile.ZipInfo) -> str:
+    """
+    Return the name of an entry.
+
+    The Finder and ``zip`` write UTF-8 without saying so, and Python reads that as code page 437.
+    """
+    if not entry.flag_bits & _UTF_8:
+        with suppress(UnicodeError):
+            return entry.orig_filename.encode('cp437').decode('utf-8')
+    return entry.orig_filename
 
 
 def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, budget: Budget) -> bytes:

@@ -19,6 +19,7 @@ import io
 from pathlib import Path
 import re
 
+from autograder.collect.ids import student_id
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number
 from autograder.exports.marks import Mark
@@ -238,8 +239,10 @@ def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, 
     lines: dict[str, set[int]] = {}
     for row in book.students():
         for column in columns:
-            if book.rows[row][column].strip():
-                lines.setdefault(book.rows[row][column].strip(), set()).add(row)
+            text = book.rows[row][column].strip()
+            # What cannot be an id of nbgrader's as it is, as ann+x@example.org, was made one.
+            for name in {text, student_id(text)} - {''}:
+                lines.setdefault(name, set()).add(row)
     found: dict[int, list[Mark]] = {}
     for mark in marks:
         rows = lines.get(mark.student, set())

@@ -32,7 +32,10 @@ SHOWN = """
 select submitted_assignment.student_id, base_cell.name, grade.auto_score,
        submitted_assignment.timestamp, submitted_assignment.extension, assignment.duedate,
        submitted_notebook.late_submission_penalty,
-       case when submitted_notebook.late_submission_penalty is not null then grade.manual_score end
+       case when submitted_notebook.late_submission_penalty is null then null
+            else grade.manual_score end,
+       case when submitted_notebook.late_submission_penalty is null then null
+            else grade.extra_credit end
 from grade
 join base_cell on base_cell.id = grade.cell_id
 join submitted_notebook on submitted_notebook.id = grade.notebook_id
@@ -54,9 +57,10 @@ def make_gradebook(layout: Layout) -> None:
     path = gradebook_file(layout)
     if path is None or path.exists():
         return
-    unfinished = Path(f'{path}.{os.getpid()}')
+    unfinished = Path(f'{path}.unfinished')  # one name: only one grading at a time is here
     unfinished.parent.mkdir(parents=True, exist_ok=True)
-    unfinished.unlink(missing_ok=True)
+    for left in (unfinished, Path(f'{unfinished}-journal')):
+        left.unlink(missing_ok=True)
     course = str(load_config(layout).CourseDirectory.course_id)
     with Gradebook(f'sqlite:///{unfinished}', course):
         pass

@@ -59,11 +59,12 @@ def book(course: Layout) -> Gradebook:
     return Gradebook(str(load_config(course).CourseDirectory.db_url))
 
 
-def by_hand(course: Layout, student: str, points: float) -> None:
+def by_hand(course: Layout, student: str, points: float, extra: float = 0.0) -> None:
     """Grade the written answer as formgrader does."""
     with book(course) as gradebook:
         grade = gradebook.find_grade(WRITTEN, 'temperature_monitor', ASSIGNMENT, student)
         grade.manual_score = points
+        grade.extra_credit = extra or None
         grade.needs_manual_grade = False
         gradebook.db.commit()
 
@@ -196,9 +197,11 @@ def fills_a_gradebook_that_was_deleted(course: Layout) -> None:
     path.unlink()
     assert entered.shown(course, ASSIGNMENT) == {}
     assert not path.exists()
+    path.with_name(f'{path.name}.unfinished').write_bytes(b'of a grading that was killed')
 
     assert grade(course) == 1
     assert scores(course, 'ann')[CHECK] == 15
+    assert [one.name for one in path.parent.glob(f'{path.name}*')] == [path.name]
 
 
 def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
@@ -223,6 +226,9 @@ def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
     by_hand(course, 'bob', 4)
     assert grade(course) == 1
     assert scores(course, 'bob')['late'] == 44
+    by_hand(course, 'bob', 4, extra=2)
+    assert grade(course) == 1
+    assert scores(course, 'bob')['late'] == 46
     assert waiting(course, 'ann', 'bob') == [False, False]
 
     hand_in(course, 'bob', '2026-03-01 12:00:00 UTC')

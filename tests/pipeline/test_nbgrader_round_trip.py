@@ -255,6 +255,10 @@ def test_formgraders_buttons_show_a_submission_and_make_feedback(graded_by_comma
     assert '>likely cause</dt>' in page.read_text(encoding='utf-8')
     assert HTMLExporter(config=config).template_name != 'feedback_page'
 
+    page.write_text('of marks that have changed since', encoding='utf-8')
+    nbgrader(course, 'generate_feedback', ASSIGNMENT, '--student=bob')
+    assert '>likely cause</dt>' in page.read_text(encoding='utf-8')
+
 
 class TestRecord:
     """What ``python -m autograder grade`` writes."""

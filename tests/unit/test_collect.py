@@ -29,9 +29,12 @@ from autograder import __main__ as command
 from autograder.collect import collect, LEFT, REPLACED, student_id, TAKEN, tree, UNCHANGED
 from autograder.collect.kinds import kind_of
 from autograder.collect.tree import NotCollectedError, opened
+from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
 from autograder.whole_class.alone import alone
+from autograder.whole_class.class_results import last_results, results_file
 from autograder.whole_class.inbox import discover, is_student_id
+from autograder.whole_class.report import write_reports
 
 
 @pytest.mark.parametrize(
@@ -134,6 +137,20 @@ class TestStudentIds:
     def test_two_ways_to_write_a_letter_are_one(self):
         """As some systems write names in parts."""
         assert student_id('Zoe\u0308') == student_id('Zo\xeb') == 'Zo\xeb'
+
+    @pytest.mark.parametrize('name', ['Zoë', 'Zoe\u0308', '小明', 'Jose--x'])
+    def test_one_from_a_zip_that_does_not_say_utf_8(self, name, tmp_path, layout):
+        """As the Finder and ``zip`` pack folders: nobody becomes two students."""
+        source = packed(tmp_path / 's.zip', {f'{name}/talk.ipynb': GOOD})
+        data = source.read_bytes()
+        for header, flags in ((b'PK\x03\x04', 6), (b'PK\x01\x02', 8)):
+            at = data.index(header) + flags
+            data = data[:at] + b'\0\0' + data[at + 2 :]
+        source.write_bytes(data)
+
+        collect(source, layout, layout.submitted)
+
+        assert set(taken(layout)) == {f'{student_id(name)}/{TALK}/talk.ipynb'}
 
     @pytest.mark.parametrize('name', ['', '--', '***', '_', '\u093f', ' . '])
     def test_a_name_without_a_letter_or_digit_is_none(self, name):
@@ -316,6 +333,9 @@ class TestCommand:
         """Not before something is taken."""
         laid(layout.sample_class, {f'{TALK}/pass__example/expected.json': b'{}'})
         example = laid(layout.submitted, {f'pass__example/{TALK}/talk.ipynb': GOOD})
+        everybody = [SubmissionResult(one, TALK) for one in ('ann', 'pass__example')]
+        write_reports(layout.reports, TALK, everybody)
+        write_reports(layout.reports, LISTEN, everybody[1:])
         empty = laid(tmp_path / 'empty', {'ann/x.txt': b''})
         settings = f"c.CourseDirectory.db_url = 'sqlite:///{tmp_path}/none.db'\n"
         (layout.root / 'nbgrader_config.py').write_text(f'c = get_config()\n{settings}', 'utf-8')
@@ -327,6 +347,8 @@ class TestCommand:
         named_otherwise = layout.submitted / '..' / layout.submitted.name
         command.main(['collect', source, '--to', str(named_otherwise)])
         assert [path.name for path in layout.submitted.iterdir()] == ['ann']
+        assert [one.student for one in last_results(layout, TALK)] == ['ann']
+        assert not results_file(layout, LISTEN).exists()
         assert '1 example students were taken out' in capsys.readouterr().err
 
     def test_it_waits_for_no_grading(self, tmp_path, layout, capsys):

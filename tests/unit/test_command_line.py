@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import argparse
 from contextlib import nullcontext
 import json
+import os
 from pathlib import Path
 import signal
 import subprocess
@@ -352,3 +354,21 @@ def test_what_the_gradebook_refuses_is_told_of_every_assignment(monkeypatch):
 
     assert done == []
     assert trouble == '03: cells. 07: cells. no server.'
+
+
+def test_a_reader_that_leaves_is_no_trouble(monkeypatch, capfd):
+    """As in ``... | head``: nothing is said, and Python itself says nothing at its end."""
+    reading, writing = os.pipe()
+    os.close(reading)
+
+    def run(chosen):
+        print('a line')
+        return 0
+
+    with os.fdopen(writing, 'w') as closed:
+        monkeypatch.setattr(sys, 'stdout', closed)
+        parser = argparse.Namespace(parse_args=lambda _: argparse.Namespace(run=run))
+        monkeypatch.setattr(command, '_parser', lambda: parser)
+        assert command.main([]) == 141
+        print('lost', file=closed, flush=True)
+    assert capfd.readouterr().err == ''

@@ -13,6 +13,7 @@ import io
 
 import pytest
 
+from autograder.collect.ids import student_id
 from autograder.errors import GraderError
 from autograder.exports import canvas
 from autograder.exports.marks import BY_HAND, Mark, REVIEW
@@ -69,6 +70,15 @@ def test_a_student_is_found_by_any_id(student):
     done = fill([Mark(student, 1.0, 6.5)])
 
     assert cells(done.data)[3][7] == '1'
+
+
+@pytest.mark.parametrize('login', ["o'neil@uni.example", 'bob+ros@uni.example'])
+def test_an_id_that_collect_had_to_change_is_found(login):
+    """By the same rule, as nbgrader takes no such id."""
+    data = book(ADA, BOB.replace('bob@uni.example', login))
+    done = fill([Mark(student_id(login), 1.0, 6.5)], data)
+
+    assert cells(done.data)[4][7] == '1'
 
 
 @pytest.mark.parametrize('student', ['Lovelace, Ada', 'ADA', 'ad', 'adaa', ''])
