@@ -12,6 +12,7 @@ import json
 from pathlib import Path
 
 from autograder.errors import GraderError
+from autograder.explaining.feedback import number
 from autograder.judging.results import ExamResult, SubmissionResult
 from autograder.layout import Layout
 from autograder.sandboxes.isolation import MODES
@@ -59,6 +60,25 @@ def results_of_others(
         return ()
     last = last_results(layout, assignment)
     return tuple(one for one in last if one.student not in students)
+
+
+def lowered(
+    layout: Layout, assignment: str, results: Sequence[SubmissionResult]
+) -> tuple[str, ...]:
+    """
+    Return whose points are about to become fewer, as in ``ann 40 to 27``.
+
+    So nobody takes an appeal's marks back unknowingly, by grading what was handed in before it.
+    """
+    try:
+        last = last_results(layout, assignment)
+    except (GraderError, OSError):
+        return ()  # nothing was graded before that can be compared
+    before = {one.student: one.points for one in last if has_mark(one)}
+    fewer = [one for one in results if has_mark(one) and one.points < before.get(one.student, 0)]
+    return tuple(
+        f'{one.student} {number(before[one.student])} to {number(one.points)}' for one in fewer
+    )
 
 
 def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:

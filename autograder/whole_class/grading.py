@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 OK, FOR_REVIEW = 0, 1
 AHEAD = 64
 """Runs that a scheduler has before it needs them: workers that come later find something to do."""
+MOST_NAMED = 5
 
 
 class UsageError(Exception):
@@ -240,6 +241,7 @@ def _grade_assignment(
     layout: Layout, assignment: str, submitted: Path, engine: Engine, jobs: int, told: Console
 ) -> list[SubmissionResult]:
     """Grade one assignment of a class, record it, write the reports, print the table."""
+    from autograder.whole_class.class_results import lowered
     from autograder.whole_class.pipeline import grade_class, load_lesson
 
     lesson = load_lesson(layout, assignment, engine)
@@ -266,6 +268,9 @@ def _grade_assignment(
     summary = _summary(graded, graded_s, time.monotonic() - began, totals)
     if graded_in_full and new < len(graded):
         summary += f' {len(graded) - new} were in the gradebook as they are.'
+    if fewer := lowered(layout, assignment, results):
+        summary += f' Fewer points than before: {", ".join(fewer[:MOST_NAMED])}'
+        summary += f' and {len(fewer) - MOST_NAMED} others.' if fewer[MOST_NAMED:] else '.'
     if others:
         summary += f' Not in this folder, kept as they were: {len(others)} others.'
     _report(layout, assignment, results, others, summary, told)

@@ -76,6 +76,7 @@ def test_an_appeal_changes_one_student(graded, tmp_path):
     assert list(points(graded)) == ['ann', 'bob', 'cho', 'dee']
     assert 'Not in this folder, kept as they were: 2 others.' in said
     assert 'cho' not in said
+    assert 'Fewer points' not in said
     new = pages(graded)
     assert sorted(new) == ['ann.html', 'bob.html', 'cho.html', 'dee.html']
     for name in ('ann.html', 'cho.html'):
@@ -83,6 +84,9 @@ def test_an_appeal_changes_one_student(graded, tmp_path):
     for name in ('index.html', 'class.html'):
         text = (graded.reports / ASSIGNMENT / name).read_text(encoding='utf-8')
         assert [one for one in new if f'students/{one}' not in text] == []
+
+    said = ' '.join(grade(graded, graded.submitted).split())
+    assert 'Fewer points than before: bob 40 to 30.' in said
 
 
 @pytest.mark.parametrize('link', [False, True], ids=['by its name', 'by a link'])
