@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import pairwise
 import threading
 from typing import Any
 
@@ -63,6 +64,20 @@ def key_of(name: str, namespace: str | None) -> str:
     return f'/{space}/{name}' if space else name
 
 
+def _remapped(name: str, arguments: Mapping[str, Any]) -> tuple[str, str | None]:
+    """Return name and namespace of a node after the rules of its own ``cli_args``; first wins."""
+    given = list(arguments.get('cli_args') or ())
+    found = {'__node': name, '__ns': arguments.get('namespace')}
+    rules = [rule for option, rule in pairwise(given) if option in ('-r', '--remap')]
+    for rule in reversed(rules):
+        left, assigned, right = str(rule).partition(':=')
+        node, _, what = left.rpartition(':')
+        what = '__node' if what == '__name' else what
+        if assigned and what in found and node in ('', name):
+            found[what] = right
+    return str(found['__node']), found['__ns']
+
+
 @contextmanager
 def constructing(construction: Construction) -> Iterator[None]:
     """
@@ -80,7 +95,7 @@ def constructing(construction: Construction) -> Iterator[None]:
         name, arguments = construction.arguments(node_name, given)
         with HeldInterrupts():
             if isinstance(name, str):
-                construction.make_room(key_of(name, arguments.get('namespace')))
+                construction.make_room(key_of(*_remapped(name, arguments)))
             original(self, name, **arguments)
             construction.made.append(self)
 

@@ -21,6 +21,7 @@ import textwrap
 import traceback
 from typing import Any
 
+from IPython.core.error import UsageError
 from IPython.core.inputtransformer2 import TransformerManager
 
 from autograder.handed_in.cells import CellSyntaxError, parse_cell
@@ -37,11 +38,19 @@ _ORDER = (
     'Run first: all of them, by the menu Run, Run All Above Selected Cell.'
 )
 
+_MAGICS = str(Path(__file__).with_name('magics.py'))
+_MAGIC_BELOW = re.compile(r'Line magic function `(%%\w+)` not found')
+
 _SENTENCES = (RoslabError, NotImplementedError, TimeoutError)
 """Errors of the course that say already what to do."""
 
+_WRITTEN_WRONGLY = (SyntaxError, UsageError)
+"""Errors that no other order of the cells would have prevented."""
+
 _failed: set[int] = set()
-"""Numbers of the executions that did not come to their end."""
+"""Numbers of the executions that did not come to their end, unwritten exercises left out."""
+_executed: dict[int, str] = {}
+"""Ids of the cells of executions: their text may differ from what was saved last."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +88,7 @@ def load_ipython_extension(shell: Any) -> None:
     if _show not in getattr(shell, '_course_guides', ()):
         shell._course_guides = (_show,)
         shell.set_custom_exc((Exception, KeyboardInterrupt), _show)
+        shell.events.register('pre_run_cell', lambda _: _note(shell))
 
 
 def advice(error: BaseException, shell: Any) -> str | None:
@@ -93,6 +103,13 @@ def advice(error: BaseException, shell: Any) -> str | None:
     )
     if at_once or (interrupted() and not _raised_by_learner(error)):
         return _interrupted(error)
+    if isinstance(error, UsageError) and (found := _MAGIC_BELOW.match(str(error))):
+        return (
+            f'UsageError: {found[1]} has to be the first line of its cell. Move what stands above '
+            'it, also a comment, below it, and run the cell again.'
+        )
+    if type(error) is NotImplementedError and _raised_by_learner(error):
+        return _not_written(error)
     if type(error).__name__ == 'InvalidHandle':
         return (
             'InvalidHandle: this node, or what belongs to it, was stopped or replaced meanwhile. '
@@ -108,11 +125,11 @@ def advice(error: BaseException, shell: Any) -> str | None:
     missing: str | None = getattr(error, 'name', None)
     if not missing:
         return None
-    found = _first_cell_with(missing, isinstance(error, ModuleNotFoundError), shell)
-    if found is None:
+    cell = _first_cell_with(missing, isinstance(error, ModuleNotFoundError), shell)
+    if cell is None:
         return None
     kind = 'module ' if isinstance(error, ModuleNotFoundError) else ''
-    return f'{type(error).__name__}: {kind}{missing} is not there yet. Run first: {found.place}'
+    return f'{type(error).__name__}: {kind}{missing} is not there yet. Run first: {cell.place}'
 
 
 def notebook_path() -> Path | None:
@@ -155,16 +172,23 @@ def defined_names(source: str) -> frozenset[str]:
 
 def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: Any = None) -> None:
     said = None
+    if (inside := _inside_magic(trace)) is not None:
+        trace, tb_offset = inside, 0
     own_words = getattr(error, '_render_traceback_', None)
     # Whatever goes wrong here, the learner's own error is what matters.
     with suppress(Exception):
         if own_words is None or not isinstance(error, _SENTENCES):
             said = advice(error, shell)
             alone = said is not None and own_words is None
-            said = said or _out_of_order(shell)
-        _failed.add(len(_history(shell)) - 1)
+            if not isinstance(error, _WRITTEN_WRONGLY):
+                said = said or _out_of_order(shell)
+        # All above cannot be run to the end before the exercises there are written.
+        if not isinstance(error, NotImplementedError):
+            _failed.add(len(_history(shell)) - 1)
     if said is None:
-        shell.showtraceback((kind, error, trace), tb_offset=tb_offset, running_compiled_code=True)
+        # Without a frame of the learner's, the cell is no Python; those of IPython help nobody.
+        own = any(not is_library(frame.filename) for frame in _frames(error))
+        shell.showtraceback((kind, error, trace), tb_offset=tb_offset, running_compiled_code=own)
         return
     lines: list[str] = []
     if own_words is not None:
@@ -174,8 +198,28 @@ def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: An
     shell._showtraceback(kind, error, [*lines, said])
 
 
+def _inside_magic(trace: Any) -> Any:
+    """Return what of a traceback lies in the text of a ``%%`` cell, None if nothing does."""
+    inside = None
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == _MAGICS:
+            inside = trace.tb_next
+        trace = trace.tb_next
+    return inside
+
+
 def _history(shell: Any) -> Sequence[str]:
     return getattr(shell.history_manager, 'input_hist_raw', None) or ('',)
+
+
+def _note(shell: Any) -> None:
+    """Remember which cell is about to run."""
+    running = current_cell()
+    identifier = running.request.get('metadata', {}).get('cellId') if running else None
+    number = len(_history(shell))
+    _executed.pop(number, None)
+    if identifier:
+        _executed[number] = identifier
 
 
 def _out_of_order(shell: Any) -> str | None:
@@ -186,9 +230,10 @@ def _out_of_order(shell: Any) -> str | None:
     if not here:
         return None
     index = {cell.source.strip(): number for number, cell in enumerate(cells)}
+    places = {cell.identifier: number for number, cell in enumerate(cells)}
     ran: list[int] = []
     for number, source in enumerate(_history(shell)[:-1]):
-        at = index.get(source.strip())
+        at = places.get(_executed.get(number, ''), index.get(source.strip()))
         if at is not None and at != here and number not in _failed:
             ran = [*(other for other in ran if other != at), at]
     above = [number for number, cell in enumerate(cells[:here]) if cell.source.strip()]
@@ -201,6 +246,14 @@ def _interrupted(error: BaseException) -> str:
     return (
         f'KeyboardInterrupt: the cell was interrupted{place}. ROS 2 and the nodes that start(...) '
         'runs go on.'
+    )
+
+
+def _not_written(error: BaseException) -> str:
+    stub = _frames(error)[-1]
+    return (
+        f'NotImplementedError in {where(stub.filename, stub.lineno)}: this is not written yet. '
+        'Replace that line with your own code, run its cell, then run this one again.'
     )
 
 

@@ -33,6 +33,7 @@ MOST_IN_CELL = 50
 MOST_IN_BLOCK = 12
 _UPDATE_S = 0.25
 _SETTLE_S = 2.0  # bounds a wait that takes a fraction of a millisecond
+_LINE_S = 0.05
 
 
 class Page:
@@ -83,6 +84,8 @@ class Pages:
         self._console = console
         self._watcher = getattr(stream, 'watch_fd_thread', None)
         self._arrived = threading.Event()
+        self._whole = threading.Event()  # whether what Python prints has come to the end of a line
+        self._whole.set()
         self._here = threading.local()
         running = current_cell()
         self._running = running if running and running.request else None
@@ -123,19 +126,32 @@ class Pages:
         if threading.current_thread() is self._watcher:
             mark = self._console.marks
             text = self._console.feed(text)
+            if text:  # `print` writes a line and its end one after the other
+                self._whole.wait(_LINE_S)
             written = self._plain(text) if text else 0
             if self._console.marks > mark:
                 self._arrived.set()
             return written
         page: Page | None = getattr(self._here, 'page', None)
         if page is None or not isinstance(text, str):
-            return self._plain(text)
+            return self._written(text)
         if page.cell is self._running and page.in_cell < MOST_IN_CELL and not page.in_block:
             page.in_cell += text.count('\n')
-            return self._plain(text)
+            return self._written(text)
         page.keep(text)
         self._note(page)
         return len(text)
+
+    def _written(self, text: Any) -> int | None:
+        """Write what Python prints, so that no line of C code gets into the middle of it."""
+        open_line = isinstance(text, str) and text != '' and not text.endswith('\n')
+        if open_line:
+            self._whole.clear()
+        try:
+            return self._plain(text)
+        finally:
+            if not open_line and text:
+                self._whole.set()
 
     def write_log(self, line: LogLine) -> None:
         """Show a log line in the cell that this thread works for."""

@@ -84,6 +84,57 @@ def test_other_errors_stay_as_they_are(notebook, code):
     assert advice_for(code) is None
 
 
+def test_stub_of_an_exercise_says_what_to_do(notebook):
+    """Not which cells to run: the line itself has to be replaced."""
+    said = advice_for('def to_celsius():\n    raise NotImplementedError()\nto_celsius()')
+
+    assert 'line 2' in said
+    assert 'Replace that line with your own code' in said
+
+
+def test_magic_below_a_comment_is_explained(notebook):
+    """IPython takes it for a line magic, which is of no use to a beginner."""
+    said = advice_for(
+        'from IPython.core.error import UsageError\n'
+        "raise UsageError('Line magic function `%%node` not found.')"
+    )
+
+    assert '%%node has to be the first line of its cell' in said
+
+
+@pytest.fixture
+def run_in_order(notebook, monkeypatch):
+    """Return a function that runs the lesson's cells, some edited; then the hint on the last."""
+    cells = guide.read_cells(notebook)
+    history = ['']
+    shell = SimpleNamespace(history_manager=SimpleNamespace(input_hist_raw=history))
+    running = SimpleNamespace(request={})
+    monkeypatch.setattr(guide, 'current_cell', lambda: running)
+    monkeypatch.setattr(guide, '_executed', {})
+    monkeypatch.setattr(guide, '_failed', set())
+
+    def run(edited=(), left_out=()):
+        for number, cell in enumerate(cells):
+            if number not in left_out:
+                running.request = {'metadata': {'cellId': cell.identifier}}
+                guide._note(shell)
+                history.append('# mine' if number in edited else cell.source)
+        return guide._out_of_order(shell)
+
+    return run
+
+
+@pytest.mark.parametrize('edited', [(), (1,), (0, 1, 2, 3)])
+def test_cells_that_were_edited_and_not_saved_have_run_all_the_same(run_in_order, edited):
+    """An error below a solved exercise is not blamed on the order of the cells."""
+    assert run_in_order(edited=edited) is None
+
+
+def test_cell_that_was_left_out_is_told(run_in_order):
+    """The hint is for those who jumped."""
+    assert 'Run first' in run_in_order(left_out=(1,))
+
+
 def test_error_inside_a_library_stays_as_it_is(notebook, tmp_path, monkeypatch):
     """A name that an installed module misses is not the learner's."""
     installed = tmp_path / 'site-packages'

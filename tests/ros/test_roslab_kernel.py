@@ -141,6 +141,26 @@ def test_error_in_a_node_cell_names_the_line_of_the_cell(kernel):
     assert 'return 1/0' in shown.replace(' / ', '/')
 
 
+@pytest.mark.parametrize(
+    ('cell', 'error'),
+    [
+        ('x = = 1', 'SyntaxError'),
+        ('if True:\nx = 1', 'IndentationError'),
+        ('%%node noisy\nclass Noisy(Nod):\n    pass', 'NameError'),
+        ('%%node noisy\nimport rclpyy', 'ModuleNotFoundError'),
+    ],
+)
+def test_mistake_in_a_cell_is_shown_without_frames_of_ipython(kernel_of_module, cell, error):
+    """A beginner sees lines of the cell and what is wrong with them, and nothing else."""
+    kernel_of_module.run('import roslab')
+    raised = kernel_of_module.run(cell).error
+    shown = '\n'.join(raised['traceback'])
+
+    assert raised['ename'] == error
+    assert 'run_cell_magic' not in shown
+    assert 'site-packages' not in shown
+
+
 def test_stop_all_leaves_no_node_and_no_subscription(kernel):
     """After a lesson's last cell nothing is in the graph; a listener can begin again."""
     kernel.run(TALKER)

@@ -1,11 +1,16 @@
 """What nodes say in real notebook kernels: beside which cell, how often, and nowhere else."""
 
 import re
+import threading
 import time
+from types import SimpleNamespace
 
 import live_kernels
 from live_kernels import DEADLINE_S, execute, Kernel, streams, TALKER
 import pytest
+
+from roslab import pages
+from roslab.console import ConsoleLines
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
@@ -101,6 +106,24 @@ def test_lines_of_c_code_are_shown_like_others(kernel):
     assert re.search(r'WARN.* \[rcl.logging_rosout\]: Publisher already reg', outputs.text)
     assert '\x1e' not in outputs.text
     assert outputs.streams['stderr'] == ''
+
+
+def test_line_of_c_code_does_not_get_into_the_middle_of_a_printed_one(monkeypatch):
+    """`print` writes a line and its end one after the other; C code is read by another thread."""
+    monkeypatch.setattr(pages, '_LINE_S', 60.0, raising=False)
+    shown = []
+    stream = SimpleNamespace(write=shown.append)
+    both = pages.Pages(stream, ConsoleLines())
+    watcher = threading.Thread(target=lambda: both.write('from C\n'), daemon=True)
+    both._watcher = watcher
+
+    both.write('from Python')
+    watcher.start()
+    watcher.join(0.1)
+    both.write('\n')
+    watcher.join(60.0)
+
+    assert ''.join(shown) == 'from Python\nfrom C\n'
 
 
 def test_log_line_arrives_on_stdout(kernel):

@@ -112,6 +112,31 @@ def test_node_started_again_replaces_the_older_one_without_a_warning(session, ca
     assert err == ''
 
 
+@pytest.mark.parametrize(
+    ('rules', 'full'),
+    [
+        ('-r __node:=eve -r __ns:=/south', '/south/eve'),
+        ('--remap adam:__node:=eve', '/eve'),
+        ('-r other:__node:=bob -r __name:=eve -r __node:=cain', '/eve'),
+        ('-r chatter:=news -p prefix:=a', '/adam'),
+    ],
+)
+def test_node_that_is_renamed_by_its_arguments_replaces_the_older_one_without_a_warning(
+    session, capfd, rules, full
+):
+    """The name after remapping is the one that counts."""
+
+    def adam():
+        return Node('adam', cli_args=['--ros-args', *rules.split()])
+
+    session.start(adam)
+    again = session.start(adam)
+
+    assert again.get_fully_qualified_name() == full
+    assert list(session.nodes().values()) == [again]
+    assert 'already registered' not in ''.join(capfd.readouterr())
+
+
 def test_name_and_parameters_are_passed_to_a_class_that_takes_no_arguments(session):
     """`start(Talker, name=..., parameters=...)` acts as remapping and -p do in a terminal."""
     node = session.start(Talker, name='other', parameters={'prefix': 'no. '})
