@@ -7,7 +7,9 @@ there is one, and prints its verdicts as one line of JSON.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection
+from contextlib import suppress
+import difflib
 import json
 import os
 from pathlib import Path
@@ -15,12 +17,16 @@ import sys
 import tempfile
 from typing import Any
 
+from IPython import get_ipython
+
 from autograder import exams
 from autograder.errors import ExamInvalid
-from autograder.handed_in.cells import UNSOLVED
+from autograder.handed_in.cells import CellSyntaxError, parse_cell, UNSOLVED
+from autograder.judging.exam import Exam
 from autograder.judging.results import ExamResult, Problem
 from autograder.layout import Layout
 from roslab import child
+from roslab.guide import texts_now
 from roslab.output import ElapsedTime
 from roslab.package_files import learner_package, LearnerPackage
 from roslab.report import CheckReport
@@ -44,6 +50,10 @@ def check(exam: str) -> CheckReport:
 
 
 def _run(exam: str, package: LearnerPackage) -> CheckReport:
+    try:
+        about = exams.load(exam, hidden=False)
+    except ExamInvalid as error:
+        return CheckReport(exam, problem=_no_such(exam, error))
     files = package.files() if package.folder.is_dir() else {}
     if not files:
         return CheckReport(
@@ -68,43 +78,56 @@ def _run(exam: str, package: LearnerPackage) -> CheckReport:
             deadline_s=_DEADLINE_S,
             on_tick=elapsed.tick,
         )
-    report = _read(exam, outcome, tuple(_unfinished(exam, files)))
-    report.lesson = _lesson_of(exam)
+    required = {Path(name).name for name in about.requires}
+    files = {name: text for name, text in files.items() if Path(name).name in required}
+    report = _read(exam, outcome)
+    report.unfinished = tuple(name for name, text in files.items() if _is_stub(name, text))
+    report.left_over = _left_over(files)
+    report.lesson = _lesson_of(about)
     return report
 
 
-def _lesson_of(exam: str) -> str | None:
+def _no_such(exam: str, error: ExamInvalid) -> Problem:
+    near = difflib.get_close_matches(str(exam), exams.names(hidden=False), n=1)
+    return Problem(
+        where=f'check({exam!r})',
+        expected='the name of an exercise',
+        got=f'{exam!r}',
+        try_this=f'check({near[0]!r})' if near else error.fix,
+    )
+
+
+def _lesson_of(exam: Exam) -> str | None:
     """Return the file name of the lesson that an exercise belongs to, None if there is none."""
     try:
-        return Layout.here().release(exams.load(exam, hidden=False).assignment).name
-    except (ExamInvalid, FileNotFoundError):
+        return Layout.here().release(exam.assignment).name
+    except FileNotFoundError:
         return None
 
 
-def _unfinished(exam: str, files: Mapping[str, str]) -> list[str]:
-    """Return the files that still are stubs, of those that the exercise is about."""
-    try:
-        about = {Path(name).name for name in exams.load(exam, hidden=False).requires}
-    except ExamInvalid:
-        return []  # no such exercise: the checker says so, with the names that exist
-    return [
-        name
-        for name, text in files.items()
-        if Path(name).name in about
-        and UNSOLVED in text
-        and (not name.endswith('.py') or 'NotImplementedError' in text)
-    ]
+def _is_stub(name: str, text: str) -> bool:
+    return UNSOLVED in text and (not name.endswith('.py') or 'NotImplementedError' in text)
 
 
-def _read(exam: str, outcome: child.Outcome, unfinished: tuple[str, ...]) -> CheckReport:
+def _left_over(files: Collection[str]) -> tuple[str, ...]:
+    """Return the files that no cell of the notebook makes any more, as if one was renamed."""
+    shell = get_ipython()
+    texts = texts_now(shell) if shell is not None else []
+    made = set()
+    for text in texts:
+        with suppress(CellSyntaxError):
+            if (cell := parse_cell(text)) is not None:
+                made.add(Path(cell.path).name)
+    return tuple(name for name in files if texts and Path(name).name not in made)
+
+
+def _read(exam: str, outcome: child.Outcome) -> CheckReport:
     """Read what the child printed last; anything else is the checker's fault and says so."""
     answer = _last_json(outcome.output)
     try:
         if 'error' in answer:
-            return CheckReport(
-                exam, problem=Problem.from_json(answer['error']), unfinished=unfinished
-            )
-        return CheckReport(exam, ExamResult.from_json(answer), unfinished=unfinished)
+            return CheckReport(exam, problem=Problem.from_json(answer['error']))
+        return CheckReport(exam, ExamResult.from_json(answer))
     except (KeyError, TypeError, ValueError):
         pass
     if outcome.returncode is None:
@@ -117,7 +140,7 @@ def _read(exam: str, outcome: child.Outcome, unfinished: tuple[str, ...]) -> Che
         got=got,
         try_this='run the cell again; if it stays, type make doctor in a terminal',
     )
-    return CheckReport(exam, problem=problem, unfinished=unfinished)
+    return CheckReport(exam, problem=problem)
 
 
 def _last_json(output: str) -> dict[str, Any]:

@@ -154,6 +154,24 @@ def read_cells(path: Path) -> list[NotebookCell]:
         return []
 
 
+def texts_now(shell: Any) -> list[str]:
+    """
+    Return the texts of the notebook's code cells: as they ran last, or else as they were saved.
+
+    :param shell: what ``get_ipython()`` returns
+    :returns: nothing if the notebook cannot be told
+    """
+    path = notebook_path()
+    saved = read_cells(path) if path else []
+    if not saved:
+        return []
+    ran = dict(enumerate(_history(shell)))
+    texts = {cell.identifier or number: cell.source for number, cell in enumerate(saved)}
+    texts |= {_executed[number]: ran[number] for number in sorted(_executed) if number in ran}
+    nameless = [text for number, text in ran.items() if number not in _executed]
+    return [*texts.values(), *nameless]
+
+
 def defined_names(source: str) -> frozenset[str]:
     """
     Return what a cell defines in the notebook: assigned, imported, or made by a loop.

@@ -27,6 +27,7 @@ class CheckReport:
     :param result: the verdicts, None if there are none
     :param problem: why there are none
     :param unfinished: files that still have their stub
+    :param left_over: files that no cell of the notebook makes any more
     :param lesson: file name of the lesson's notebook, for links to what to read
     """
 
@@ -34,6 +35,7 @@ class CheckReport:
     result: ExamResult | None = None
     problem: Problem | None = None
     unfinished: tuple[str, ...] = ()
+    left_over: tuple[str, ...] = ()
     lesson: str | None = None
     _shown_in: int | None = field(default=None, repr=False, compare=False)
 
@@ -76,6 +78,11 @@ class CheckReport:
         """Return what there is to say beside the checks."""
         remarks = [
             f'{name} is not finished: it still has YOUR CODE HERE.' for name in self.unfinished
+        ]
+        remarks += [
+            f'{name} was left over: no cell makes it any more, and cells are what you hand in. '
+            "Was its first line changed, the one with %% and the file's name?"
+            for name in self.left_over
         ]
         if self.problem is not None:
             remarks.append(self.problem.line())

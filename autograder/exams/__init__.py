@@ -17,9 +17,24 @@ from autograder.judging.exam import Exam
 from autograder.judging.own_time import watched_longer
 
 
-def _names(folder: str) -> tuple[str, ...]:
-    package = importlib.import_module(f'autograder.exams.{folder}')
+def names(hidden: bool = True) -> tuple[str, ...]:
+    """
+    Return the names of all exams.
+
+    :raises ExamInvalid: if this copy of the course has none of this kind
+    """
+    try:
+        package = importlib.import_module(f'autograder.exams.{_folder(hidden)}')
+    except ModuleNotFoundError:
+        raise ExamInvalid(
+            'The hidden exams are not part of this copy of the course.',
+            'Grading needs the full project; visible checks work without it.',
+        ) from None
     return tuple(module.name for module in pkgutil.iter_modules(package.__path__))
+
+
+def _folder(hidden: bool) -> str:
+    return 'hidden' if hidden else 'visible'
 
 
 @cache
@@ -31,16 +46,9 @@ def load(name: str, hidden: bool = True) -> Exam:
     :param hidden: the full exam, or the visible one that learners have
     :raises ExamInvalid: if there is none, with the names that exist
     """
-    folder = 'hidden' if hidden else 'visible'
-    try:
-        names = _names(folder)
-    except ModuleNotFoundError:
-        raise ExamInvalid(
-            'The hidden exams are not part of this copy of the course.',
-            'Grading needs the full project; visible checks work without it.',
-        ) from None
-    if name not in names:
-        raise ExamInvalid(f'There is no exam {name!r}.', f'Known: {", ".join(names)}.')
+    folder, known = _folder(hidden), names(hidden)
+    if name not in known:
+        raise ExamInvalid(f'There is no exam {name!r}.', f'Known: {", ".join(known)}.')
     exam = importlib.import_module(f'autograder.exams.{folder}.{name}').exam
     if not isinstance(exam, Exam) or exam.name != name or not exam.checks:
         raise ExamInvalid(f'autograder/exams/{folder}/{name}.py defines no whole exam {name!r}.')
@@ -57,6 +65,6 @@ def for_assignment(assignment: str, hidden: bool = True) -> tuple[Exam, ...]:
 
     :param assignment: folder name, such as ``07_temperature_monitor``
     """
-    exams = [load(name, hidden) for name in _names('hidden' if hidden else 'visible')]
+    exams = [load(name, hidden) for name in names(hidden)]
     found = [exam for exam in exams if exam.assignment == assignment]
     return tuple(sorted(found, key=lambda exam: exam.part))

@@ -13,7 +13,7 @@ from autograder.judging.tracebacks import PUBLIC
 from autograder.judging.untold import namespace_of
 from autograder.runs.scenario import Advance, Call, Feed
 
-NAMES = exams._names('hidden')
+NAMES = exams.names()
 LEAST_DIGITS = 3
 """Fewer are the numbers of any sentence: periods, counts, lines of a cell."""
 _NUMBER = re.compile(r'(?<![\w.])\d+(?:\.\d+)?(?!\w)')

@@ -3,6 +3,7 @@
 import os
 
 import live_kernels
+import nbformat
 import pytest
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
@@ -79,11 +80,31 @@ def test_cell_that_was_not_run_is_asked_for(kernel):
 
 
 def test_unknown_exercise_is_named(kernel):
-    """A typing mistake in the name lists the names that there are."""
+    """A typing mistake is answered with a near name, or else with all names."""
     kernel.run('from roslab import *')
-    kernel.run(TWICE_A_SECOND)
+    near, far = kernel.run("check('temperature_publsher')"), kernel.run("check('unheard')")
 
-    assert 'temperature_subscriber' in kernel.run("check('temperature_publsher')").text
+    assert "Try: check('temperature_publisher')" in near.text
+    assert 'temperature_subscriber' in far.text
+    assert 'the checker itself' not in near.text + far.text
+
+
+def test_file_that_no_cell_makes_any_more_is_named(kernel, tmp_path):
+    """It is judged, and will not be handed in: the first line of its cell was changed."""
+    folder = tmp_path / 'ros_ws' / 'src' / 'temp_monitor_pkg' / 'temp_monitor_pkg'
+    folder.mkdir(parents=True)
+    (folder / 'temp_publisher.py').write_text(TWICE_A_SECOND.partition('\n')[2])
+    renamed = TWICE_A_SECOND.replace('%%node temp_publisher', '%%node temp_publishr')
+    lesson = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(renamed)])
+    nbformat.write(lesson, tmp_path / 'lesson.ipynb')
+    kernel.run('from roslab import *')
+    first = ' '.join(kernel.run(CHECK).text.split())
+    kernel.run(TWICE_A_SECOND)
+    then = kernel.run(CHECK)
+
+    assert 'temp_publisher.py was left over: no cell makes it any more' in first
+    assert '[pass]' in then.text
+    assert 'left over' not in then.text
 
 
 def test_interrupted_check_leaves_no_process(kernel):

@@ -135,6 +135,23 @@ def test_cell_that_was_left_out_is_told(run_in_order):
     assert 'Run first' in run_in_order(left_out=(1,))
 
 
+def test_texts_are_those_that_ran_last(notebook, monkeypatch):
+    """A cell that was edited and not saved yet counts as it ran; others as they were saved."""
+    cells = guide.read_cells(notebook)
+    monkeypatch.setattr(guide, '_executed', {1: cells[1].identifier, 3: cells[1].identifier})
+    history = ['', 'older', 'typed in a console', 'newer']
+    shell = SimpleNamespace(history_manager=SimpleNamespace(input_hist_raw=history))
+
+    texts = guide.texts_now(shell)
+
+    assert set(texts) == {
+        'newer',
+        'typed in a console',
+        '',
+        *(one.source for one in cells if one is not cells[1]),
+    }
+
+
 def test_error_inside_a_library_stays_as_it_is(notebook, tmp_path, monkeypatch):
     """A name that an installed module misses is not the learner's."""
     installed = tmp_path / 'site-packages'
