@@ -144,6 +144,12 @@ class Listener:
 def _subscribe(
     node: Node, topic: str, msg_type: type, qos: QoSProfile, heard: deque[tuple[float, Any]]
 ) -> Subscription:
+    if not isinstance(topic, str):
+        example = f"listen('chatter', {getattr(topic, '__name__', 'String')})"
+        raise RoslabError(
+            'listen() expected the name of a topic and then a message class, as in '
+            f'{example}, got {topic!r} first.'
+        )
     if not (isinstance(msg_type, type) and hasattr(msg_type, 'get_fields_and_field_types')):
         raise RoslabError(
             f'listen({topic!r}, ...) expected a message class, as in '

@@ -411,8 +411,13 @@ def test_another_type_on_the_topic_is_named(session, capfd):
     wait_until_in(session, lambda: talker.count > 0, SOON_S, 'the talker')
     with pytest.raises(RoslabError, match='std_msgs/msg/String'):
         Listener(session, 'chatter', Int32, RELIABLE)
-
     assert capfd.readouterr().err == ''
+
+
+def test_topic_and_type_in_the_other_order_are_told(session):
+    """The example has them in order, ready to be copied."""
+    with pytest.raises(RoslabError, match=r"as in listen\('chatter', String\)"):
+        Listener(session, String, 'chatter', RELIABLE)
 
 
 def test_listener_of_a_failed_wait_goes_although_its_traceback_stays(session):
