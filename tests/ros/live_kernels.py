@@ -67,7 +67,7 @@ class Outputs:
 class Kernel:
     """A running kernel, its messages waited for with a deadline."""
 
-    def __init__(self, folder, *arguments, terminal=None, shared_memory=None):
+    def __init__(self, folder, *arguments, terminal=None, shared_memory=None, domain=None):
         self.manager = jupyter_client.KernelManager(kernel_name=KERNEL)
         self.manager.shutdown_wait_time = DEADLINE_S  # after it, the kernel is killed
         if shared_memory:
@@ -75,6 +75,7 @@ class Kernel:
             spec.argv = [*OWN_SHARED_MEMORY, str(shared_memory), *spec.argv]
         self.until = ExitStack()
         env = variables(self.until)
+        env.update({'ROS_DOMAIN_ID': domain} if domain else {})
         options = {'extra_arguments': list(arguments)} if arguments else {}
         self.manager.start_kernel(
             cwd=str(folder), env=env, stdout=terminal, stderr=terminal, **options

@@ -161,6 +161,25 @@ def test_mistake_in_a_cell_is_shown_without_frames_of_ipython(kernel_of_module, 
     assert 'site-packages' not in shown
 
 
+def test_nodes_that_are_here_before_the_first_are_told_once(kernel, tmp_path):
+    """As of a lesson whose tab was closed; nobody is told of nodes of the notebook itself."""
+    kernel.run('import os\nfrom roslab import *\nfrom rclpy.node import Node')
+    domain = kernel.run('os.environ["ROS_DOMAIN_ID"]').value.strip("'")
+    world = live_kernels.Kernel(tmp_path, domain=domain)
+    try:
+        quiet = world.run(TALKER + 'talker = start(Talker)', cell_id='a')
+        kernel.run('import roslab.strangers; roslab.strangers.LOOK_S = 60.0')
+        begin = 'one = start(lambda: Node("one"))'
+        first, again = kernel.run(begin, cell_id='b'), kernel.run(begin, cell_id='b')
+    finally:
+        world.shut_down()
+
+    assert quiet.text == ''
+    assert first.text.startswith('Note: /talker run already, in another notebook or a terminal')
+    assert '/one' not in first.text
+    assert again.text == ''
+
+
 def test_stop_all_leaves_no_node_and_no_subscription(kernel):
     """After a lesson's last cell nothing is in the graph; a listener can begin again."""
     kernel.run(TALKER)
