@@ -21,6 +21,8 @@ _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
 # The usual last line, sys.exit(main()), ends nothing before its time.
 _EXIT = re.compile(r'\b(?:sys\.|os\._)?(?:exit|quit)\((?!\s*main\()')
 _GOES_ON = re.compile(r'\bspin\(|\bwhile\b')
+_OTHER_MAIN = re.compile(r'\b__name__\s*==\s*([\'"])(?!__main__\1)')
+_BROAD = re.compile(r'\bexcept\s*(?::|\(?\s*(?:Base)?Exception\b)')
 _PERIOD = re.compile(r'create_timer\(\s*([\w.]{1,60})\s*,')
 
 BUSY_S = 1.5
@@ -96,6 +98,14 @@ def _why_over(run: Run) -> Cause:
     code = '\n'.join(map(without_texts, run.files.values()))
     # An answer alone may be what a single spin_once() has served.
     if run.recording.of('barrier', answered=True) and _GOES_ON.search(code):
+        if _BROAD.search(code):
+            return Cause(
+                'swallowed',
+                'Your node was at work, and then the program ended by itself; your code catches '
+                'every exception, so a mistake in a callback is told to nobody.',
+                'Take that except out, and read what Python says. For the end of a program, catch '
+                'KeyboardInterrupt and ExternalShutdownException only.',
+            )
         return Cause(
             'exited_early',
             'Your node was at work, and then the program ended by itself.',
@@ -105,11 +115,18 @@ def _why_over(run: Run) -> Cause:
     # An entry point names main() in a text, so this one looks at texts, too.
     written = '\n'.join(run.files.values())
     if 'def main' in written and not re.search(
-        r'^(?!\s*(?:async )?def ).*\bmain\b', written, re.MULTILINE
+        r'^(?!\s*(?:async )?def ).*(?:\bmain\s*[(),]|[:.]main\b)', written, re.MULTILINE
     ):
         return Cause(
             'main_not_called',
             'Your program defines main() and never calls it.',
+            "Write as its last lines: if __name__ == '__main__': and below it, indented, main().",
+        )
+    if 'def main' in written and _OTHER_MAIN.search(written):
+        return Cause(
+            'main_not_called',
+            'Your program defines main() and never calls it: __name__ is compared with another '
+            "word than '__main__'.",
             "Write as its last lines: if __name__ == '__main__': and below it, indented, main().",
         )
     if 'spin_once' in code and not re.search(r'\b(?:while|for)\b', code):

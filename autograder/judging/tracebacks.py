@@ -7,7 +7,7 @@ but for an ``except`` or ``finally`` that stumbles over a name that the failed l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 import re
@@ -18,7 +18,8 @@ from autograder.judging.untold import drawn_values
 _HEAD = 'Traceback (most recent call last)'
 _IGNORED = 'Exception ignored in'
 _DURING = 'During handling of the above exception'
-_FRAME = re.compile(r'\s+File "[^"]*/(?P<file>[A-Za-z0-9_]+\.py)", line (?P<line>\d+)')
+_FRAME = re.compile(r'\s+File "(?P<path>[^"]*/(?P<file>[A-Za-z0-9_]+\.py))", line (?P<line>\d+)')
+_INSTALLED = re.compile(r'/(?:lib/python3[\d.]*|site-packages|dist-packages)/')
 _EXECUTOR = re.compile(r'\s+File "[^"]*rclpy/executors\.py"')
 _ERROR = re.compile(r'[A-Za-z_][\w.]*(?::|$)')
 _LOOSE = re.compile(r'[A-Za-z_][\w.]*(?:Error|Exception)\b')
@@ -88,13 +89,25 @@ def traceback_of(run: Run) -> Traceback | None:
     error = _without_secrets(run, error)
     texts = {name.rpartition('/')[2]: text for name, text in run.files.items()}
     frames = [(at, found) for at, line in enumerate(lines) if (found := _FRAME.match(line))]
-    frames = [(at, found) for at, found in frames if found['file'] in texts]
+    frames = [(at, found) for at, found in frames if _is_learners(found['path'], run.files)]
     spun = any(_EXECUTOR.match(line) for line in lines[frames[-1][0] if frames else 0 :])
     if not frames:
         return Traceback(error, '', None, source=source, spun=spun)
     file, number = frames[-1][1]['file'], int(frames[-1][1]['line'])
     code = ''.join(texts[file].splitlines()[number - 1 : number]).strip()[:LONGEST]
     return Traceback(error, file, number, code, source, spun)
+
+
+def _is_learners(path: str, names: Iterable[str]) -> bool:
+    """
+    Tell whether a frame is in one of the student's files.
+
+    A module of a package may be called as one of a library is, such as ``node.py``; where both are
+    installed, its folder tells.
+    """
+    parts = 2 if _INSTALLED.search(path) else 1
+    tail = path.split('/')[-parts:]
+    return any(name.split('/')[-parts:] == tail for name in names)
 
 
 def _last_traceback(lines: Sequence[str], source: str) -> Sequence[str]:

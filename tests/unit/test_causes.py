@@ -148,6 +148,14 @@ def test_parameter_of_another_type_is_told_without_its_value():
             "def main():\n    rclpy.spin(node)\n\n\nif __name__ == '__main__':\n    pass\n",
             'main_not_called',
         ),
+        (
+            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == '__main__':\n    main\n",
+            'main_not_called',
+        ),
+        (
+            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == 'main':\n    main()\n",
+            'main_not_called',
+        ),
         ('def main():\n    node = Talker()\n\n\nmain()\n', 'no_spin'),
         ('def main():\n    rclpy.spin_once(node)\n\n\nmain()\n', 'spins_once'),
         ('def main():\n    rclpy.spin(node)\n\n\nmain()\n', 'exited_early'),
@@ -166,6 +174,12 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
     [
         ('rclpy.spin(node)', 'exited_early', 'was at work'),
         ('while rclpy.ok():\n    rclpy.spin_once(node)', 'exited_early', 'was at work'),
+        ('try:\n    rclpy.spin(n)\nexcept Exception as e:\n    print(e)', 'swallowed', 'catches'),
+        (
+            'try:\n    rclpy.spin(n)\nexcept ExternalShutdownException:\n    ...',
+            'exited_early',
+            '',
+        ),
         # What one call of it has served, may be the question itself.
         ('rclpy.spin_once(node)  # for a while', 'spins_once', 'serves one callback'),
         ('for node in nodes:\n    rclpy.spin_once(node)', 'exited_early', 'before anything'),

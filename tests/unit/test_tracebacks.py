@@ -123,3 +123,23 @@ def test_suggestion_behind_a_path_is_kept():
     trace = traceback_of(ended(part(f"{said} (/usr/rclpy/node.py). Did you mean: 'Node'?")))
 
     assert trace.error == f"{said}. Did you mean: 'Node'?"
+
+
+@pytest.mark.parametrize(
+    ('library', 'module'),
+    [
+        ('/venv/lib/python3.12/site-packages/rclpy/node.py', 'node.py'),
+        ('/usr/lib/python3.12/importlib/__init__.py', '__init__.py'),
+    ],
+)
+def test_a_library_is_no_module_of_the_same_name(library, module):
+    """A package has an __init__.py and may have a node.py; so do Python and rclpy."""
+    own = f'/tmp/ws/install/lib/python3.12/site-packages/my_talker/{module}'
+    places = ((own, 2), (library, 900))
+    frames = ''.join(f'  File "{path}", line {line}, in f\n    x\n' for path, line in places)
+    run = ended(f'{HEAD}{frames}TypeError: no\n')
+    run.files[f'my_talker/{module}'] = 'import x\nx.f()\n'
+
+    trace = traceback_of(run)
+
+    assert (trace.line, trace.code) == (2, 'x.f()')

@@ -181,11 +181,11 @@ def counts_its_greetings(run: Run) -> None:
             raise Failed(
                 expected=f'the text {f"hello {number}"!r} in message {number - first + 1}',
                 observed=repr(shortened(text)),
-                why=_why_text(texts, text, number),
+                why=_why_text(texts, text, number, first),
             )
 
 
-def _why_text(texts: list[str], text: str, number: int) -> Cause | None:
+def _why_text(texts: list[str], text: str, number: int, first: int) -> Cause | None:
     match = GREETING.fullmatch(text)
     if '{' in text and '}' in text:
         return Cause(
@@ -204,7 +204,7 @@ def _why_text(texts: list[str], text: str, number: int) -> Cause | None:
             'The number never changes.',
             'Keep it in self.count, made once in __init__(), and add 1 in the callback.',
         )
-    if text != texts[0]:
+    if number != first:
         return Cause(
             'wrong_step',
             'From one message to the next the number does not grow by 1.',
