@@ -32,9 +32,7 @@ LEFT_OUT = {'build', 'install', 'log', '__pycache__', '__MACOSX', 'node_modules'
 
 MANIFEST = 'package.xml'
 NO_MODULES = {'test', 'tests', 'launch', 'config', 'msg', 'srv', 'action', 'resource', 'answers'}
-_ENTRY_POINT = re.compile(
-    r"""['"]?\s*(?P<name>\w+)\s*=\s*(?P<module>[\w.]+)\s*:\s*(?P<call>\w+)"""
-)
+_ENTRY_POINT = re.compile(r'\b(?P<name>\w+)\s*=\s*(?P<module>[\w.]+)\s*:\s*(?P<call>\w+)')
 _TAKEN = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -261,6 +259,8 @@ def with_node_files(files: Mapping[str, str], wanted: Iterable[str]) -> dict[str
     for name in wanted:
         if name in found or not name.endswith('.py'):
             continue
+        if any(path.startswith(f'{name}/') for path in files):
+            continue  # a folder of the node's name: no file can be put there
         text = _node_text(files, name)
         if text is not None:
             found[name] = text

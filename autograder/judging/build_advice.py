@@ -346,6 +346,6 @@ def _decisive_line(output: str) -> str:
         ):
             return ' '.join(lines[number : number + 2])
     for line in lines:
-        if re.search(r'\b(?:fatal )?error:|\w+Error: ', line):
+        if re.search(r'\b(?:fatal )?error:|\wError: ', line):
             return line
     return lines[-1] if lines else 'The build printed nothing.'

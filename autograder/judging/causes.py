@@ -22,8 +22,10 @@ _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
 _EXIT = re.compile(r'\b(?:sys\.|os\._)?(?:exit|quit)\((?!\s*main\()')
 _GOES_ON = re.compile(r'\bspin\(|\bwhile\b')
 _OTHER_MAIN = re.compile(r'\b__name__\s*==\s*([\'"])(?!__main__\1)')
-_BROAD = re.compile(r'\bexcept\s*(?::|\(?\s*(?:Base)?Exception\b)')
+_BROAD = re.compile(r'\bexcept[^\S\n]*(?::|(?:\([^\S\n]*)?(?:Base)?Exception\b)')
 _PERIOD = re.compile(r'create_timer\(\s*([\w.]{1,60})\s*,')
+# Blanks within a line only: with \s, a file of line ends is searched anew from each of them.
+_CONSTANT = re.compile(r'^[ \t]*([\w.]{1,60})[ \t]*=[ \t]*([\d.]{1,20})', re.MULTILINE)
 
 BUSY_S = 1.5
 """Processor time [s] that imports and a node's start never reach, four times what they use."""
@@ -115,7 +117,7 @@ def _why_over(run: Run) -> Cause:
     # An entry point names main() in a text, so this one looks at texts, too.
     written = '\n'.join(run.files.values())
     if 'def main' in written and not re.search(
-        r'^(?!\s*(?:async )?def ).*(?:\bmain\s*[(),]|[:.]main\b)', written, re.MULTILINE
+        r'^(?![^\S\n]*(?:async )?def ).*(?:\bmain[^\S\n]*[(),]|[:.]main\b)', written, re.MULTILINE
     ):
         return Cause(
             'main_not_called',
@@ -326,12 +328,12 @@ def _works(run: Run, node: str) -> bool:
 def why_late(run: Run) -> Cause | None:
     """Explain a timer whose first call is far away, because its period is in other units."""
     code = '\n'.join(run.files.values())
-    for written in _PERIOD.findall(code):
-        constant = re.search(
-            rf'^\s*{re.escape(written)}\s*=\s*([\d.]{{1,20}})', code, re.MULTILINE
-        )
+    constants: dict[str, str] = {}
+    for name, number in _CONSTANT.findall(code):
+        constants.setdefault(name, number)
+    for written in dict.fromkeys(_PERIOD.findall(code)):
         try:
-            period_s = float(constant[1] if constant else written)
+            period_s = float(constants.get(written, written))
         except ValueError:
             continue
         if period_s >= LONG_S:

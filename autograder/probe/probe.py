@@ -171,11 +171,9 @@ class Probe:
         self.messages += not facts
         data = to_json(message)
         size = len(json.dumps(data))
-        if size > LONGEST_EVENT:
-            self.emit('message', topic=topic, too_large=size, **facts)
-        else:
-            facts = {'data': data, 'after_input': self.input, 'wall_s': self.now(), **facts}
-            self.emit('message', topic=topic, **facts)
+        what = {'too_large': size} if size > LONGEST_EVENT else {'data': data}
+        facts = {**what, 'after_input': self.input, 'wall_s': self.now(), **facts}
+        self.emit('message', topic=topic, **facts)
 
     def _log(self, entry: Log) -> None:
         self.logs += 1

@@ -64,7 +64,9 @@ def evidence(
     exam = next((one for one in lesson.exams if one.name == exam_result.exam), None)
     if exam is None:
         raise GraderError(f'The exam {exam_result.exam} of this result does not exist any more.')
-    files = _files(lesson, exam, student, submitted or layout.submitted)
+    folder = submitted or layout.submitted
+    found = _files(lesson, exam, student, folder)
+    files = found or {}
     path = layout.recordings / exam.name / exam_result.recording
     recording = _recording(path) if exam_result.recording else None
     return {
@@ -74,7 +76,9 @@ def evidence(
         'exam_title': exam.title,
         'fault': result.fault,
         'check': _shown(verdict),
-        'now': _now(layout, exam, verdict, files, exam_result),
+        'now': f'cannot be judged again: no submission of {student} in {folder}; try --submitted'
+        if found is None
+        else _now(layout, exam, verdict, files, exam_result),
         'files': {name: _sha256(text.encode()) for name, text in files.items()},
         'files_digest': files_digest(files),
         'isolation': exam_result.mode,
@@ -117,12 +121,12 @@ def _find(
     raise GraderError(f'{check}: {student} has no such verdict.', f'There are: {", ".join(there)}')
 
 
-def _files(lesson: Lesson, exam: Exam, student: str, submitted: Path) -> Mapping[str, str]:
+def _files(lesson: Lesson, exam: Exam, student: str, submitted: Path) -> Mapping[str, str] | None:
     for submission in discover(submitted, lesson.assignment, lesson.notebook, ()):
         if submission.student == student:
             opened = open_one(submission, lesson)
             return extract(opened, [exam], lesson.release, lesson.notebook)[exam.name].files
-    return {}
+    return None
 
 
 def _recording(path: Path) -> Recording | None:

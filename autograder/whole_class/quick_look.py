@@ -88,13 +88,14 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
     if path.suffix == '.ipynb':
         return list(_in_notebook(path, chosen, layout))
     files = read_handed_in(path)
-    package = package_name(files) if path.suffix != '.py' else ''
+    script = path.suffix == '.py' and not path.is_dir()
+    package = '' if script else package_name(files)
     found = []
     for exam in chosen:
         wanted = [name for name in {exam.scenario.file, *exam.requires} if name]
         theirs = with_node_files(files, wanted)
         nodes = [name for name in wanted if name.endswith('.py')]
-        if len(chosen) == 1 and path.suffix == '.py' and len(nodes) == 1:
+        if len(chosen) == 1 and script and len(nodes) == 1:
             theirs = {nodes[0]: files[path.name]}  # a script may have any name
         if len(chosen) == 1 or any(name in theirs for name in exam.requires):
             found.append(Look(exam, theirs))

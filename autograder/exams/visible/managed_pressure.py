@@ -16,7 +16,7 @@ import re
 from typing import Any
 
 from autograder.judging.causes import why_no_endpoint, why_no_verdict, why_silent
-from autograder.judging.checks import own_logs, require_answers, require_node
+from autograder.judging.checks import field_of, own_logs, require_answers, require_node
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.lifecycle_causes import (
     died_in_vain,
@@ -98,7 +98,7 @@ def refuses_a_senseless_limit(run: Run) -> None:
         why = _why_let_through(run, part) or failed.why
         raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
     for event in part.messages(EVENTS):
-        if event['data']['goal_state']['label'] == 'errorprocessing':
+        if field_of(event, 'goal_state.label') == 'errorprocessing':
             raise Failed(
                 expected='FAILURE: back to unconfigured, ready for another try',
                 observed='an error: the node went to errorprocessing',
@@ -212,7 +212,7 @@ def recovers(run: Run) -> None:
 
 def _why_still_refused(run: Run, part: Recording) -> Cause:
     """Explain that a limit above zero is refused, too."""
-    states = [event['data']['goal_state']['label'] for event in part.messages(EVENTS)]
+    states = [field_of(event, 'goal_state.label') for event in part.messages(EVENTS)]
     if 'errorprocessing' in states:
         return why_refused(run, 'configure')
     told = own_logs(Run(run.files, part, run.facts), NODE, ERROR)

@@ -1,0 +1,90 @@
+"""Texts made to keep the grader busy for hours, or to break a check: they cost nothing."""
+
+import time
+
+import pytest
+
+from autograder import exams
+from autograder.handed_in.intake import with_node_files
+from autograder.judging.build_advice import diagnose
+from autograder.judging.causes import why_it_ended, why_late
+from autograder.judging.exam import Run
+from autograder.runs.examine import judged
+from autograder.runs.recording import header, Recording
+
+BOUND_S = 10.0  # hours before; milliseconds now
+ENDED = Recording({}, ({'event': 'process', 'exit': 0, 'killed': '', 'stderr': ''},))
+
+
+def seconds_of(work) -> float:
+    """Return the processor time of something."""
+    began = time.process_time()
+    work()
+    return time.process_time() - began
+
+
+@pytest.mark.parametrize(
+    'text',
+    [
+        "'''\n" + 'create_timer(a,' * 2000 + '\n' * 30000 + "'''\n",
+        '\n' * 60000,
+        ' ' * 60000,
+        f'except{" " * 60000}',
+        'main ' * 20000,
+    ],
+)
+def test_a_file_of_line_ends_is_searched_once(text):
+    """Each line end is no new beginning."""
+    run = Run({'talker.py': 'def main():\n    spin()\n' + text}, ENDED)
+    assert seconds_of(lambda: (why_late(run), why_it_ended(run))) < BOUND_S
+
+
+def test_a_constant_in_another_unit_is_still_found():
+    """A period of 500 is meant in milliseconds."""
+    run = Run({'x.py': 'class A:\n    PERIOD = 500\n\n    create_timer(PERIOD, f)\n'}, ENDED)
+    assert why_late(run).cause_id == 'period_unit'
+
+
+def test_a_setup_file_of_one_word_is_searched_once():
+    """Each letter is no new beginning."""
+    files = {'setup.py': 'a' * 1_000_000, 'x/talker.py': ''}
+    assert seconds_of(lambda: with_node_files(files, ['talker.py'])) < BOUND_S
+
+
+def test_a_line_of_one_word_in_the_output_of_a_build_is_searched_once():
+    """Each letter is no new beginning."""
+    assert seconds_of(lambda: diagnose('_' * 130_000, {})) < BOUND_S
+
+
+def test_no_node_file_is_put_where_a_folder_is():
+    """The exam then says that the file is missing."""
+    files = {'talker.py/x.py': '', 'pkg/talker.py': ''}
+    assert 'talker.py' not in with_node_files(files, ['talker.py'])
+
+
+def test_a_giant_event_of_a_managed_node_breaks_no_check():
+    """What is recorded by its size alone has no data."""
+    exam = {one.name: one for one in exams.for_assignment('06_managed_lifecycle', False)}[
+        'managed_pressure'
+    ]
+    answers = []
+    for step in exam.scenario.steps:
+        one = step.to_json()
+        if one['do'] == 'mark':
+            answers.append({'event': 'mark', 'clock_ns': None, 'name': one['name']})
+        if one['do'] == 'call' and one['service'].endswith('change_state'):
+            answers.append(
+                {'event': 'answer', 'service': one['service'], 'data': {'success': False}}
+            )
+            answers.append(
+                {
+                    'event': 'message',
+                    'topic': '/pressure_monitor/transition_event',
+                    'too_large': 10**6,
+                }
+            )
+    graph = {'nodes': ['/pressure_monitor'], 'endpoints': []}
+    events = [{'event': 'graph', 'when': when, **graph} for when in ('start', 'end')]
+    events = [{'clock_ns': None, **one} for one in (*events, *answers)]
+    files = dict.fromkeys(exam.requires, 'x = 1')
+    assert judged(exam, files, Recording(header(exam.name, 'bwrap-root'), events)).checks
