@@ -76,7 +76,7 @@ def portions(notebook: Notebook) -> Portions:
 
 def words(text: str) -> int:
     """Count the words that a reader sees, without drawings and markup."""
-    shown = re.sub(r'```.*?```|<[^>]+>', ' ', text, flags=re.DOTALL)
+    shown = re.sub(r'```.*?```|<[^<>]+>', ' ', text, flags=re.DOTALL)
     return len(re.findall(r"\w[\w'.-]*", shown))
 
 

@@ -1,0 +1,135 @@
+"""
+No text keeps a regular expression of the grader busy.
+
+Students choose what the grader searches, and it does so in its own process.  Every pattern that is
+written in the grader's code is tried on texts that make a search begin anew at each letter.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+import re
+import time
+
+import pytest
+
+GRADER = Path(__file__).parents[2] / 'autograder'
+IN_THE_SANDBOX = ('inside/', 'probe/', '_work/')
+METHODS = {'search', 'match', 'fullmatch', 'findall', 'finditer', 'sub', 'subn', 'split'}
+PIECES = (*' \n\ta_0(["\'=./\\{<;:', 'a ', 'a.', '- ', 'a,', ';\n', '" ')
+LENGTH = 4000
+NOTHING_S = 0.01  # an answer in one pass takes a hundredth of it
+QUADRATIC = 3.0  # times longer for a text of twice the length; in one pass it is 2
+
+
+def written_patterns() -> Iterator[tuple[str, re.Pattern[str], str]]:
+    """Yield the place of each pattern, the pattern, and the method that uses it."""
+    for path in sorted(GRADER.rglob('*.py')):
+        place = path.relative_to(GRADER).as_posix()
+        if not place.startswith(IN_THE_SANDBOX):
+            tree = ast.parse(path.read_text(encoding='utf-8'))
+            for call, pattern, method in patterns_in(tree):
+                yield f'{place}:{call.lineno}', pattern, method
+
+
+def patterns_in(tree: ast.AST) -> Iterator[tuple[ast.Call, re.Pattern[str], str]]:
+    """Yield the calls of ``re`` with a pattern that stands there."""
+    used: dict[str, set[str]] = {}
+    named: dict[int, str] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            used.setdefault(node.value.id, set()).add(node.attr)
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            named[id(node.value)] = node.targets[0].id
+    for node in ast.walk(tree):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(value=ast.Name(id='re'), attr=method),
+                args=[ast.Constant(value=str(text)), *_],
+            ) if method in METHODS | {'compile'}:
+                methods = {method}
+                if method == 'compile':
+                    methods = used.get(named.get(id(node), ''), set()) & METHODS or {'search'}
+                anchored = methods <= {'match', 'fullmatch'}
+                yield node, re.compile(text, flags(node)), 'match' if anchored else 'search'
+
+
+def flags(call: ast.Call) -> int:
+    """Return the flags that a call names, as in ``re.MULTILINE``."""
+    found = 0
+    for node in ast.walk(call):
+        match node:
+            case ast.Attribute(value=ast.Name(id='re'), attr=name) if name.isupper():
+                found |= getattr(re, name)
+    return found
+
+
+def hostile(pattern: str, length: int) -> Iterator[str]:
+    """Yield texts of one piece again and again, alone and behind words of the pattern."""
+    plain = re.sub(r'\\[a-zA-Z]|\?P<\w+>', ' ', pattern)
+    words = list(dict.fromkeys(re.findall('[A-Za-z_]{2,}', plain)))[:6]
+    heads = ('', 'def main', 'x = ', '"', '(', 'File "/', *words)
+    heads += tuple(word + more for word in words for more in ('(', ' = '))
+    for piece in PIECES:
+        for head in heads:
+            yield head + piece * (length // len(piece))
+    for word in words:
+        for more in ('', '(', ' ', '\n', 'a,', '"'):
+            yield (word + more) * (length // len(word + more))
+
+
+def seconds_of(pattern: re.Pattern[str], method: str, text: str) -> float:
+    """Return the least processor time of three searches."""
+    times = []
+    for _ in range(3):
+        began = time.process_time()
+        getattr(pattern, method)(text)
+        times.append(time.process_time() - began)
+        if times[-1] < NOTHING_S:
+            break
+    return min(times)
+
+
+def slow_text(pattern: re.Pattern[str], method: str) -> str | None:
+    """Return a text for which the time grows faster than its length."""
+    pairs = zip(hostile(pattern.pattern, LENGTH), hostile(pattern.pattern, 2 * LENGTH))
+    for text, longer in pairs:
+        seconds = seconds_of(pattern, method, longer)
+        if seconds > NOTHING_S and seconds > QUADRATIC * seconds_of(pattern, method, text):
+            return text
+    return None
+
+
+def test_every_pattern_is_done_in_one_pass():
+    """However a text is made up, it is read once."""
+    slow = {
+        place: (pattern.pattern, text[:30])
+        for place, pattern, method in written_patterns()
+        if (text := slow_text(pattern, method)) is not None
+    }
+    assert slow == {}
+
+
+@pytest.mark.parametrize(
+    'code',
+    [
+        r"re.search(r'^\s*a\s*=', text, re.MULTILINE)",
+        r"FOUND = re.compile(r'\w+Error: ')" + '\nFOUND.search(text)',
+        r"re.sub(r'([;\n][\"\s]*)=', '', text)",
+    ],
+)
+def test_the_search_finds_what_it_is_for(code):
+    """What has kept the grader busy."""
+    ((_, pattern, method),) = patterns_in(ast.parse(code))
+    assert slow_text(pattern, method) is not None
+
+
+def test_a_pattern_that_is_matched_at_the_beginning_only_is_no_search():
+    """It begins once."""
+    ((_, pattern, method),) = patterns_in(
+        ast.parse(r"WORD = re.compile(r'\w+Error: ')" + '\nWORD.match(text)')
+    )
+    assert method == 'match'
+    assert slow_text(pattern, method) is None
