@@ -176,6 +176,12 @@ def clear_venv(places: Places) -> None:
     """
     if not places.venv.exists():
         return
+    if places.venv.is_symlink():
+        raise StepError(
+            f'{places.venv}: expected a folder of this copy of the course, got a link to '
+            f'{places.venv.resolve()}, where another copy may have its environment',
+            f'remove the link: rm {places.venv}',
+        )
     content = {path.name for path in places.venv.iterdir()}
     if content and not content & {'pyvenv.cfg', places.notes.name}:
         raise StepError(

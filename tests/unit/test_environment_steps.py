@@ -176,6 +176,18 @@ def test_clear_venv_foreign_folder_is_refused(tmp_path):
     assert (tmp_path / '.venv' / 'thesis.txt').exists()
 
 
+def test_clear_venv_leaves_the_one_that_a_link_leads_to(tmp_path):
+    """It belongs to another copy of the course, which would be without one."""
+    other = tmp_path / 'other'
+    other.mkdir()
+    (other / 'pyvenv.cfg').touch()
+    (tmp_path / '.venv').symlink_to(other)
+
+    with pytest.raises(StepError, match='got a link to'):
+        prepare.clear_venv(Places.of('.venv', tmp_path))
+    assert (other / 'pyvenv.cfg').exists()
+
+
 def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
     """A half-made venv is removed with its stamps; the log being written stays."""
     places = Places.of('.venv', tmp_path)
