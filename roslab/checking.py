@@ -7,7 +7,7 @@ there is one, and prints its verdicts as one line of JSON.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 import difflib
 import json
@@ -78,11 +78,10 @@ def _run(exam: str, package: LearnerPackage) -> CheckReport:
             deadline_s=_DEADLINE_S,
             on_tick=elapsed.tick,
         )
-    required = {Path(name).name for name in about.requires}
-    files = {name: text for name, text in files.items() if Path(name).name in required}
     report = _read(exam, outcome)
-    report.unfinished = tuple(name for name, text in files.items() if _is_stub(name, text))
-    report.left_over = _left_over(files)
+    own = _of_exercise(about, files)
+    report.unfinished = tuple(name for name, text in own.items() if _is_stub(name, text))
+    report.left_over = _left_over(own)
     report.lesson = _lesson_of(about)
     return report
 
@@ -103,6 +102,12 @@ def _lesson_of(exam: Exam) -> str | None:
         return Layout.here().release(exam.assignment).name
     except FileNotFoundError:
         return None
+
+
+def _of_exercise(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
+    """Return the files that an exercise is about."""
+    required = {Path(name).name for name in exam.requires}
+    return {name: text for name, text in files.items() if Path(name).name in required}
 
 
 def _is_stub(name: str, text: str) -> bool:

@@ -210,6 +210,49 @@ def _plain_number(node: ast.AST, known: Mapping[str, float]) -> float | None:
     return None
 
 
+# -- queues ---------------------------------------------------------------------------------
+
+
+def subscription_depths(files: Mapping[str, str]) -> list[int | None]:
+    """
+    Return the depth of each subscription that is created, None where it cannot be read.
+
+    It is read if it is a number or a ``QoSProfile`` with one, or a name that gets one value only.
+    """
+    found: list[int | None] = []
+    for tree in trees(files):
+        known = _values_by_name(tree)
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and _last_name(node.func) == 'create_subscription':
+                named = [one.value for one in node.keywords if one.arg == 'qos_profile']
+                given = [*named, *node.args[3:4]]
+                found.append(_depth(given[0], known) if given else None)
+    return found
+
+
+def _values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
+    """Return what names get in a file, None for what gets several values."""
+    known: dict[str, ast.AST | None] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign):
+            for name in map(_last_name, node.targets):
+                known[name] = None if name in known else node.value
+    return known
+
+
+def _depth(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> int | None:
+    """Return the depth that an expression stands for; names in it are followed once."""
+    if isinstance(node, (ast.Name, ast.Attribute)):
+        return _depth(known.get(_last_name(node)), {})
+    if isinstance(node, ast.Call) and _last_name(node.func) == 'QoSProfile':
+        given = {one.arg: one.value for one in node.keywords}
+        # A history of its own may be one that keeps all; two stars hide what is given.
+        return None if {'history', None} & set(given) else _depth(given.get('depth'), known)
+    if isinstance(node, ast.Constant) and type(node.value) is int:
+        return node.value
+    return None
+
+
 # -- pauses in callbacks --------------------------------------------------------------------
 
 

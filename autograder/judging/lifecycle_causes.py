@@ -21,6 +21,7 @@ _IMPORT = re.compile(
 )
 _OWN_CLOCK = re.compile(r'threading\.Timer\(|\bclock=|time\.sleep\(|\bTimer\(')
 _CONFIGURES = re.compile(r"""def on_configure|['"]on_configure|\bon_configure\s*=""")
+_DEFAULT = re.compile(r"""declare_parameter\(\s*['"]limit['"]\s*,\s*(\d{1,9}(?:\.\d{0,9})?)""")
 _IN_VAIN = 'Failed to trigger lifecycle state machine transition'
 
 READ_ONCE = Cause(
@@ -49,6 +50,30 @@ WRONG_DEFAULT = Cause(
     'The limit has another value than -1.0 before anybody sets it.',
     "In __init__(): self.declare_parameter('limit', -1.0).",
 )
+ERROR_NOT_FAILURE = Cause(
+    'error_not_failure',
+    'on_configure() returns ERROR, or it raises an exception, which rclpy swallows without a '
+    'word.',
+    'Return TransitionCallbackReturn.FAILURE. If you do: put the lines before it into try/except '
+    'Exception as error, and log error.',
+)
+NOT_MANAGED = Cause(
+    'subscription_not_managed',
+    'A subscription hears messages in every state; rclpy manages publishers only.',
+    'Remember in on_activate() and on_deactivate() whether you are active, and look at it in the '
+    'callback.',
+)
+STALE_LIMIT = Cause(
+    'stale_limit',
+    'The limit of the first configuration is still in use.',
+    'Read the parameter in on_configure(), each time.',
+)
+EARLY_LIMIT = Cause(
+    'early_limit',
+    'A new value of the parameter counts before the node is configured again.',
+    'Compare with self.limit, and set that in on_configure() alone: neither judge() nor '
+    'on_activate() reads the parameter.',
+)
 
 
 def why_ended(run: Run) -> Cause | None:
@@ -75,6 +100,26 @@ def without_its_end(run: Run) -> Run:
         for event in run.recording.events
     ]
     return Run(run.files, Recording(run.recording.header, events), run.facts)
+
+
+def why_accepted(run: Run, let_through: bool) -> Cause | None:
+    """
+    Explain a configuration that is not refused, although its limit is not above zero.
+
+    :param let_through: whether it was answered, and with success
+    """
+    if why := why_no_verdict(run):
+        return why
+    found = _DEFAULT.search(_code(run))
+    if found and float(found[1]) > 0.0:
+        return WRONG_DEFAULT
+    if let_through:
+        return Cause(
+            'let_through',
+            'A limit that is not above zero is accepted.',
+            "In on_configure(): unless self.get_parameter('limit').value > 0.0, return FAILURE.",
+        )
+    return None
 
 
 def why_refused(run: Run, name: str) -> Cause:

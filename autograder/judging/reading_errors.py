@@ -1,5 +1,5 @@
 """
-Why a temperature monitor answers a reading with a line of the wrong level, or with none.
+Why a temperature monitor answers a reading with a line of the wrong level, with none or with two.
 
 A monitor may not know the unit, or its code may have a mistake that an ``except`` turns into an
 ERROR.  Only the text tells the two apart.
@@ -12,7 +12,7 @@ import re
 
 from autograder.judging.causes import close_name
 from autograder.judging.exam import Cause, Run
-from autograder.judging.learners_code import calls, texts_in
+from autograder.judging.learners_code import calls, subscription_depths, texts_in
 from autograder.judging.raised import exception_cause
 from autograder.judging.readings import Reading, Sent, sent, shown_in
 from autograder.judging.tracebacks import PUBLIC, Traceback
@@ -23,6 +23,29 @@ NO_UNIT = Cause(
     'Readings in Celsius are answered with an ERROR, as if nobody knew their unit.',
     "Compare with the whole words, letter by letter: msg.unit == 'Celsius', 'Fahrenheit'.",
 )
+ONE_LINE = Cause(
+    'several_errors',
+    'One reading in an unknown unit gives more than one ERROR line.',
+    'Put all there is to say into one line, call self.get_logger().error(...) in one place, and '
+    'subscribe once.',
+)
+NEEDLESS_ERROR = Cause(
+    'needless_error',
+    'A reading in a known unit is logged and judged as it should be, and gives an ERROR line too.',
+    'ERROR is for a unit that you do not know: take that self.get_logger().error(...) out.',
+)
+LOGGED_TWICE = Cause(
+    'logged_twice',
+    'Each reading is in more than one INFO line with its value.',
+    'Call self.get_logger().info(...) with the value once in the callback, and subscribe once.',
+)
+QUEUE_DEPTH = Cause(
+    'queue_depth',
+    'Readings that come at once are lost: the queue of your subscription is too short.',
+    'Pass the depth 10 as quality of service.',
+)
+LONG_ENOUGH = 5
+"""The depth at which nothing of a burst is lost; the sensor-data profile has it."""
 MOST_QUOTED = 120
 SHORT_NAMES = ('F', 'f', '°F', 'degF')
 _ATTRIBUTE = re.compile(r"'\w{1,40}' object has no attribute '\w{1,60}'")
@@ -160,4 +183,23 @@ def why_nan(run: Run) -> Cause:
         'nan',
         'NaN is not above 30, nor below: every comparison with it is false.',
         'Ask value > 30.0, not not (value <= 30.0); or test math.isnan(value).',
+    )
+
+
+def why_burst_is_cut(run: Run) -> Cause:
+    """
+    Explain readings that are answered one by one, and not all of them where they come at once.
+
+    The queue is blamed only where the code says that it is too short.
+    """
+    depths = subscription_depths(run.files)
+    if depths and all(depth is not None and depth < LONG_ENOUGH for depth in depths):
+        return QUEUE_DEPTH
+    known = depths and None not in depths
+    return Cause(
+        'burst_is_cut',
+        'Readings that come one by one are answered, and of those that come at once only some.',
+        f'{"" if known else "Is the depth of your subscription 10? "}'
+        f'{"Perhaps" if known else "Or"} your callback keeps only the newest: log and compare in '
+        'the callback itself.',
     )

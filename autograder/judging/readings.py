@@ -13,7 +13,7 @@ import re
 from typing import Any
 
 from autograder.judging.exam import Run
-from autograder.runs.recording import Event
+from autograder.runs.recording import Event, INFO, WARN
 
 THRESHOLD_C = 30.0
 NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
@@ -122,12 +122,48 @@ def shown_in(reading: Reading, logs: Sequence[Event], level: int | None) -> bool
 
     :param level: of the lines that count, None for any
     """
+    return times_shown(reading, logs, level) > 0
+
+
+def times_shown(reading: Reading, logs: Sequence[Event], level: int | None) -> int:
+    """
+    Return how many lines show the reading's value, see :func:`shown_in`.
+
+    :param level: of the lines that count, None for any
+    """
     wanted = [value for value in (reading.value, reading.celsius) if value is not None]
-    for entry in logs:
-        if level is None or entry['level'] == level:
-            # Half of the last place of one decimal, and a little.
-            for text in NUMBER.findall(entry['text']):
-                number = float(text.replace(',', '.'))
-                if any(abs(number - value) <= 0.051 for value in wanted):
-                    return True
-    return False
+    texts = [str(entry['text']) for entry in logs if level is None or entry['level'] == level]
+    return sum(_has_one_of(wanted, text) for text in texts)
+
+
+def _has_one_of(wanted: Sequence[float], text: str) -> bool:
+    numbers = [float(found.replace(',', '.')) for found in NUMBER.findall(text)]
+    # Half of the last place of one decimal, and a little.
+    return any(abs(number - value) <= 0.051 for number in numbers for value in wanted)
+
+
+def each_shown_twice(groups: Sequence[Sent]) -> bool:
+    """
+    Tell whether every plain reading is in more than one INFO line.
+
+    Another line now and then, a highest value so far or a conversion, may show one again.
+    """
+    plain = [
+        (group.readings[0], group.logs)
+        for group in groups
+        if len(group.readings) == 1
+        and group.readings[0].unit == 'Celsius'
+        and not group.readings[0].odd
+    ]
+    return bool(plain) and all(times_shown(reading, logs, INFO) > 1 for reading, logs in plain)
+
+
+def is_right(group: Sent) -> bool:
+    """
+    Tell whether readings in known units are logged and warned about as they should be.
+
+    Where they are not, that is told, and an ERROR in its place is not told again.
+    """
+    return group.count(WARN) == sum(one.hot for one in group.readings) and all(
+        not one.odd and shown_in(one, group.logs, INFO) for one in group.readings
+    )

@@ -57,17 +57,28 @@ def test_message_type_that_builds_and_is_another_one():
     assert 'temp_monitor_pkg/msg/Temp' in found.text
 
 
-def test_burst_of_which_a_part_is_lost_tells_of_the_queue():
-    """Readings one by one are logged, and of those at once only some."""
+@pytest.mark.parametrize(
+    ('depth', 'cause_id'),
+    [
+        ('1', 'queue_depth'),
+        ('QoSProfile(depth=2)', 'queue_depth'),
+        ('10', 'burst_is_cut'),
+        ('qos_profile_sensor_data', 'burst_is_cut'),
+    ],
+)
+def test_burst_of_which_a_part_is_lost_tells_of_the_queue(depth, cause_id):
+    """Readings one by one are logged, and of those at once only some; the code has the depth."""
     burst = (Reading(31.0, 'one at once'), Reading(32.0, 'another at once'))
     line = {'event': 'log', 'name': 'temperature_subscriber', 'level': 20, 'text': '31.0'}
     facts = {'singles': (), 'burst': burst}
-    run = Run({}, Recording({}, (graph(['/n']), line, *ENDS)), facts)
+    code = f"self.create_subscription(Temperature, 'temperature_topic', self.heard, {depth})\n"
+    files = {'temp_subscriber.py': code}
+    run = Run(files, Recording({}, (graph(['/n']), line, *ENDS)), facts)
 
     found = temperature_subscriber._why_not_logged(run, burst[1], Sent(burst, (line,)))
 
     assert found is not None
-    assert found.cause_id == 'queue_depth'
+    assert found.cause_id == cause_id
 
 
 @pytest.mark.parametrize(

@@ -325,7 +325,7 @@ class TestWords:
                 'map_server',
                 'repeats in other words',
                 'publishes_each_survey',
-                'the maps survey 1, survey 2, survey 3, survey 4, survey 5 after',
+                'after the surveys of the same texts',
             ),
             (
                 'map_server',

@@ -24,6 +24,7 @@ exam = build(
         inactive=(9.5, 1.5),
         active=tuple(_active),
         paused=(9.75, 20.5),
+        still=(round(_draw.uniform(8.5, 12.0), 2), round(_draw.uniform(0.5, 1.9), 2)),
         again=(round(_draw.uniform(0.5, 1.9), 2), _second, round(_draw.uniform(8.5, 12.0), 2)),
     )
 )

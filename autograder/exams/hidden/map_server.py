@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import random
+
 from autograder.exams.visible.map_server import build
 from autograder.runs.inputs import generator
 
-_draw = generator('map_server', 'rooms')
 _ROOMS = ('hall', 'cellar', 'attic', 'yard', 'workshop', 'stairs', 'lab', 'office')
-exam = build(
-    [f'{room} {_draw.randrange(100, 1000)}' for room in _draw.sample(_ROOMS, k=5)],
-)
+
+
+def surveys(draw: random.Random) -> list[str]:
+    """Return the texts: one has outer spaces and a capital letter, another comes twice."""
+    texts = [f'{room} {draw.randrange(100, 1000)}' for room in draw.sample(_ROOMS, k=5)]
+    spaced, twice = draw.sample(range(4), k=2)
+    texts[spaced] = f'  {texts[spaced].capitalize()} '
+    texts.insert(twice, texts[twice])
+    return texts
+
+
+exam = build(surveys(generator('map_server', 'rooms')))

@@ -5,7 +5,7 @@ The specification, as the lesson gives it: lifecycle node ``pressure_monitor`` w
 ``limit`` (a float, in bar, -1.0 at first); ``on_configure`` refuses with FAILURE and one ERROR
 line unless the limit is above zero; active, it logs exactly one WARN for each
 ``std_msgs/msg/Float64`` on ``pressure`` strictly above the limit; otherwise it warns of nothing.
-The limit that counts is the one of the last configuration.
+The limit that counts is the one of the last configuration, whatever the parameter is since.
 """
 
 from __future__ import annotations
@@ -15,14 +15,19 @@ from dataclasses import dataclass
 import re
 from typing import Any
 
-from autograder.judging.causes import why_no_endpoint, why_no_verdict, why_silent
+from autograder.judging.causes import why_no_endpoint, why_silent
 from autograder.judging.checks import field_of, own_logs, require_answers, require_node
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.lifecycle_causes import (
     died_in_vain,
+    EARLY_LIMIT,
+    ERROR_NOT_FAILURE,
     NO_PARAMETER,
+    NOT_MANAGED,
     READ_ONCE,
     SILENT_REFUSAL,
+    STALE_LIMIT,
+    why_accepted,
     why_compared_wrongly,
     why_ended,
     why_refused,
@@ -51,7 +56,6 @@ EXERCISE = 'Exercise 2: a monitor that refuses nonsense'
 EVENTS = f'{NODE}/transition_event'
 EVENT_TYPE = 'lifecycle_msgs/msg/TransitionEvent'
 CHANGE = f'{NODE}/change_state'
-_DEFAULT = re.compile(r"""declare_parameter\(\s*['"]limit['"]\s*,\s*(\d{1,9}(?:\.\d{0,9})?)""")
 NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
 
 
@@ -65,6 +69,7 @@ class Inputs:
     :param inactive: pressures before activation, above the first limit
     :param active: pressures under the first limit's watch
     :param paused: pressures after deactivation, above both limits
+    :param still: after the parameter was set; one between the limits and one above both
     :param again: pressures under the second limit's watch
     """
 
@@ -73,6 +78,7 @@ class Inputs:
     inactive: Sequence[float]
     active: Sequence[float]
     paused: Sequence[float]
+    still: Sequence[float]
     again: Sequence[float]
 
 
@@ -95,39 +101,18 @@ def refuses_a_senseless_limit(run: Run) -> None:
     try:
         _require(run, 'refused', CHANGE, [{'success': False}] * tries, what)
     except Failed as failed:
-        why = _why_let_through(run, part) or failed.why
+        answers = [one['data'] for one in part.answers(CHANGE) if 'data' in one]
+        why = why_accepted(run, any(one['success'] for one in answers)) or failed.why
         raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
     for event in part.messages(EVENTS):
         if field_of(event, 'goal_state.label') == 'errorprocessing':
             raise Failed(
                 expected='FAILURE: back to unconfigured, ready for another try',
                 observed='an error: the node went to errorprocessing',
-                why=Cause(
-                    'error_not_failure',
-                    'on_configure() returns ERROR, or it raises an exception, which rclpy '
-                    'swallows without a word.',
-                    'Return TransitionCallbackReturn.FAILURE. If you do: put the lines before it '
-                    'into try/except Exception as error, and log error.',
-                ),
+                why=ERROR_NOT_FAILURE,
             )
     states = [{'current_state.label': 'unconfigured'}]
     _require(run, 'refused', f'{NODE}/get_state', states, 'the question for its state')
-
-
-def _why_let_through(run: Run, part: Recording) -> Cause | None:
-    if why := why_no_verdict(run):
-        return why
-    found = _DEFAULT.search('\n'.join(run.files.values()))
-    if found and float(found[1]) > 0.0:
-        return WRONG_DEFAULT
-    accepted = [answer for answer in part.answers(CHANGE) if 'data' in answer]
-    if any(answer['data']['success'] for answer in accepted):
-        return Cause(
-            'let_through',
-            'A limit that is not above zero is accepted.',
-            "In on_configure(): unless self.get_parameter('limit').value > 0.0, return FAILURE.",
-        )
-    return None
 
 
 def _require(
@@ -242,8 +227,7 @@ def _warns(run: Run, phase: str, pressures: Sequence[float], limit: float) -> No
             why=why_silent(run) or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
         )
     followed = [_after(part, sent, number) for number in range(len(pressures))]
-    own = own_logs(Run(run.files, part, run.facts), NODE, WARN)
-    warned = [sum(log in own for log in logs) for logs in followed]
+    warned = _warned(run, part, followed)
     for pressure, logs, found in zip(pressures, followed, warned, strict=True):
         due = int(pressure > limit)
         if found != due:
@@ -253,6 +237,12 @@ def _warns(run: Run, phase: str, pressures: Sequence[float], limit: float) -> No
                 observed=f'{found or "none"}',
                 why=why_silent(run) or compared or _why_wrong(run, pressure == limit, found, logs),
             )
+
+
+def _warned(run: Run, part: Recording, followed: Sequence[Sequence[Event]]) -> list[int]:
+    """Return how many warnings of the node are among the lines that followed each input."""
+    own = own_logs(Run(run.files, part, run.facts), NODE, WARN)
+    return [sum(log in own for log in logs) for logs in followed]
 
 
 def _after(part: Recording, sent: Sequence[Event], number: int) -> list[Event]:
@@ -304,31 +294,37 @@ def ignores_while_not_active(run: Run) -> None:
             raise Failed(
                 expected='no WARN line while it is inactive',
                 observed=f'{len(found)}',
-                why=Cause(
-                    'subscription_not_managed',
-                    'A subscription hears messages in every state; rclpy manages publishers only.',
-                    'Remember in on_activate() and on_deactivate() whether you are active, '
-                    'and look at it in the callback.',
-                ),
+                why=NOT_MANAGED,
             )
 
 
 def takes_the_new_limit(run: Run) -> None:
-    """Configured again, it watches the new limit."""
+    """Configured again, it watches the new limit, and not before."""
+    first, second = inputs(run).limits
+    _require(run, 'still', CHANGE, [{'success': True}] * 2, 'activate and deactivate')
+    _warns_by(run, 'still', inputs(run).still, (first, second), EARLY_LIMIT)
     wanted = [{'success': True}] * 3
     _require(run, 'again', CHANGE, wanted, 'cleanup, configure and activate')
-    _, second = inputs(run).limits
+    _warns_by(run, 'again', inputs(run).again, (second, first), STALE_LIMIT)
+
+
+def _warns_by(
+    run: Run, phase: str, pressures: Sequence[float], limits: tuple[float, float], slip: Cause
+) -> None:
+    """
+    Fail unless it warns of the pressures above one of two limits.
+
+    :param limits: the one that counts, and the other one
+    :param slip: what explains warnings by the other one
+    """
+    right, other = limits
     try:
-        _warns(run, 'again', inputs(run).again, second)
+        _warns(run, phase, pressures, right)
     except Failed as failed:
-        stale = Cause(
-            'stale_limit',
-            'The limit of the first configuration is still in use.',
-            'Read the parameter in on_configure(), each time.',
-        )
-        old = [value for value in inputs(run).again if value > inputs(run).limits[0]]
-        found = own_logs(Run(run.files, run.recording.phase('again'), run.facts), NODE, WARN)
-        why = stale if len(found) == len(old) else failed.why
+        part = run.recording.phase(phase)
+        followed = [_after(part, part.of('input'), number) for number in range(len(pressures))]
+        by_other = [int(pressure > other) for pressure in pressures]
+        why = slip if _warned(run, part, followed) == by_other else failed.why
         raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
 
 
@@ -350,6 +346,8 @@ def build(numbers: Inputs) -> Exam:
     steps += [_feed(numbers.inactive, optional=True)]
     steps += [Mark('active'), activate, _feed(numbers.active)]
     steps += [Mark('paused'), deactivate, _feed(numbers.paused, optional=True)]
+    # Whoever refuses to be set before the cleanup is set after it, and right in both.
+    steps += [Mark('still'), _limit(second), activate, _feed(numbers.still), deactivate]
     steps += [Mark('again'), transition(NODE, 'cleanup'), _limit(second), configure, activate]
     steps += [_feed(numbers.again)]
     exam = Exam(
@@ -394,6 +392,7 @@ exam = build(
         inactive=(3.0,),
         active=(2.4, 2.5, 2.6, 9.0, 1.0),
         paused=(8.0,),
+        still=(4.0, 9.0),
         again=(5.0, 7.0),
     )
 )

@@ -38,6 +38,7 @@ ASKS_TOO_MUCH = Cause(
     'publisher offers.',
     "Subscribe with the plain number: create_subscription(String, 'survey', self.take, 10).",
 )
+AGAIN = 'again and again'
 EXERCISE = 'Exercise 1: a map server'
 
 
@@ -163,11 +164,29 @@ def _why_other_maps(run: Run, found: Sequence[str], surveys: Sequence[str]) -> C
         return Cause('no_answer', slip, 'Publish String(data=survey.data) in its callback.')
     if len(found) > len(surveys) and set(found) == set(surveys):
         return Cause('repeats', 'Maps are published more than once.', 'Publish once per survey.')
+    if found == [text for text, _ in groupby(surveys)]:
+        return Cause(
+            'skips_equal',
+            'A survey with the same text as the one before it gives no map.',
+            'Publish String(data=survey.data) for each one, without a look at the last.',
+        )
     others = [text for text in found if text not in surveys]
+    if others and _bare(others[0]) in map(_bare, surveys):
+        slip = 'A text comes with other letters or spaces than its survey, and both count.'
+        return Cause(
+            'text_changed',
+            slip,
+            'Publish String(data=survey.data) as it is, without strip(), lower() or upper().',
+        )
     if others:
         slip = f'{own_words(run, others[0][:40], "What is published")} is no text of a survey.'
         return Cause('wrong_text', slip, 'Publish String(data=survey.data), unchanged.')
     return None
+
+
+def _bare(text: str) -> str:
+    """Return a text without spaces, in lower case."""
+    return ''.join(text.split()).lower()
 
 
 def _why_unreached(run: Run) -> Cause:
@@ -236,7 +255,11 @@ def _named(run: Run, text: str) -> str:
 def _shown(run: Run, texts: Sequence[str]) -> str:
     # How often a loop repeats one before we leave is luck.
     found = [(_named(run, text), len(list(same))) for text, same in groupby(texts)]
-    shown = [text if count == 1 else f'{text} again and again' for text, count in found]
+    surveys: Sequence[str] = [_named(run, text) for text in run.facts['surveys']]
+    shown = [
+        text if count == 1 else f'{text} {"twice" if count == surveys.count(text) else AGAIN}'
+        for text, count in found
+    ]
     return ', '.join(shown[:6]) or 'no map'
 
 
@@ -244,7 +267,8 @@ def build(surveys: Sequence[str]) -> Exam:
     """
     Return the exam with some surveys.
 
-    :param surveys: at least three different texts
+    :param surveys: at least three different texts; one has outer spaces and a capital letter, and
+        one comes twice in a row
     """
     exam = Exam(
         'map_server',
@@ -280,4 +304,6 @@ def build(surveys: Sequence[str]) -> Exam:
     return exam
 
 
-exam = build(['hall', 'hall and cellar', 'hall, cellar and yard'])
+exam = build(
+    ['hall', ' hall and Cellar  ', 'hall, cellar and yard', 'hall, cellar and yard', 'all of it']
+)

@@ -2,9 +2,9 @@
 Lesson 07, part 3: the temperature subscriber.
 
 The specification, as the lesson gives it: node ``temperature_subscriber`` listens on
-``temperature_topic``; logs every reading at INFO with its value; logs exactly one WARN for each
-reading strictly above 30.0 °C; converts Fahrenheit; answers any other unit with an ERROR and no
-warning; does not warn for NaN; uses the node's logger.
+``temperature_topic``; logs every reading in Celsius or Fahrenheit in one INFO line with its value
+and none in an ERROR; logs exactly one WARN for each strictly above 30.0 °C; converts Fahrenheit;
+answers any other unit with one ERROR and no warning; does not warn for NaN; uses its own logger.
 """
 
 from __future__ import annotations
@@ -16,7 +16,11 @@ from autograder.judging.causes import why_silent
 from autograder.judging.checks import require_endpoint, require_node, require_partner
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.reading_errors import (
+    LOGGED_TWICE,
+    NEEDLESS_ERROR,
+    ONE_LINE,
     refuses_fahrenheit,
+    why_burst_is_cut,
     why_conversion,
     why_fahrenheit_is_refused,
     why_nan,
@@ -24,6 +28,8 @@ from autograder.judging.reading_errors import (
 )
 from autograder.judging.readings import (
     cool_groups,
+    each_shown_twice,
+    is_right,
     Reading,
     Sent,
     sent,
@@ -55,11 +61,6 @@ NOT_LOGGED = Cause(
     'A reading is sent to your node, and no INFO line follows it.',
     'Call self.get_logger().info(...) first in the callback: before any if and any return.',
 )
-QUEUE_DEPTH = Cause(
-    'queue_depth',
-    'Readings that come at once are lost: the queue of your subscription is too short.',
-    'Pass the depth 10 as quality of service.',
-)
 EXERCISE = 'Exercise 3: the subscriber node'
 
 
@@ -87,18 +88,24 @@ def subscribes_to_readings(run: Run) -> None:
 
 
 def logs_every_reading(run: Run) -> None:
-    """It logs every reading at level INFO with its value, through the node's logger."""
+    """It logs every reading in one INFO line with its value, through the node's logger."""
     groups = sent(run)
     proper = [
         (reading, group) for group in groups for reading in group.readings if not reading.odd
     ]
     missing = [pair for pair in proper if not shown_in(pair[0], pair[1].logs, INFO)]
     if not missing and groups:
-        return
+        if not each_shown_twice(groups):
+            return
+        raise Failed(
+            expected='one INFO line with the value for each reading',
+            observed='more than one such line for each of them',
+            why=LOGGED_TWICE,
+        )
     reading, group = missing[0] if missing else (None, None)
     found = len(proper) - len(missing)
     raise Failed(
-        expected=f'{len(proper)} readings sent, each in an INFO line with its value',
+        expected=f'{len(proper)} readings sent, each in one INFO line with its value',
         observed=f'{found} of them' + (f'; missing: {reading.kind}' if reading else ''),
         why=_why_not_logged(run, reading, group),
         share=share_of(run, found, len(proper)),
@@ -119,7 +126,7 @@ def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Ca
     if why or (group is not None and not group.sent):
         return why
     if group is not None and len(group.readings) > 1:
-        return QUEUE_DEPTH
+        return why_burst_is_cut(run)
     if reading is not None and group is not None:
         if refuses_fahrenheit(run, group):
             return why_fahrenheit_is_refused(run, group)
@@ -176,7 +183,7 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
     if too_many and group.count(WARN) <= len(group.readings):
         return _why_false_alarm(group)
     if not too_many and len(group.readings) > 1 and group.count(INFO) < len(group.readings):
-        return QUEUE_DEPTH
+        return why_burst_is_cut(run)
     if too_many:
         return REPEATED
     levels = {entry['level'] for entry in group.logs} - {INFO, WARN}
@@ -299,24 +306,37 @@ def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
 
 
 def reports_an_unknown_unit(run: Run) -> None:
-    """An unknown unit gives an ERROR line, no warning, and the node goes on."""
+    """An unknown unit gives one ERROR line, a known unit none; no warning, and it goes on."""
     groups = [group for group in sent(run) if group.readings[0].celsius is None]
     for group in groups:
-        if group.count(WARN) or not group.count(ERROR):
+        if group.count(WARN) or group.count(ERROR) != 1:
             raise Failed(
-                expected='an ERROR line and no WARN line after a reading in an unknown unit',
+                expected='1 ERROR line and no WARN line after a reading in an unknown unit',
                 observed=f'{_lines(group.count(ERROR), "ERROR")}, '
                 f'{_lines(group.count(WARN), "WARN")}',
-                why=(
-                    (why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR))
-                    or Cause(
-                        'unknown_unit',
-                        'A number without a known unit cannot be compared with 30 °C.',
-                        'For any unit that you do not know: self.get_logger().error(...), return.',
-                    )
-                ),
+                why=_why_unknown_unit(run, group),
+            )
+    right = [group for group in sent(run) if is_right(group)]
+    # A node that takes a unit for an unknown one is told so where its warnings are missing.
+    known = {one.unit for group in right for one in group.readings if one.hot}
+    for group in right:
+        if group.count(ERROR) and group.readings[0].unit in known:
+            raise Failed(
+                expected=f'no ERROR line after {_what(group)}',
+                observed=_lines(group.count(ERROR), 'ERROR'),
+                why=NEEDLESS_ERROR,
             )
     _was_listening(run, groups)
+
+
+def _why_unknown_unit(run: Run, group: Sent) -> Cause | None:
+    if group.count(ERROR) and not group.count(WARN):
+        return ONE_LINE
+    return (why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR)) or Cause(
+        'unknown_unit',
+        'A number without a known unit cannot be compared with 30 °C.',
+        'For any unit that you do not know: self.get_logger().error(...), return.',
+    )
 
 
 def does_not_warn_about_nan(run: Run) -> None:
