@@ -62,11 +62,13 @@ def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
 
 
 def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool, str]:
-    right = not result.fault and bool(result.exams) and result.points == wanted
+    if result.fault:  # without a verdict there are no points to compare
+        return False, f'{lesson.assignment}: {result.student} has no verdict. {result.fault}'
+    right = bool(result.exams) and result.points == wanted
     text = f'{lesson.assignment}: {result.student} has {result.points:g} of {result.max_points:g}'
     if right:
         return True, f'{text}, as it must.'
-    why = result.fault or ', '.join(
+    why = ', '.join(
         f'{exam.exam}/{check.check}: {check.verdict.value}'
         for exam in result.exams
         for check in exam.checks

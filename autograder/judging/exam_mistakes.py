@@ -2,9 +2,9 @@
 Mistakes in an exam that would otherwise show when a class is graded: each a line with its place.
 
 What a scenario says of itself is looked at when an exam is made: steps that name a topic nobody
-announced, a malformed type.  Whether the types exist and have the fields that are sent needs an
-installed ROS, and whether a section to read exists needs the lessons: ``course check`` and
-``self-check`` ask.
+announced, a malformed type.  Whether the types exist and can hold what is sent needs an installed
+ROS, and whether a section to read exists needs the lessons: ``course check`` and ``self-check``
+ask.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 import re
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
+from autograder.judging.exam_values import value_mistakes
 from autograder.runs.scenario import Advance, Call, Feed, FeedTopic, Join, Leave, Offer, Scenario
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def types_of(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
 
 def type_mistakes(exam: Exam, prefixes: Sequence[Path]) -> Iterator[str]:
     """
-    Yield types that are not installed, and fields that their messages do not have.
+    Yield types that are not installed, and fields and values that their messages do not have.
 
     :param prefixes: where ROS packages are installed, as in ``AMENT_PREFIX_PATH``
     """
@@ -112,8 +113,12 @@ def type_mistakes(exam: Exam, prefixes: Sequence[Path]) -> Iterator[str]:
             yield f'{where}, {place}: {problem}'
     for number, step in enumerate(scenario.steps, 1):
         if isinstance(step, Feed) and (name := types.get(step.topic, '')):
-            for problem in _unknown_fields(name, step.messages, prefixes):
-                yield f'{where}, step {number} (Feed): {problem}'
+            for which, message in enumerate(step.messages, 1):
+                for problem in value_mistakes(name, message, prefixes):
+                    yield f'{where}, step {number} (Feed): message {which}: {problem}'
+        elif isinstance(step, Call):
+            for problem in value_mistakes(step.type, step.request, prefixes, 'srv'):
+                yield f'{where}, step {number} (Call) {step.service!r}: {problem}'
 
 
 def _unknown(name: str, prefixes: Sequence[Path]) -> str:
@@ -146,35 +151,6 @@ def installed(prefixes: tuple[Path, ...]) -> Mapping[str, tuple[str, ...]]:
             names = sorted({line.rpartition('.')[0] for line in lines})
             found.setdefault(entry.name, tuple(names))
     return found
-
-
-def _unknown_fields(
-    name: str, messages: Sequence[Mapping[str, Any]], prefixes: Sequence[Path]
-) -> Iterator[str]:
-    fields = _fields(name, prefixes)
-    for number, message in enumerate(messages, 1):
-        for field in message:
-            if fields and field not in fields:
-                close = get_close_matches(field, fields, n=1, cutoff=0.6)
-                hint = f'; did you mean {close[0]!r}?' if close else ''
-                yield f'message {number}: expected a field of {name}, got {field!r}{hint}'
-
-
-def _fields(name: str, prefixes: Sequence[Path]) -> tuple[str, ...]:
-    """Return the fields of a message type, empty if its text is not installed."""
-    package, _, rest = name.partition('/')
-    for prefix in prefixes:
-        path = prefix / 'share' / package / f'{rest}.msg'
-        if path.is_file():
-            lines = (
-                line.partition('#')[0].split() for line in path.read_text('utf-8').split('\n')
-            )
-            return tuple(
-                words[1]
-                for words in lines
-                if len(words) > 1 and '=' not in words[1] and words[2:3] != ['=']
-            )
-    return ()
 
 
 def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:

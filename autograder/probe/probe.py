@@ -39,7 +39,7 @@ lean()  # before anything of ROS
 from builtin_interfaces.msg import Time
 from probe_graph import Graph  # type: ignore[import-not-found]  # beside this file
 from probe_round_trips import RoundTrips  # type: ignore[import-not-found]
-from probe_steps import STEPS, Stop  # type: ignore[import-not-found]
+from probe_steps import Stop, take  # type: ignore[import-not-found]
 from probe_wire import load_type, qos_profile, to_json  # type: ignore[import-not-found]
 from rcl_interfaces.msg import Log
 import rclpy
@@ -341,10 +341,10 @@ class Probe:
             self.graph('start')
             started = True
             lockstep = len(self.unreachable) < len(self.student_nodes())
-            for step in self.scenario['steps']:
+            for number, step in enumerate(self.scenario['steps'], 1):
                 if step['do'] not in ('await', 'mark', 'look'):
                     self.before_step = (self.logs, self.messages)
-                STEPS[step['do']](self, step, lockstep)
+                take(self, number, step, lockstep)
         except Stop as stop:
             reason = str(stop)
         self.drain()

@@ -272,3 +272,18 @@ STEPS: dict[str, Callable[[Any, dict[str, Any], bool], None]] = {
     'look': look,
     'await': await_,
 }
+
+
+def take(probe: Any, number: int, step: dict[str, Any], lockstep: bool) -> None:
+    """
+    Take one step.
+
+    :raises RuntimeError: if we fail at it; its words are one line, the only one the grader shows
+    """
+    try:
+        STEPS[step['do']](probe, step, lockstep)
+    except Stop:
+        raise
+    except Exception as error:
+        words = ' '.join(f'{type(error).__name__}: {error}'.split())
+        raise RuntimeError(f'step {number} ({step["do"]}): {words}') from error

@@ -121,7 +121,7 @@ def observe(
         student = sandbox.start(program, limits, home)
         try:
             watched = _Watched(student, limits, scenario, sandbox, home)
-            watched.told = told
+            watched.exam, watched.told = exam_name, told
             events = watched.run()
         finally:
             student.kill()
@@ -145,6 +145,7 @@ class _Watched:
         self.probe = sandbox.start_probe(student, home)
         self.threads, self.probe_threads = Threads(student.pid), Threads(self.probe.pid)
         self.scenario = scenario
+        self.exam = ''
         self.events: list[dict[str, Any]] = []
         self.told: Callable[[Mapping[str, Any]], None] | None = None
         self.pending = b''
@@ -178,7 +179,9 @@ class _Watched:
                 raise ProbeFailed(f'The probe was not ready in time: {self.killed}.')
             if not self.killed:
                 code = self.probe.returncode
-                raise ProbeFailed(f'The probe broke off with code {code}: {said or "no word"}.')
+                raise ProbeFailed(
+                    f'exam {self.exam}: the probe broke off with code {code}: {said or "no word"}.'
+                )
             self._keep_event({'event': 'end', 'clock_ns': None, 'reason': self.killed})
         self._keep_event(self._process_event())
         return self.events

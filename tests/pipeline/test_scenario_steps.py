@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from autograder.errors import ProbeFailed
 from autograder.runs.observe import observe
 from autograder.runs.recording import WARN
 from autograder.runs.scenario import (
@@ -351,3 +352,21 @@ def make():
         assert heard == list(enumerate(words))
         assert seen.of('no_first_log') == []
         assert {event['clock_ns'] for event in seen.messages('/out')} == {None}
+
+
+def test_a_step_that_cannot_be_taken_is_named(sandbox):
+    """An exam that nobody has looked at is told by its name, with the step."""
+    scenario = Scenario(
+        file='a.py', feed={'/numbers': INT}, steps=(Look('here'), Feed('/numbers', [{'data': ''}]))
+    )
+    program = PROGRAM.format(
+        body="""
+def make():
+    node = Node('a')
+    node.create_subscription(Int32, 'numbers', print, 10)
+    return node
+"""
+    )
+
+    with pytest.raises(ProbeFailed, match=r'exam sample: .*step 2 \(feed\): AssertionError: The '):
+        observe('sample', scenario, {'a.py': program}, sandbox)

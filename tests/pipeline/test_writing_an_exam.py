@@ -168,6 +168,7 @@ def test_the_samples_are_graded_once_there_are_three_right_ones(course, tmp_path
         ("Feed('/door_open'", "Feed('/door'", "did you mean '/door_open'?"),
         ('std_msgs/msg/Int32', 'std_msgs/msg/Int', 'expected a type of std_msgs, got '),
         ("[{'data': door}", "[{'date': door}", "got 'date'; did you mean 'data'?"),
+        ("{'data': door}", "{'data': 'yes'}", "True or False for data, got 'yes'"),
         (
             "read='Count the visitors'",
             "read='Count the visitor'",

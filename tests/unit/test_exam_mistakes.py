@@ -129,6 +129,108 @@ class TestWithRos:
 
         assert said in line
 
+    @pytest.mark.parametrize(
+        ('kind', 'message', 'said'),
+        [
+            ('std_msgs/msg/Bool', {'data': 'yes'}, "expected True or False for data, got 'yes'"),
+            ('std_msgs/msg/Bool', {'data': 1}, 'expected True or False for data, got 1'),
+            ('std_msgs/msg/Int32', {'data': 1.0}, 'a whole number from -2147483648 to 2147483647'),
+            ('std_msgs/msg/Int32', {'data': 2**31}, 'for data, got 2147483648'),
+            ('std_msgs/msg/UInt8', {'data': -1}, 'a whole number from 0 to 255 for data, got -1'),
+            ('std_msgs/msg/Int64', {'data': True}, 'for data, got True'),
+            ('std_msgs/msg/Float64', {'data': 'warm'}, "expected a number for data, got 'warm'"),
+            ('std_msgs/msg/Float64', {'data': None}, 'expected a number for data, got None'),
+            ('std_msgs/msg/Float32', {'data': 1e39}, 'expected a float32 for data, got 1e+39'),
+            (STRING, {'data': 5}, 'expected a text for data, got 5'),
+            ('std_msgs/msg/Byte', {'data': b'1'}, 'a byte cannot be sent'),
+            (
+                'temp_monitor_pkg/msg/Temperature',
+                {'timestamp': 2.5},
+                'expected the fields of builtin_interfaces/Time by name for timestamp, got 2.5',
+            ),
+            (
+                'temp_monitor_pkg/msg/Temperature',
+                {'timestamp': {'sec': 1, 'nanosecs': 0}},
+                "expected a field of builtin_interfaces/Time in timestamp, got 'nanosecs'; did",
+            ),
+            (
+                'temp_monitor_pkg/msg/Temperature',
+                {'timestamp': {'nanosec': -1}},
+                'a whole number from 0 to 4294967295 for timestamp.nanosec, got -1',
+            ),
+            (
+                'unique_identifier_msgs/msg/UUID',
+                {'uuid': [0] * 15},
+                'expected a list of 16 values for uuid, got 15',
+            ),
+            (
+                'rcl_interfaces/msg/ParameterDescriptor',
+                {'integer_range': [{}, {}]},
+                'expected a list of at most 1 values for integer_range, got 2',
+            ),
+            (
+                'std_msgs/msg/Int32MultiArray',
+                {'layout': {'dim': [{'size': 1}, {'size': -1}]}},
+                'for layout.dim[1].size, got -1',
+            ),
+            (
+                'std_msgs/msg/Int32MultiArray',
+                {'data': 'abc'},
+                "expected a list for data, got 'abc'",
+            ),
+            (
+                'type_description_interfaces/msg/FieldType',
+                {'nested_type_name': 'x' * 256},
+                'expected a text of at most 255 characters for nested_type_name, got ',
+            ),
+            (
+                'std_msgs/msg/Empty',
+                {'data': 1},
+                "expected a field of std_msgs/msg/Empty, got 'data'",
+            ),
+        ],
+    )
+    def test_a_value_that_its_field_cannot_hold_is_named(self, kind, message, said):
+        """With exam, step, message and field: the probe would break off with it."""
+        wrong = exam(feed={'/t': kind}, steps=(Advance(1), feed('/t', {}, message)))
+
+        (line,) = type_mistakes(wrong, ament_prefixes())
+
+        assert line.startswith('exam sample, step 2 (Feed): message 2: expected ')
+        assert said in line
+
+    def test_a_request_is_compared_too(self):
+        """Down to the value of a parameter."""
+        kind = 'rcl_interfaces/srv/SetParameters'
+        wanted = {'parameters': [{'name': 'a', 'value': {'type': 2, 'integer_value': 'two'}}]}
+        wrong = exam(steps=(Call('/a', 'set_parameters', kind, wanted),))
+
+        (line,) = type_mistakes(wrong, ament_prefixes())
+
+        assert line.startswith("exam sample, step 1 (Call) 'set_parameters': expected a whole ")
+        assert line.endswith("for parameters[0].value.integer_value, got 'two'")
+
+    @pytest.mark.parametrize(
+        ('kind', 'message'),
+        [
+            ('std_msgs/msg/Float64', {'data': 'nan'}),
+            ('std_msgs/msg/Float32', {'data': float('inf')}),
+            ('std_msgs/msg/Float32', {'data': 3}),
+            ('std_msgs/msg/Int64', {'data': -(2**63)}),
+            ('std_msgs/msg/Char', {'data': 65}),
+            ('std_msgs/msg/UInt8MultiArray', {'data': (0, 255)}),
+            ('unique_identifier_msgs/msg/UUID', {'uuid': list(range(16))}),
+            ('rcl_interfaces/msg/ParameterDescriptor', {'integer_range': [{'step': 2}]}),
+            ('std_msgs/msg/Header', {'stamp': {'sec': -1}, 'frame_id': ''}),
+            ('std_msgs/msg/Empty', {}),
+        ],
+    )
+    def test_a_value_that_its_field_can_hold_is_fine(self, kind, message):
+        """A float may be a text, as JSON has it, and constants are no fields."""
+        fine = exam(feed={'/t': kind}, steps=(feed('/t', message),))
+
+        assert list(type_mistakes(fine, ament_prefixes())) == []
+
     def test_types_of_the_course_and_of_ros_are_there(self):
         """Services and the course's own messages too."""
         fine = exam(

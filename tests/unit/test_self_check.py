@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from autograder.errors import ProbeFailed
 from autograder.judging.results import CheckResult, ExamResult, Verdict
 from autograder.layout import Layout
 from autograder.self_check import self_check
@@ -97,3 +98,21 @@ def test_check_cell_without_an_exam_is_no_lesson_without_exams(course):
     lines = list(self_check(course('right', 'x'), FakeEngine()))
 
     assert lines == [(False, '01_x: check_talker expected an exam, got none.')]
+
+
+def test_a_run_without_a_verdict_has_no_points_to_compare(course):
+    """Nought of nought would read as if the release were right."""
+
+    class BrokenEngine(FakeEngine):
+        """Sees a probe that breaks off."""
+
+        def run(self, exam, files):
+            raise ProbeFailed(f'exam {exam.name}: the probe broke off.')
+
+    lines = list(self_check(course('right', 'x'), BrokenEngine(FakeExam())))
+
+    said = 'has no verdict. exam talker: the probe broke off.'
+    assert lines == [
+        (False, f'01_x: the reference solution {said}'),
+        (False, f'01_x: the untouched release {said}'),
+    ]

@@ -6,4 +6,4 @@ from autograder.exams.visible.courier import build
 from autograder.runs.inputs import generator
 
 _draw = generator('courier', 'moments')
-exam = build(alone_s=_draw.choice((7.0, 9.0, 11.0)), between_s=_draw.choice((4.0, 5.0, 6.0)))
+exam = build(alone_s=_draw.choice((7.0, 11.0, 12.0)), between_s=_draw.choice((4.0, 5.0, 6.0)))

@@ -4,7 +4,8 @@ Lesson 03, part 3: the courier.
 The specification, as the lesson gives it: node ``courier``; a publisher of ``std_msgs/msg/String``
 on ``parcels`` with depth 10; the text ``for you`` exactly once, as soon as somebody is connected.
 The subscriptions come late and are volatile and reliable, so that what was published before they
-came is lost, and what was published when they came is not.
+came is lost, and what was published when they came is not.  The second comes while the first is
+there, the third after both have left: who asks only whether somebody is there delivers again.
 """
 
 from __future__ import annotations
@@ -17,16 +18,19 @@ from autograder.judging.checks import (
     require_field,
     require_node,
     require_partner,
+    SECOND,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.runs.recording import Event
-from autograder.runs.scenario import Advance, Await, Join, Mark, Scenario, Step
+from autograder.runs.scenario import Advance, Await, Join, Leave, Mark, Scenario, Step
 
 NODE = '/courier'
 TOPIC = '/parcels'
 TYPE = 'std_msgs/msg/String'
 TEXT = 'for you'
 AFTER_S = 3.0  # simulated time for a node that looks around with a timer [s]
+ALONE_S = 2.0  # and for one that notices that everybody has left [s]
+LATEST_S = 2.5  # who looks around every two seconds is not late yet [s]
 EXERCISE = 'Exercise 2: the courier who waits'
 
 
@@ -50,16 +54,30 @@ def offers_parcels(run: Run) -> None:
     require_partner(require_endpoint(run, 'publisher', TOPIC, TYPE))
 
 
+def _gone(run: Run) -> bool:
+    """Tell whether the node has taken itself away."""
+    recording = run.recording
+    if recording.end_reason == 'complete':
+        return False
+    # Only main() destroys a node at the right moment; a method does it while the node is needed.
+    destroyed = re.search(r'\bself\.destroy_node\(', '\n'.join(run.files.values()))
+    return recording.process.get('exit') == 0 or bool(
+        destroyed and recording.end_reason in ('unresponsive', 'no_node_left')
+    )
+
+
 def delivers_to_who_comes_late(run: Run) -> None:
-    """It waits: a subscription that comes late receives the parcel."""
+    """It waits: a subscription that comes late receives the parcel, and at once."""
     # What is sent by a program that ends at once arrives, or not, by chance.
-    ended = run.recording.end_reason != 'complete' and run.recording.process.get('exit') == 0
-    if run.recording.phase('first').messages(TOPIC, 'first') and not ended:
+    ended = _gone(run) and not run.recording.of('joined', listener='second')
+    found = run.recording.phase('first').messages(TOPIC, 'first')
+    if found and not ended:
+        _require_soon(run, found[0])
         return
     if run.recording.of('joined', listener='first') and ended:
         why = Cause(
             'exited_early',
-            'The program ended as soon as somebody was connected, and its message with it.',
+            'The node was gone as soon as somebody was connected, and its message with it.',
             'Let the node live on after the delivery: self.timer.cancel() ends the search.',
         )
     elif parcels(run, 'first') and not ended:
@@ -72,9 +90,31 @@ def delivers_to_who_comes_late(run: Run) -> None:
         why = why_silent(run) or _why_nothing(run)
     raise Failed(
         expected='one message for a subscription that comes after some seconds',
-        observed='a program that is gone' if ended else 'a subscription that receives nothing',
+        observed='a node that is gone' if ended else 'a subscription that receives nothing',
         why=why,
     )
+
+
+def _require_soon(run: Run, parcel: Event) -> None:
+    """Fail if the parcel came so late that nobody could have looked for who is there."""
+    joined = run.recording.of('joined', listener='first')
+    since, then = joined[0].get('clock_ns') if joined else None, parcel.get('clock_ns')
+    if since is None or then is None:
+        return
+    late_s = (then - since) / SECOND
+    if late_s > LATEST_S:
+        raise Failed(
+            expected='the parcel as soon as a subscription is connected',
+            observed='a parcel that comes seconds later'
+            if run.secret
+            else f'a parcel that comes {late_s:.2g} s later',
+            why=Cause(
+                'delivers_late',
+                'Somebody is connected, and the parcel comes seconds later: your node looks too '
+                'seldom, or waits for something else.',
+                'Look every tenth of a second: self.create_timer(0.1, ...).',
+            ),
+        )
 
 
 def _why_nothing(run: Run) -> Cause:
@@ -93,9 +133,9 @@ def _why_nothing(run: Run) -> Cause:
         return Cause(
             'looks_wrong',
             'Your program looks who is connected, and yet delivers nothing when somebody is: it '
-            'stops looking too early, or its condition is not true then.',
-            'Deliver when get_subscription_count() > 0, and cancel the timer after the delivery '
-            'and not before.',
+            'stops looking too early, looks too seldom, or its condition is not true then.',
+            'Look every tenth of a second, deliver when get_subscription_count() > 0, and cancel '
+            'the timer after the delivery and not before.',
         )
     return Cause(
         'published_too_early',
@@ -123,32 +163,48 @@ def delivers_once(run: Run) -> None:
                 'Pass the depth 10 as quality of service.',
             ),
         )
-    first, second = len(parcels(run, 'first')), len(parcels(run, 'second'))
-    if (first, second) == (1, 0) and run.recording.of('joined', listener='second'):
+    listeners = ('first', 'second', 'third')
+    first, second, third = (len(parcels(run, listener)) for listener in listeners)
+    complete = run.recording.end_reason == 'complete'
+    if (first, second, third) == (1, 0, 0) and complete:
         return
-    why = why_silent(run)
-    if not why and (first > 2 or (first > 1 and not second)):
-        why = Cause(
-            'repeats',
-            'The parcel is published again and again.',
-            'Remember that it was delivered: cancel the timer, or set a flag and look at it.',
+    expected = '1 message for who comes first, none for those who come later'
+    observed = f'{first} for the first, {second or "none"} for the second'
+    if third and not second:
+        expected, observed = 'none for who comes after the others have left', str(third)
+    elif (first, second, third) == (1, 0, 0):
+        expected, observed = 'a node that lives on after the delivery', 'a node that is gone'
+    raise Failed(expected=expected, observed=observed, why=_why_again(run, first, second, third))
+
+
+def _why_again(run: Run, first: int, second: int, third: int) -> Cause | None:
+    """Explain more than one delivery, or a node that does not live on."""
+    remember = 'Remember that it was delivered: cancel the timer, or set a flag and look at it.'
+    if _gone(run):
+        return Cause(
+            'exited_early',
+            'The parcel was delivered, and some time later the node was gone.',
+            'Let the node live on until it is stopped: rclpy.spin(node) ends by itself then.',
         )
-    elif not why and second:
-        why = Cause(
-            'repeats',
-            'Who comes second receives a parcel too.',
-            'Remember that it was delivered: cancel the timer, or set a flag and look at it.',
+    if why := why_silent(run):
+        return why
+    if first > 2 or (first > 1 and not second):
+        return Cause('repeats', 'The parcel is published again and again.', remember)
+    if run.recording.phase('second').messages(TOPIC, 'second'):
+        return Cause('repeats', 'Who comes second receives a parcel too.', remember)
+    if second or third:
+        return Cause(
+            'delivers_again',
+            'When somebody leaves, a parcel is delivered again. How many are connected now does '
+            'not tell who was there before.',
+            remember,
         )
-    raise Failed(
-        expected='1 message for who comes first, none for who comes second',
-        observed=f'{first} for the first, {second or "none"} for the second',
-        why=why,
-    )
+    return None
 
 
 def build(alone_s: float, between_s: float = AFTER_S) -> Exam:
     """
-    Return the exam for one late comer and one who comes later still.
+    Return the exam for one late comer, one who comes later still, and one when both have left.
 
     :param alone_s: simulated time before the first comes [s]
     :param between_s: simulated time between the two [s]
@@ -161,6 +217,12 @@ def build(alone_s: float, between_s: float = AFTER_S) -> Exam:
         Await(messages=1, seconds=1.0),
         Mark('second'),
         Join('second', TOPIC, TYPE),
+        Advance(AFTER_S, phase_s=0.25),
+        Mark('third'),
+        Leave('first'),
+        Leave('second'),
+        Advance(ALONE_S, phase_s=0.25),
+        Join('third', TOPIC, TYPE),
         Advance(AFTER_S, phase_s=0.25),
     )
     exam = Exam(

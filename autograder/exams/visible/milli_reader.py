@@ -54,7 +54,8 @@ def hears_and_publishes(run: Run) -> None:
 
 def answers_one_for_one(run: Run) -> None:
     """For each number it publishes exactly one reading."""
-    for index in range(len(run.facts['numbers'])):
+    singles = len(run.facts['numbers']) - run.facts['burst']
+    for index in range(singles):
         found = [event for event in readings(run) if event['after_input'] == index]
         if len(found) != 1:
             raise Failed(
@@ -75,6 +76,18 @@ def answers_one_for_one(run: Run) -> None:
                     )
                 ),
             )
+    found = [event for event in readings(run) if (event['after_input'] or 0) >= singles]
+    if len(found) != run.facts['burst']:
+        raise Failed(
+            expected=f'{run.facts["burst"]} messages on readings after as many numbers at once',
+            observed=f'{len(found) or "none"}',
+            why=why_silent(run)
+            or Cause(
+                'misses_some',
+                'Where several numbers come at once, they do not get a reading each.',
+                'Publish in the callback of the subscription, once for each message.',
+            ),
+        )
 
 
 def divides_by_a_thousand(run: Run) -> None:
@@ -92,11 +105,13 @@ def divides_by_a_thousand(run: Run) -> None:
 
 def _why_value(numbers: Sequence[int], values: Sequence[float]) -> Cause | None:
     pairs = list(zip(numbers, values, strict=False))
+    if all(math.isclose(value, abs(number) / 1000) for number, value in pairs):
+        return Cause('sign_lost', 'Numbers below zero lose their sign.', 'Leave out abs().')
     if all(value in (number // 1000, int(number / 1000)) for number, value in pairs):
         return Cause(
             'whole_numbers',
-            'The fraction is lost: // and int() give whole numbers.',
-            'Divide with / and a float: number.num / 1000.0.',
+            'The fraction is lost: //, int() and round() give whole numbers.',
+            'Divide with / and a float, and leave it so: number.num / 1000.0.',
         )
     if all(value == number for number, value in pairs):
         return Cause('not_divided', 'The number is passed on as it came.', 'Divide it by 1000.0.')
@@ -199,18 +214,25 @@ def _why_stamp(run: Run, sec: int, nanosec: int, clock: float) -> Cause:
     )
 
 
-def build(numbers: Sequence[int], names: Sequence[str]) -> Exam:
+def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
     """
     Return the exam for some numbers.
 
     :param numbers: thousandths of a degree; none of them is a multiple of 1000
     :param names: the description of each
+    :param burst: how many of them are sent at once at the end, at most five
     """
     # What dies in its first callback has shown its endpoints by then.
     steps: list[Step] = [Look('ready')]
-    for index, (number, name) in enumerate(zip(numbers, names, strict=True)):
+    sent = [
+        {'num': number, 'description': name} for number, name in zip(numbers, names, strict=True)
+    ]
+    singles = len(sent) - burst
+    for index, message in enumerate(sent[:singles]):
         steps.append(Advance(BETWEEN_S, phase_s=0.25 if index else 0.1))
-        steps.append(Feed(SOURCE, [{'num': number, 'description': name}]))
+        steps.append(Feed(SOURCE, [message]))
+    if burst:
+        steps += [Advance(BETWEEN_S, phase_s=0.25), Feed(SOURCE, sent[singles:], burst=True)]
     exam = Exam(
         'milli_reader',
         title='From one message type to another',
@@ -226,7 +248,7 @@ def build(numbers: Sequence[int], names: Sequence[str]) -> Exam:
             first_log_s=0.0,
         ),
         read='Part 5: The choice',
-        facts={'numbers': tuple(numbers), 'names': tuple(names)},
+        facts={'numbers': tuple(numbers), 'names': tuple(names), 'burst': burst},
     )
     exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(

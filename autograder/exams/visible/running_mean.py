@@ -91,7 +91,8 @@ def answers_every_number(run: Run) -> None:
             raise Failed(
                 expected=f'1 message on {TARGET} after number {index + 1}',
                 observed=f'{len(found) or "none"}',
-                why=why_silent(run) or (_REPEATS if found else _SILENT),
+                why=why_silent(run)
+                or (_REPEATS if found else _LEAVES_OUT if answers(run) else _SILENT),
             )
 
 
@@ -99,6 +100,11 @@ _SILENT = Cause(
     'no_answer',
     'Nothing is published when a number arrives.',
     'Publish in the callback of the subscription, for each message.',
+)
+_LEAVES_OUT = Cause(
+    'leaves_out',
+    'Some numbers are answered, and this one is not.',
+    'Publish for each number that is not NaN, the first one and those below zero included.',
 )
 _REPEATS = Cause(
     'several_answers',
@@ -152,7 +158,8 @@ def _why_value(run: Run, found: list[float], index: int) -> Cause | None:
         return Cause('one_behind', 'The newest number is missing in the mean.', 'Add it up first.')
     means = means_of(numbers)
     if any(like([float(cut(mean)) for mean in means]) for cut in (math.floor, math.trunc)):
-        return Cause('cut_off', 'The decimals are cut off.', 'Divide with /, not with //.')
+        advice = 'Divide with /, not with //, and leave out int().'
+        return Cause('cut_off', 'The decimals are cut off.', advice)
     if any(like([round(mean, digits) for mean in means]) for digits in range(4)):
         return Cause('rounded', 'The mean is rounded.', 'Publish it as it is, without round().')
     for extra in (1, -1):
@@ -223,6 +230,12 @@ def _why_not_after_nan(run: Run, found: Sequence[float], before: int) -> Cause |
     :param before: how many came before it
     """
     numbers: Sequence[float] = (*run.facts['singles'], *run.facts['burst'])
+    if not found:
+        return Cause(
+            'stops_at_nan',
+            'Numbers are answered until NaN comes, and then no more.',
+            'Leave the callback when NaN comes, and keep nothing of it.',
+        )
     total, counted = 0.0, []
     for place, number in enumerate(numbers, 1):
         if not math.isnan(number):
@@ -238,6 +251,19 @@ def _why_not_after_nan(run: Run, found: Sequence[float], before: int) -> Cause |
             'NaN is not added up, and yet it is counted: the sum is divided by too much.',
             'Return before you count: if math.isnan(message.data).',
         )
+    again, no_zeros = _begun_again(numbers), means_of([one for one in numbers if one])[before:]
+    if len(found) == len(again) and like([0.0] * before + again):
+        return Cause(
+            'forgets_at_nan',
+            'After NaN the mean begins anew, without the numbers before it.',
+            'Leave the sum and the count as they are when NaN comes.',
+        )
+    if len(found) == len(no_zeros) and like([0.0] * before + no_zeros):
+        return Cause(
+            'skips_zero',
+            'A 0.0 is left out like NaN, and it is a number like any other.',
+            'Ask with math.isnan(message.data): a bare if not message.data is true for 0.0, too.',
+        )
     right = means_of(numbers)
     if like(right) and len(found) < len(right) - before:
         return Cause(
@@ -252,6 +278,17 @@ def _why_not_after_nan(run: Run, found: Sequence[float], before: int) -> Cause |
             'Publish in the callback of the subscription, once for each message.',
         )
     return None
+
+
+def _begun_again(numbers: Sequence[float]) -> list[float]:
+    """Return the means after the first NaN of who forgets all numbers at each NaN."""
+    parts: list[list[float]] = [[]]
+    for number in numbers:
+        if math.isnan(number):
+            parts.append([])
+        else:
+            parts[-1].append(number)
+    return [mean for part in parts[1:] for mean in means_of(part)]
 
 
 def build(singles: Sequence[float], burst: Sequence[float] = ()) -> Exam:

@@ -8,7 +8,7 @@ ERROR line that names the policy when a publisher's offer is too weak.
 
 First comes a publisher that promises no deadline, and goes.  Then one that fits: it sends some
 distances and falls silent.  Deadlines run in wall time, so the silence is waited for: it lasts for
-several periods, and at least one miss must be logged in it.
+several periods, and more than one miss must be logged in it.
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ TYPE = 'std_msgs/msg/Float64'
 NODE = '/sensor_watch'
 DEADLINE_NS = 300_000_000
 SILENCE_S = 1.5
+FEWEST_WARNINGS = 2  # five deadlines are missed in the silence, some of them at once
 MORE_THAN_COME = 1000
 """So that the whole silence is waited for, however much a program logs."""
 BY_RCLPY = 'New publisher discovered on topic'
@@ -51,6 +52,22 @@ TWICE = Cause(
     'logged_twice',
     'More than one INFO line shows the same distance.',
     'Log once in the callback, and subscribe once.',
+)
+WARNS_ONCE = Cause(
+    'first_miss_only',
+    'Only the first missed deadline gives a WARN line, and the sensor stays silent for several.',
+    'Log in every call of the callback for deadline, without a flag, once= or throttle.',
+)
+WARNS_TWICE = Cause(
+    'warned_twice',
+    'Each missed deadline gives more than one WARN line.',
+    'Put all there is to say into one line.',
+)
+WARNS_WHEN_HEARD = Cause(
+    'warns_of_something_else',
+    'The WARN line comes from the callback that hears a distance, and WARN is for missed '
+    'deadlines.',
+    'Log what was heard as INFO.',
 )
 ONE_LINE = Cause(
     'several_errors',
@@ -168,12 +185,52 @@ def warns_of_silence(run: Run) -> None:
             ),
         )
     silence = own_logs(during(run, 'silence'), NODE)
-    if not any(line['level'] == WARN for line in silence):
+    missed = [line for line in silence if line['level'] == WARN]
+    if _warns_when_heard(run, missed):
         raise Failed(
-            expected=f'at least one WARN line in {SILENCE_S:g} s in which the sensor is silent',
-            observed='no WARN line',
-            why=_why_no_warning(run, silence),
+            expected='INFO lines for distances, and WARN lines for missed deadlines only',
+            observed='a WARN line when a distance arrives',
+            why=WARNS_WHEN_HEARD,
         )
+    if len(missed) < FEWEST_WARNINGS:
+        earlier = [one for one in own_logs(during(run, 'speaking'), NODE) if one['level'] == WARN]
+        raise Failed(
+            expected='one WARN line for each missed deadline, of which there are several in '
+            f'{SILENCE_S:g} s of silence',
+            observed='1 WARN line' if missed else 'no WARN line',
+            why=(_why_unheard(run) or WARNS_ONCE)
+            if missed or earlier
+            else _why_no_warning(run, silence),
+        )
+    if _takes_turns([(line.get('function'), line.get('line')) for line in missed]):
+        raise Failed(
+            expected='one WARN line for each missed deadline',
+            observed='several, from different lines of your code',
+            why=WARNS_TWICE,
+        )
+
+
+def _warns_when_heard(run: Run, missed: Sequence[Event]) -> bool:
+    """
+    Tell whether a WARN line comes from where distances are logged.
+
+    :param missed: the WARN lines of the silence, in which nothing is heard; a function that logs
+        these too may be a helper for all lines
+    """
+    speaking = own_logs(during(run, 'speaking'), NODE)
+    hears = {line.get('function') for line in speaking if line['level'] == INFO}
+    hears -= {line.get('function') for line in missed}
+    return any(one['level'] == WARN and one.get('function') in hears for one in speaking)
+
+
+def _takes_turns(places: Sequence[object]) -> bool:
+    """Tell whether the same places of the code log one after the other, again and again."""
+    count = len(set(places))
+    return (
+        1 < count <= len(places) // 2
+        and len(set(places[:count])) == count
+        and all(one == other for one, other in zip(places, places[count:], strict=False))
+    )
 
 
 def _why_default(lines: Sequence[Event]) -> Cause | None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 import re
 
+from autograder.exams.visible.temperature_message import require_registered
 from autograder.judging.causes import close_name
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.message_checks import require_declarations, require_fields, why_no_build
@@ -182,6 +183,7 @@ def builds_the_type(run: Run) -> None:
     """The package builds with colcon, and the built type is the one that is asked for."""
     ends = run.recording.endpoints('publisher', '/echo_out')
     if TYPE_HASH in {str(end.get('type_hash', '')) for end in ends if end['type'] == TYPE}:
+        require_registered(run.files.get(CMAKE, ''))
         return
     if ends:
         raise Failed(

@@ -26,6 +26,7 @@ FIELDS = (
 TYPE = 'temp_monitor_pkg/msg/Temperature'
 LONGEST_CMAKE = 20_000  # characters; the lesson's file has 700
 COMMANDS = {'project', 'find_package', 'rosidl_generate_interfaces', 'ament_package'}
+NEEDED = ('builtin_interfaces', 'rosidl_default_generators')
 MSG, MANIFEST, CMAKE = 'msg/Temperature.msg', 'package.xml', 'CMakeLists.txt'
 
 
@@ -64,11 +65,54 @@ def commands_of(text: str) -> list[tuple[str, list[str]]]:
     return found
 
 
+def require_registered(text: str) -> None:
+    """
+    Fail if a package is built and does not tell ROS 2 that it is there.
+
+    :param text: a CMakeLists.txt; one that another command is missing in is no case for this
+    """
+    bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE])
+    called = re.findall(
+        r'\b(ament_(?:auto_)?package|rosidl_generate_interfaces)\s*\(', bare.lower()
+    )
+    if set(called) == {'rosidl_generate_interfaces'}:
+        raise Failed(
+            expected='a package that ROS 2 finds once it is installed',
+            observed='CMakeLists.txt without ament_package()',
+            share=0.5,
+            why=Cause(
+                'not_registered',
+                'Without ament_package() nothing tells ROS 2 that the package is there: other '
+                'packages and ros2 interface do not find it.',
+                'End CMakeLists.txt with ament_package().',
+            ),
+        )
+
+
+def _require_required(found: Sequence[tuple[str, list[str]]]) -> None:
+    """Fail if a package that is needed is looked for as if it were not."""
+    for name, words in found:
+        if name == 'find_package' and words[:1] and words[0] in NEEDED and 'REQUIRED' not in words:
+            raise Failed(
+                expected=f'find_package({words[0]} REQUIRED)',
+                observed=f'find_package({" ".join(words)[:60]})',
+                share=0.5,
+                why=Cause(
+                    'not_required',
+                    'Without REQUIRED, CMake goes on where the package is missing, and stops '
+                    'later with an error that does not name it.',
+                    f'Write find_package({words[0]} REQUIRED).',
+                ),
+            )
+
+
 def generates_the_interface(run: Run) -> None:
     """CMakeLists.txt finds the generators and generates the message with its dependency."""
-    if travelled(run):
-        return  # however it is written, it does what it has to
+    require_registered(_text(run, CMAKE))
     found = commands_of(_text(run, CMAKE))
+    if travelled(run):
+        _require_required(found)
+        return  # however else it is written, it does what it has to
     packages = {words[0] for name, words in found if name == 'find_package' and words}
     words = _generated(found)
     wanted = (
