@@ -19,9 +19,10 @@ GRADER = Path(__file__).parents[2] / 'autograder'
 IN_THE_SANDBOX = ('inside/', 'probe/', '_work/')
 METHODS = {'search', 'match', 'fullmatch', 'findall', 'finditer', 'sub', 'subn', 'split'}
 PIECES = (*' \n\ta_0(["\'=./\\{<;:', 'a ', 'a.', '- ', 'a,', ';\n', '" ')
-LENGTH = 4000
-NOTHING_S = 0.01  # an answer in one pass takes a hundredth of it
-QUADRATIC = 3.0  # times longer for a text of twice the length; in one pass it is 2
+LENGTH = 1000
+NOTHING_S = 0.005  # an answer in one pass takes a tenth of it
+LONGER = 4
+QUADRATIC = 9.0  # times longer for a text of four times the length: 4 in one pass, else 16
 
 
 def written_patterns() -> Iterator[tuple[str, re.Pattern[str], str]]:
@@ -81,9 +82,9 @@ def hostile(pattern: str, length: int) -> Iterator[str]:
 
 
 def seconds_of(pattern: re.Pattern[str], method: str, text: str) -> float:
-    """Return the least processor time of three searches."""
+    """Return the least processor time of some searches."""
     times = []
-    for _ in range(3):
+    for _ in range(7):
         began = time.process_time()
         getattr(pattern, method)(text)
         times.append(time.process_time() - began)
@@ -94,7 +95,7 @@ def seconds_of(pattern: re.Pattern[str], method: str, text: str) -> float:
 
 def slow_text(pattern: re.Pattern[str], method: str) -> str | None:
     """Return a text for which the time grows faster than its length."""
-    pairs = zip(hostile(pattern.pattern, LENGTH), hostile(pattern.pattern, 2 * LENGTH))
+    pairs = zip(hostile(pattern.pattern, LENGTH), hostile(pattern.pattern, LONGER * LENGTH))
     for text, longer in pairs:
         seconds = seconds_of(pattern, method, longer)
         if seconds > NOTHING_S and seconds > QUADRATIC * seconds_of(pattern, method, text):
