@@ -52,6 +52,14 @@ class Diagnosis:
     where: str
 
 
+_CMAKE = re.compile(
+    r'^CMake Error (?:at|in) (?P<place>CMakeLists\.txt(?::\d+)?)?[^\n]*\n'
+    r'(?P<said>(?:[ \t]+\S[^\n]*\n?|\n(?=[ \t]+\S))*)',
+    re.MULTILINE,
+)
+_FOLDERS = re.compile(r'(?<![\w.)}>/])(?:/[\w.+-]+)+/')
+LONGEST = 240
+"""Characters of what a tool says that are passed on."""
 _FIELD = (
     r"Error processing '(?P<line>[^']*)' of '\S+/(?P<message>\w+)': '+(?P<name>[^' ]*)' is an "
 )
@@ -94,11 +102,26 @@ MISTAKES = (
     ),
     Mistake(
         'name_mismatch',
-        r"package name '(?P<xml>\w+)' in \S* does not match current PROJECT_NAME "
-        r"'(?P<cmake>\w+)'",
+        r"package name '(?P<xml>[^']{1,80})' in \S* does not match current PROJECT_NAME "
+        r"'(?P<cmake>[^']{1,80})'",
         "package.xml says '{xml}', CMakeLists.txt says project({cmake}).",
-        'Write the same name in both files.',
+        'Write the same name in both files: small letters, digits and underscores.',
         place='project(',
+    ),
+    Mistake(
+        'comma',
+        r'The target name "[^"]*,[^"]*" is reserved|the passed file \'[^\']*,\' doesn',
+        'A comma stands among the names.',
+        'Between the names in parentheses stand spaces and no commas: '
+        'rosidl_generate_interfaces(${{PROJECT_NAME}} "msg/Temperature.msg" ...).',
+    ),
+    Mistake(
+        'package_name',
+        r"'(?P<name>[^' ]{1,80})' is an invalid package name",
+        "'{name}' cannot be the name of a package.",
+        'Use small letters, digits and underscores, in package.xml and in project(...) alike.',
+        'package.xml',
+        '<name>{name}</name>',
     ),
     Mistake(
         'missing_find_package_generators',
@@ -337,15 +360,24 @@ def _where(mistake: Mistake, groups: Mapping[str, str], files: Mapping[str, str]
 
 
 def _decisive_line(output: str) -> str:
-    """Return the first line that looks like an error, or the last one."""
-    lines = [line.strip() for line in output.splitlines() if line.strip()]
-    for number, line in enumerate(lines):
+    """Return the first words that look like an error, or the last line: whole sentences."""
+    for error in _CMAKE.finditer(output):
         # What an execute_process() has ended with is in a later line.
-        if line.startswith('CMake Error') and 'execute_process' not in ''.join(
-            lines[number + 1 :][:1]
-        ):
-            return ' '.join(lines[number : number + 2])
+        if 'execute_process' not in error['said'].lstrip().partition('\n')[0]:
+            place = f'{error["place"].replace(":", ", line ")}: ' if error['place'] else ''
+            return _sentences(place + ' '.join(error['said'].split()))
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
     for line in lines:
-        if re.search(r'\b(?:fatal )?error:|\wError: ', line):
-            return line
-    return lines[-1] if lines else 'The build printed nothing.'
+        # That there is no build.ninja follows from what CMake has said.
+        if re.search(r'^(?!ninja: ).*\berror:|\wError: |^[\w.]+\.Invalid\w+: ', line):
+            return _sentences(line)
+    return _sentences(lines[-1]) if lines else 'The build printed nothing.'
+
+
+def _sentences(text: str) -> str:
+    """Return the first whole sentences of a text, without the folders of this machine."""
+    text = _FOLDERS.sub('', text)
+    if len(text) <= LONGEST:
+        return text
+    end = text.rfind('. ', 0, LONGEST)
+    return text[: end + 1] if end > 0 else f'{text[:LONGEST].rpartition(" ")[0]} …'

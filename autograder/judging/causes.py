@@ -23,6 +23,8 @@ _EXIT = re.compile(r'\b(?:sys\.|os\._)?(?:exit|quit)\((?!\s*main\()')
 _GOES_ON = re.compile(r'\bspin\(|\bwhile\b')
 _OTHER_MAIN = re.compile(r'\b__name__\s*==\s*([\'"])(?!__main__\1)')
 _BROAD = re.compile(r'\bexcept[^\S\n]*(?::|(?:\([^\S\n]*)?(?:Base)?Exception\b)')
+_CALLS_BACK = re.compile(r'create_(?:timer|subscription|service|rate)\b')
+_PACES = re.compile(r'\bTimer\(|\basyncio\b|\bwhile\b(?:(?!\bwhile\b)[\s\S]){1,2000}?\bsleep\(')
 _PERIOD = re.compile(r'create_timer\(\s*([\w.]{1,60})\s*,')
 # Blanks within a line only: with \s, a file of line ends is searched anew from each of them.
 _CONSTANT = re.compile(r'^[ \t]*([\w.]{1,60})[ \t]*=[ \t]*([\d.]{1,20})', re.MULTILINE)
@@ -45,7 +47,10 @@ LIMITS = {
     'inode_limit': ('it made more than 20000 files', 'a loop that creates files'),
     'disk_limit': ('it wrote more than 64 MB into files', 'a loop that writes into a file'),
     'too_much_recorded': ('it sent more than 32 MB', 'a publish in a loop without a pause'),
-    'too_many_events': ('it sent thousands of messages', 'a publish in a loop without a pause'),
+    'too_many_events': (
+        'it sent thousands of messages',
+        'a publish in a loop without a pause, or a create_timer() in a callback',
+    ),
 }
 OF_A_PACKAGE = {
     'wall_time_limit': 'its build and the run took longer than 150 s together',
@@ -280,12 +285,13 @@ def why_silent(run: Run) -> Cause | None:
     if ended and ended.cause_id not in LIMITS:
         return ended
     # A program that waits for a node that nobody spins reaches a limit; the limit explains less.
-    other = stalled.why_thread_ended(run) or _why_other_is_spun(run)
+    other = stalled.why_thread_ended(run) or stalled.why_other_is_spun(run)
     if ended or other:
         slow = ended is not None and ended.cause_id == 'wall_time_limit'
         return other or (stalled.why_it_sleeps(run) if slow else None) or ended
     if run.recording.end_reason == 'unresponsive':
-        return stalled.why_it_sleeps(run, waits=True) or Cause(
+        own = stalled.why_it_sleeps(run, waits=True) or stalled.why_it_loops(run)
+        return own or Cause(
             'blocked',
             'A callback of your node does not come to an end.',
             'A callback must return: use a timer instead of a loop or time.sleep().',
@@ -298,31 +304,6 @@ def why_silent(run: Run) -> Cause | None:
             'stand before it.',
         )
     return why_late(run)
-
-
-def _why_other_is_spun(run: Run) -> Cause | None:
-    """Explain a node that never answers while another one of the program does."""
-    barriers = run.recording.of('barrier')
-    asked = {event['node'] for event in barriers}
-    answered = {event['node'] for event in barriers if event['answered']}
-    if not answered:
-        return None
-    silent = sorted(asked - answered, key=lambda node: (not _works(run, node), node))
-    # A helper that nobody spins explains nothing, unless the one that is spun has no work either.
-    if silent and (_works(run, silent[0]) or not any(_works(run, node) for node in answered)):
-        other, mine = (name.rpartition('/')[2][:60] for name in (min(answered), silent[0]))
-        return Cause(
-            'other_node_spun',
-            f'The node {other} is spun and {mine} is not, so the callbacks of {mine} never run.',
-            'Spin the node that has the work, or give both to one executor with add_node().',
-        )
-    return None
-
-
-def _works(run: Run, node: str) -> bool:
-    """Tell whether a node has a publisher or a subscription of its own."""
-    kinds = ('publisher', 'subscription')
-    return any(end['node'] == node for kind in kinds for end in run.recording.endpoints(kind))
 
 
 def why_late(run: Run) -> Cause | None:
@@ -357,7 +338,15 @@ def why_no_message(run: Run) -> Cause:
             'Your code never calls publish().',
             'Call self.publisher.publish(message) in the callback.',
         )
-    if code.strip() and 'create_timer' not in code and 'create_subscription' not in code:
+    if code.strip() and not _CALLS_BACK.search(code):
+        if _PACES.search('\n'.join(map(without_texts, run.files.values()))):
+            return Cause(
+                'other_clock',
+                'Your node has no timer. Whatever else calls publish() in your code goes by the '
+                'clock of the computer, and here the node runs in simulated time.',
+                'Call self.create_timer(...) with the period in seconds and the method, in place '
+                'of threading.Timer, a thread or a sleep.',
+            )
         return Cause(
             'no_timer',
             'Your code creates no timer, so nothing calls the method that publishes.',

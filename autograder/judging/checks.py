@@ -21,7 +21,7 @@ from autograder.judging.causes import why_no_endpoint, why_no_message, why_no_no
 from autograder.judging.exam import Cause, Failed, Run
 from autograder.judging.own_time import is_regular, names_another_clock
 from autograder.judging.stalled import why_it_sleeps
-from autograder.judging.unlogged import LEVELS, why_not_logged
+from autograder.judging.unlogged import LEVELS, why_left_out, why_not_logged
 from autograder.judging.untold import own_words
 from autograder.runs.recording import Event
 
@@ -131,10 +131,17 @@ def require_messages(
     if len(found) < least:
         raise Failed(
             expected=f'at least {least} {what}' if least > 1 else what,
-            observed=f'{len(found) or "none"}',
+            observed=f'{len(found)}' if found else none_of(run, 'none'),
             why=why_silent(run) if found else why_no_message(run),
         )
     return found
+
+
+def none_of(run: Run, word: str) -> str:
+    """Return the word for no message; what comes from a node that stops answering is luck."""
+    if run.recording.end_reason == 'unresponsive':
+        return f'{word} that could be waited for: your node stopped answering'
+    return word
 
 
 def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) -> None:
@@ -313,10 +320,12 @@ def require_log(
     if len(lines) == count or (count is None and lines):
         return
     amount = 'at least one' if count is None else count_of(count)
+    fewer = len(lines) < (count or 1)
+    why = why_left_out(run, level) if fewer else None
     raise Failed(
         expected=f'{amount} {LEVELS[level]} line{"" if count in (None, 1) else "s"} {when}',
         observed=f'{count_of(len(lines))} {LEVELS[level]} line{"" if len(lines) == 1 else "s"}',
-        why=why_not_logged(run, found, level) if not lines else None,
+        why=why if lines else why_not_logged(run, found, level),
     )
 
 

@@ -98,13 +98,13 @@ def calls(files: Mapping[str, str], name: str) -> bool:
     :param name: its last part, such as ``isnan``
     """
     return any(
-        isinstance(node, ast.Call) and _last_name(node.func) == name
+        isinstance(node, ast.Call) and last_name(node.func) == name
         for tree in trees(files)
         for node in ast.walk(tree)
     )
 
 
-def _last_name(node: ast.AST) -> str:
+def last_name(node: ast.AST) -> str:
     """Return the last part of a name with or without dots, empty for anything else."""
     if isinstance(node, ast.Attribute):
         return node.attr
@@ -141,7 +141,7 @@ def use_of_field(files: Mapping[str, str], field: str) -> FieldUse:
         for node in ast.walk(tree):
             values += _values_given(node, field)
             stored = isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-            local = local or (stored and _last_name(node) == field)
+            local = local or (stored and last_name(node) == field)
     return FieldUse(bool(values), any(map(_is_empty_time, values)), local)
 
 
@@ -169,11 +169,11 @@ def _reaches(target: ast.AST, field: str) -> bool:
 
 def _is_empty_time(value: ast.AST | None) -> bool:
     """Tell whether a value is ``Time()``, or that turned into a message."""
-    if isinstance(value, ast.Call) and _last_name(value.func) == 'to_msg':
+    if isinstance(value, ast.Call) and last_name(value.func) == 'to_msg':
         value = value.func.value if isinstance(value.func, ast.Attribute) else None
     if not isinstance(value, ast.Call):
         return False
-    return _last_name(value.func) == 'Time' and not value.args and not value.keywords
+    return last_name(value.func) == 'Time' and not value.args and not value.keywords
 
 
 # -- timers ---------------------------------------------------------------------------------
@@ -186,8 +186,8 @@ def timer_periods(files: Mapping[str, str]) -> set[float]:
     for tree in trees(files):
         for node in ast.walk(tree):
             if isinstance(node, ast.Assign) and (number := _number(node.value, {})) is not None:
-                known.update({_last_name(target): number for target in node.targets})
-            if isinstance(node, ast.Call) and _last_name(node.func) == 'create_timer':
+                known.update({last_name(target): number for target in node.targets})
+            if isinstance(node, ast.Call) and last_name(node.func) == 'create_timer':
                 named = [one.value for one in node.keywords if one.arg == 'timer_period_sec']
                 written += named or node.args[:1]
     found = (_number(node, known) for node in written)
@@ -204,7 +204,7 @@ def _number(node: ast.AST, known: Mapping[str, float]) -> float | None:
 
 def _plain_number(node: ast.AST, known: Mapping[str, float]) -> float | None:
     if not isinstance(node, ast.Constant):
-        return known.get(_last_name(node))
+        return known.get(last_name(node))
     if isinstance(node.value, (int, float)) and abs(node.value) < FOR_EVER_S:
         return float(node.value)
     return None
@@ -223,7 +223,7 @@ def subscription_depths(files: Mapping[str, str]) -> list[int | None]:
     for tree in trees(files):
         known = _values_by_name(tree)
         for node in ast.walk(tree):
-            if isinstance(node, ast.Call) and _last_name(node.func) == 'create_subscription':
+            if isinstance(node, ast.Call) and last_name(node.func) == 'create_subscription':
                 named = [one.value for one in node.keywords if one.arg == 'qos_profile']
                 given = [*named, *node.args[3:4]]
                 found.append(_depth(given[0], known) if given else None)
@@ -235,7 +235,7 @@ def _values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
     known: dict[str, ast.AST | None] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign):
-            for name in map(_last_name, node.targets):
+            for name in map(last_name, node.targets):
                 known[name] = None if name in known else node.value
     return known
 
@@ -243,8 +243,8 @@ def _values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
 def _depth(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> int | None:
     """Return the depth that an expression stands for; names in it are followed once."""
     if isinstance(node, (ast.Name, ast.Attribute)):
-        return _depth(known.get(_last_name(node)), {})
-    if isinstance(node, ast.Call) and _last_name(node.func) == 'QoSProfile':
+        return _depth(known.get(last_name(node)), {})
+    if isinstance(node, ast.Call) and last_name(node.func) == 'QoSProfile':
         given = {one.arg: one.value for one in node.keywords}
         # A history of its own may be one that keeps all; two stars hide what is given.
         return None if {'history', None} & set(given) else _depth(given.get('depth'), known)
@@ -279,29 +279,35 @@ def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
     others work and is none.
     """
     for tree in trees(files):
-        functions = {
-            node.name: node
-            for node in ast.walk(tree)
-            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
-        }
-        seen: set[int] = set()
-        for callback in _callbacks(tree):
-            name = _last_name(callback)
-            for body in _reached(functions.get(name, callback), functions, seen):
-                if found := _pause(body):
-                    return Pause(name, *found)
+        for name, body in bodies_of_callbacks(tree):
+            if found := _pause(body):
+                return Pause(name, *found)
     return None
+
+
+def bodies_of_callbacks(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
+    """Yield each function that a callback comes to, once, with the name of that callback."""
+    functions = {
+        node.name: node
+        for node in ast.walk(tree)
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+    }
+    seen: set[int] = set()
+    for callback in _callbacks(tree):
+        name = last_name(callback)
+        for body in _reached(functions.get(name, callback), functions, seen):
+            yield name, body
 
 
 def _callbacks(tree: ast.Module) -> Iterator[ast.AST]:
     """Yield what is given as a callback: a name, a method or a lambda."""
     for node in ast.walk(tree):
-        if not isinstance(node, ast.Call) or _last_name(node.func) not in _CALLBACKS:
+        if not isinstance(node, ast.Call) or last_name(node.func) not in _CALLBACKS:
             continue
-        place = _CALLBACKS[_last_name(node.func)]
+        place = _CALLBACKS[last_name(node.func)]
         given = [one.value for one in node.keywords if one.arg == 'callback']
         for callback in given or node.args[place : place + 1]:
-            if isinstance(callback, ast.Call) and _last_name(callback.func) == 'partial':
+            if isinstance(callback, ast.Call) and last_name(callback.func) == 'partial':
                 yield from callback.args[:1]
             else:
                 yield callback
@@ -322,7 +328,7 @@ def _reached(
         seen.add(id(body))
         yield body
         for node in ast.walk(body):
-            called = functions.get(_last_name(node.func)) if isinstance(node, ast.Call) else None
+            called = functions.get(last_name(node.func)) if isinstance(node, ast.Call) else None
             if called is not None and id(called) not in seen:
                 left.append(called)
 
@@ -342,7 +348,7 @@ def _pause(body: ast.AST) -> tuple[int, bool] | None:
         (node.lineno, id(node) in looped)
         for node in ast.walk(body)
         if isinstance(node, ast.Call)
-        and _last_name(node.func) == 'sleep'
+        and last_name(node.func) == 'sleep'
         and id(node) not in awaited
         and not _is_short(node)
     ]

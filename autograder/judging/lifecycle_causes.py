@@ -9,9 +9,10 @@ explains, they decide no verdict.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 import re
 
-from autograder.judging.causes import why_no_verdict, why_silent
+from autograder.judging.causes import close_name, why_no_verdict, why_silent
 from autograder.judging.exam import Cause, Run
 from autograder.judging.raised_names import HOMES
 from autograder.runs.recording import Recording
@@ -20,7 +21,7 @@ _IMPORT = re.compile(
     r'^[ \t]*(?:from[ \t]+[\w.]{1,80}[ \t]+)?import[ \t]+(\([^)]{0,2000}\)|[^\n]{0,500})', re.M
 )
 _OWN_CLOCK = re.compile(r'threading\.Timer\(|\bclock=|time\.sleep\(|\bTimer\(')
-_CONFIGURES = re.compile(r"""def on_configure|['"]on_configure|\bon_configure\s*=""")
+_CONFIGURES = re.compile(r"""(?:def |['"])on_configure\b|\bon_configure\s*=""")
 _DEFAULT = re.compile(r"""declare_parameter\(\s*['"]limit['"]\s*,\s*(\d{1,9}(?:\.\d{0,9})?)""")
 _IN_VAIN = 'Failed to trigger lifecycle state machine transition'
 
@@ -130,7 +131,7 @@ def why_refused(run: Run, name: str) -> Cause:
     """
     code = _code(run)
     if _CONFIGURES.search(code) is None:
-        return NO_CONFIGURE
+        return _why_no_configure(code)
     if (lone := re.search(rf'def on_{name}\(\s*(\w*)\s*\)', code)) is not None:
         return Cause(
             'callback_arguments',
@@ -151,6 +152,18 @@ def why_refused(run: Run, name: str) -> Cause:
         f'on_{name}() returns FAILURE or ERROR, or it raises an exception, which rclpy '
         'swallows without a word.',
         f'Put the lines of on_{name}() into try/except Exception as error, and log error.',
+    )
+
+
+def _why_no_configure(code: str) -> Cause:
+    """Explain a node without on_configure(), with the method that is meant to be it."""
+    near = close_name('on_configure', re.findall(r'\bdef (\w{1,60})', code))
+    if not near:
+        return NO_CONFIGURE
+    return replace(
+        NO_CONFIGURE,
+        text=f'Nobody calls your {near}(); did you mean on_configure()? rclpy calls the method of '
+        'exactly this name.',
     )
 
 
@@ -241,7 +254,7 @@ def why_no_publisher(run: Run, topic: str) -> Cause:
     :param topic: last part of its name
     """
     if _CONFIGURES.search(_code(run)) is None:
-        return NO_CONFIGURE
+        return _why_no_configure(_code(run))
     return Cause(
         'no_endpoint',
         'Your on_configure() creates no publisher.',

@@ -312,6 +312,6 @@ def why_no_build(run: Run) -> Cause:
     where = '' if found.error.startswith(found.where) else f'{found.where}: '
     return Cause(
         found.cause or 'build',
-        f'{where}{found.error}' if found.cause else f'colcon stops: {found.error[:200]}',
+        f'{where}{found.error}' if found.cause else f'colcon stops: {found.error}',
         found.advice if found.cause else 'Run build_messages() and read the first error.',
     )

@@ -13,7 +13,14 @@ import re
 
 from autograder.judging.exam import Cause
 from autograder.judging.raised_kinds import KINDS
-from autograder.judging.raised_names import home_cause, HOMES, import_cause, name_cause
+from autograder.judging.raised_names import (
+    home_cause,
+    HOMES,
+    import_cause,
+    init_cause,
+    local_cause,
+    name_cause,
+)
 from autograder.judging.tracebacks import Traceback
 
 __all__ = ['HOMES', 'exception_cause']
@@ -25,6 +32,10 @@ _ARGUMENTS = re.compile(
     r'(?:positional arguments? \(and .{1,40}\) )?w(?:as|ere) given|'
     r"(?P<missing>missing) \d+ required positional arguments?: [\w', ]{1,200}|"
     r"got an unexpected keyword argument '\w{1,60}')"
+)
+_OF_NOTEBOOKS = re.compile(
+    r'!\s*[A-Za-z]|%%\w|%(?:autoreload|cd|conda|config|env|load_ext|matplotlib|pip|pwd|reset|run|'
+    r'time|timeit)(?:\s|$)'
 )
 _FIELD = re.compile(r"The '(\w{1,60})' field must be ([^:]{1,80})")
 _ATTRIBUTE = re.compile(r"^AttributeError: '([A-Z]\w{0,40})' object has no attribute '(\w{1,60})'")
@@ -102,7 +113,9 @@ def exception_cause(trace: Traceback) -> Cause:
             'Is there a value of a type that does not belong there, such as 0.3 for a Duration?',
         )
     return (
-        _kind_cause(trace)
+        init_cause(trace)
+        or _kind_cause(trace)
+        or local_cause(trace)
         or _arguments_cause(trace)
         or _unreadable(trace)
         or import_cause(trace)
@@ -240,6 +253,14 @@ def _unreadable(trace: Traceback) -> Cause | None:
             f'The spaces at the beginning of a line are not right{trace.where}: {trace.error}',
             'Indent by four spaces a level: what belongs to a def, an if or a class stands '
             'further right than it.',
+        )
+    if trace.kind == 'SyntaxError' and _OF_NOTEBOOKS.match(trace.code):
+        return Cause(
+            'notebook_line',
+            f'Python cannot read the file{trace.where}: a line that begins with {trace.code[0]} '
+            'works in notebooks only.',
+            'The cell of a node is a Python file: take that line out, and run it in a cell of its '
+            'own if you need it.',
         )
     if trace.kind == 'SyntaxError':
         return Cause(

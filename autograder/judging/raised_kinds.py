@@ -91,13 +91,6 @@ KINDS = (
         "Hand the name to the parent class: super().__init__('talker') in __init__().",
     ),
     Kind(
-        'UnboundLocalError',
-        r"local variable '(\w+)'",
-        'local_name',
-        r'\1 is used before this def has given it a value',
-        r'A name that a def assigns to is its own: keep it as self.\1, with self. everywhere.',
-    ),
-    Kind(
         'RuntimeError',
         r'callback should be either be callable.*\n.*create_subscription\(.*,\s*(self\.\w+)\(\)',
         'called_not_passed',
@@ -229,6 +222,13 @@ KINDS = (
         'Make the node first and pass it on: node = Talker(), then rclpy.spin(node). Its class '
         'begins with class Talker(Node).',
         spins=True,
+    ),
+    Kind(
+        'AttributeError',
+        r"'(?!NoneType\b)(\w+)' object has no attribute '(spin(?:_once|_until_future_complete)?)'",
+        'spins_no_node',
+        r'A \1 has no method \2(), and it is called',
+        r'It is a function of rclpy, and gets the node in its parentheses: rclpy.\2(node).',
     ),
     Kind(
         'TypeError',

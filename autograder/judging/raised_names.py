@@ -11,6 +11,7 @@ import difflib
 import re
 import sys
 
+from autograder.judging.code_places import outer_scope
 from autograder.judging.exam import Cause
 from autograder.judging.tracebacks import Traceback
 
@@ -19,6 +20,10 @@ _MEANT = re.compile(r"Did you mean: '([\w.]{1,60})'")
 _FROM = re.compile(r"cannot import name '(\w{1,60})' from (?:.*module )?'([\w.]{1,80})'")
 _MODULE = re.compile(r"No module named '([\w.]{1,80})'")
 _ATTRIBUTE = re.compile(r"module '([\w.]{1,80})' has no attribute '(\w{1,60})'")
+_INIT = re.compile(r'\bdef (_{0,3}[Ii]ni?t_{0,3})\(')
+_NO_INIT = re.compile(r"Node\.__init__\(\) missing .*'node_name'|\b(\w+)\(\) takes no arguments")
+_PARENTS = re.compile(r"'super' object has no attribute '(_{0,3}[Ii]ni?t_{0,3})'")
+_LOCAL = re.compile(r"local variable '(\w{1,60})'")
 _MESSAGES = re.compile(r'\w+(?:_interfaces|_msgs|_pkg|\.msg\b)')
 
 HOMES = {
@@ -122,6 +127,14 @@ def _module_cause(trace: Traceback, module: str) -> Cause:
             f'{module} is imported{trace.where}, and ROS 2 has no such module.',
             'That is ROS 1; here it is rclpy: import rclpy, and from rclpy.node import Node.',
         )
+    if module.partition('.')[0] == 'roslab':
+        return Cause(
+            'import',
+            f'roslab is imported{trace.where}; it belongs to the notebook, and is not there for a '
+            'node.',
+            'Leave it out here. A node file starts by itself: main() calls rclpy.init(), makes '
+            'the node, and calls rclpy.spin(node).',
+        )
     near = difflib.get_close_matches(module, PACKAGES, n=1, cutoff=0.8)
     if near and near[0] != module:
         return Cause(
@@ -211,3 +224,50 @@ def _how_to_make(name: str, trace: Traceback) -> str:
     if name in sys.stdlib_module_names:
         return f'Is it a module? Then write at the top: import {name}. Else make it first.'
     return f'Is it spelled as where it is made? What belongs to the node is self.{name}. {ALONE}'
+
+
+def init_cause(trace: Traceback) -> Cause | None:
+    """Explain a class whose __init__() is written with other underscores or letters."""
+    found = _PARENTS.search(trace.error)
+    if found is None:
+        called = _NO_INIT.search(trace.error)
+        if called is None or (called[1] and called[1] not in trace.own):
+            return None
+        if re.search(r'\bdef __init__\(', trace.source):
+            return None
+        found = _INIT.search(trace.source)
+    if trace.kind not in ('TypeError', 'AttributeError') or found is None:
+        return None
+    return Cause(
+        'init_name',
+        f'Your code has {found[1]}(), and Python calls __init__() only, so it is not what it is '
+        'meant to be.',
+        'Write __init__, small letters between two underscores on each side, wherever it stands.',
+    )
+
+
+def local_cause(trace: Traceback) -> Cause | None:
+    """Explain a name that a def assigns to, and that it uses before."""
+    found = _LOCAL.search(trace.error)
+    if trace.kind != 'UnboundLocalError' or found is None:
+        return None
+    name = found[1]
+    return Cause(
+        'local_name',
+        f'{name} is used before this def has given it a value{trace.where}.',
+        _how_to_keep(name, trace),
+    )
+
+
+def _how_to_keep(name: str, trace: Traceback) -> str:
+    """Tell how a name is kept from one call of a def to the next, if that is what it is for."""
+    kept = 'A name that a def assigns to is its own: '
+    word = outer_scope(trace.source, name)
+    counts = re.search(rf'\b{name}\s*(?:[-+*/%|&]|//|\*\*)?=(?!=)', trace.code)
+    if re.search(r'\bself\b', trace.source) and (counts or word):
+        return f'{kept}keep it as self.{name}, with self. everywhere.'
+    if word:
+        return f'{kept}write {word} {name} as its first line, then it is the one outside.'
+    if counts:
+        return f'{kept}make it above the def, and write global {name} as the first line in it.'
+    return f'Give {name} a value on every way to that line: above the if, or below an else too.'

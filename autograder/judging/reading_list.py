@@ -18,6 +18,7 @@ SECTIONS: Mapping[str, tuple[str, ...]] = {
     ),
     'Part 2: Init and shutdown': (
         'destroyed_early',
+        'init_name',
         'init_twice',
         'no_init',
         'no_super_init',

@@ -1,7 +1,8 @@
 """
 Why a node that was made does not answer, or answers late, in a program that lives on.
 
-Its thread has ended with an exception, or one of its callbacks sleeps.  :mod:`causes` asks here.
+Its thread has ended with an exception, another node is spun, a loop stands in place of a timer, or
+one of its callbacks sleeps.  :mod:`causes` asks here.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from dataclasses import replace
 import re
 
 from autograder.judging.exam import Cause, Run
-from autograder.judging.learners_code import pause_in_callback
+from autograder.judging.learners_code import pause_in_callback, without_texts
 from autograder.judging.raised import exception_cause
 from autograder.judging.tracebacks import traceback_of
 from autograder.judging.untold import asked
@@ -19,6 +20,9 @@ from autograder.runs.recording import Recording
 THREAD = 'Exception in thread '
 """How Python begins what it prints when an exception has ended a thread, and not the program."""
 MOST_THREADS = 20  # that are looked at
+LOOPS = re.compile(r'^[ \t]*(?:while|for)\b', re.MULTILINE)
+CALLED = re.compile(r'\bcreate_(?:timer|subscription|service|rate)\b|\bdef on_|callback')
+"""What lets ROS call something in a program."""
 SPINS = re.compile(r'^ +File .*, in _?spin\w*$', re.MULTILINE)
 
 
@@ -53,6 +57,49 @@ def why_thread_ended(run: Run) -> Cause | None:
         which = 'the thread that spins the node' if spins else 'a thread of your program'
         return replace(why, text=f'{text.removesuffix(".")}. It ended {which}.')
     return None
+
+
+def why_other_is_spun(run: Run) -> Cause | None:
+    """Explain a node that never answers while another one of the program does."""
+    barriers = run.recording.of('barrier')
+    asked = {event['node'] for event in barriers}
+    answered = {event['node'] for event in barriers if event['answered']}
+    if not answered:
+        return None
+    silent = sorted(asked - answered, key=lambda node: (not _works(run, node), node))
+    # A helper that nobody spins explains nothing, unless the one that is spun has no work either.
+    if silent and (_works(run, silent[0]) or not any(_works(run, node) for node in answered)):
+        other, mine = (name.rpartition('/')[2][:60] for name in (min(answered), silent[0]))
+        return Cause(
+            'other_node_spun',
+            f'The node {other} is spun and {mine} is not, so the callbacks of {mine} never run.',
+            'Spin the node that has the work, or give both to one executor with add_node().',
+        )
+    return None
+
+
+def _works(run: Run, node: str) -> bool:
+    """Tell whether a node has a publisher or a subscription of its own."""
+    kinds = ('publisher', 'subscription')
+    return any(end['node'] == node for kind in kinds for end in run.recording.endpoints(kind))
+
+
+def why_it_loops(run: Run) -> Cause | None:
+    """
+    Explain a node that answers now and then, because a loop does all and serves it in between.
+
+    There is no callback in its code, so none can be what does not come to an end.
+    """
+    code = '\n'.join(map(without_texts, run.files.values()))
+    if CALLED.search(code) or not LOOPS.search(code):
+        return None
+    return Cause(
+        'own_loop',
+        'Your program keeps its own time, in a loop, and its node has no timer that follows the '
+        'ROS clock.',
+        'Use self.create_timer(...) with the period in seconds, and rclpy.spin(node), instead of '
+        'a loop.',
+    )
 
 
 def why_it_sleeps(run: Run, waits: bool = False) -> Cause | None:

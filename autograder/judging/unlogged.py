@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 import re
 
 from autograder.judging.causes import why_silent
+from autograder.judging.code_places import leaves_out, logs_with_python
 from autograder.judging.exam import Cause, Run
 from autograder.judging.learners_code import calls
 from autograder.runs.recording import Event
@@ -75,7 +76,36 @@ def why_other_logger(run: Run, level: int, belongs: Belongs | None = None) -> Ca
         known = name.startswith(OF_ROS) or any(f'{name}.'.startswith(f'{one}.') for one in own)
         if severity == LEVELS[level] and not known and (belongs is None or belongs(text)):
             return OTHER_LOGGER
-    return None
+    return _why_pythons_logger(run, level)
+
+
+def _why_pythons_logger(run: Run, level: int) -> Cause | None:
+    """Explain a line that is written by Python's own module for logs."""
+    if run.recording.logs(level=level) or not logs_with_python(run.files, _names(level)):
+        return None
+    return Cause(
+        'other_logger',
+        "The lines are written by Python's own module logging; they reach no /rosout.",
+        f'Use self.get_logger().{CALLS[level]}(...), the logger of the node.',
+    )
+
+
+def why_left_out(run: Run, level: int) -> Cause | None:
+    """Explain lines that are missing because the logger is told to leave some out."""
+    name = leaves_out(run.files, _names(level))
+    if not name:
+        return None
+    clock = ', and goes by real time' if name == 'throttle_duration_sec' else ''
+    return Cause(
+        'left_out',
+        f'Your code tells the logger to leave lines out: {name} does that{clock}.',
+        f'Take {name} out of the call of {CALLS[level]}(), so that each line comes.',
+    )
+
+
+def _names(level: int) -> Sequence[str]:
+    """Return what the functions are called that log at a level."""
+    return (CALLS[level], 'warn') if CALLS[level] == 'warning' else (CALLS[level],)
 
 
 def why_printed(run: Run, level: int, belongs: Belongs | None = None) -> Cause | None:
@@ -106,11 +136,11 @@ def _on_stdout(run: Run) -> Iterator[tuple[str, str, str]]:
 
 
 def why_dropped(run: Run, level: int) -> Cause | None:
-    """Explain a line at level DEBUG, if the code has such a line and none of the right level."""
-    names = (CALLS[level], 'warn') if CALLS[level] == 'warning' else (CALLS[level],)
-    if calls(run.files, 'debug') and not any(calls(run.files, name) for name in names):
+    """Explain a line at level DEBUG with none of the right one, or one that is left out."""
+    named = any(calls(run.files, name) for name in _names(level))
+    if calls(run.files, 'debug') and not named:
         return debug_level(level)
-    return None
+    return why_left_out(run, level)
 
 
 def debug_level(level: int) -> Cause:

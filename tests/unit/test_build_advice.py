@@ -29,6 +29,12 @@ PRINTED = {
     + "  '<member_of_group>rosidl_interface_packages</member_of_group>' in their\n  package.xml\n",
     'name_mismatch': "ament_package_xml() package name 'temp_monitor_pkg' in '/package.xml' does\n"
     "  not match current PROJECT_NAME 'temp_monitor'.  You must call project()\n",
+    'comma': GENERATE
+    + '  The target name "temp_monitor_pkg," is reserved or not valid for certain\n'
+    + '  CMake features, such as generator expressions\n',
+    'package_name': ADAPTER
+    + "  rosidl_adapter.parser.InvalidResourceName: 'temp-monitor-pkg' is an invalid\n"
+    + "  package name.  It should have the pattern '^(?!.*__)'\n",
     'missing_find_package_generators': 'CMake Error at CMakeLists.txt:5 '
     '(rosidl_generate_interfaces):\n  Unknown CMake command "rosidl_generate_interfaces".\n',
     'missing_find_package_ament': 'CMake Error at CMakeLists.txt:7 (ament_package):\n'
@@ -129,6 +135,25 @@ def test_unknown_failure_of_a_generator_shows_the_exception():
     output = ADAPTER + '  File "parser.py", line 5, in parse\n\n  LookupError: no such thing\n'
 
     assert diagnose(output, {}).error == 'LookupError: no such thing'
+
+
+def test_words_of_cmake_are_passed_on_whole_and_without_folders():
+    """A sentence that is cut off, or a path of this machine, helps nobody."""
+    said = '  ament_export_x() must be called before ament_package().  It reads\n  /opt/a/b.cmake'
+    output = f'CMake Error at /opt/ros/share/x.cmake:2 (message):\n{said} {"and so on " * 30}\n\n'
+    own = 'CMake Error at CMakeLists.txt:7 (include):\n  cannot find:\n\n    /opt/a/b.cmake\n'
+
+    assert diagnose(output, {}).error == (
+        'ament_export_x() must be called before ament_package().'
+    )
+    assert diagnose(own, {}).error == 'CMakeLists.txt, line 7: cannot find: b.cmake'
+
+
+def test_names_of_packages_may_be_wrong_ones():
+    """A dash in one of them is no reason not to compare them."""
+    output = PRINTED['name_mismatch'].replace("'temp_monitor_pkg'", "'temp-monitor-pkg'")
+
+    assert "'temp-monitor-pkg'" in diagnose(output, {}).error
 
 
 def test_output_without_any_line_is_said_to_be_empty():

@@ -58,6 +58,29 @@ class TestNightWatch:
         night_watch.lines_are_numbered(run)
         night_watch.every_fifth_is_a_warning(run)
 
+    def test_loop_may_have_spoken_before_anybody_heard_it(self):
+        """Its first number counts, and which of its lines are fifths follows from that."""
+        lines = watches(level=lambda place: WARN if place % 5 == 3 else INFO, first=3)
+        run = night(*lines[:6])
+        events = ({'event': 'wall_time', 'seconds': 6.0}, *run.recording.events)
+        real = Run(run.files, Recording({}, events), run.facts)
+
+        night_watch.lines_are_numbered(real)
+        night_watch.every_fifth_is_a_warning(real)
+        assert cause_of(night_watch.reports_every_second, real) == 'own_loop'
+        assert cause_of(night_watch.lines_are_numbered, night(*lines)) is None
+
+    @pytest.mark.parametrize(
+        ('argument', 'cause_id'),
+        [('', 'lines_missing'), (', throttle_duration_sec=2.0', 'left_out')],
+    )
+    def test_logger_that_leaves_lines_out_is_told(self, argument, cause_id):
+        """One line has no rate; and no timer is blamed that has the right period."""
+        code = f'create_timer(1.0, tick)\ndef tick():\n    log.info(number{argument})\n'
+        run = night(watches()[0], code=code)
+
+        assert cause_of(night_watch.reports_every_second, run) == cause_id
+
     def test_line_of_the_start_is_no_watch(self):
         """Many nodes say that they have started, before there is a clock."""
         run = night(*watches())

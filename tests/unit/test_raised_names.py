@@ -162,3 +162,80 @@ def test_a_name_behind_the_wrong_module_is_told_with_its_own():
 def test_tools_of_the_notebook_are_those_of_roslab():
     """A tool of another name would be taken for a slip."""
     assert set(raised_names.NOTEBOOK.split()) <= set(roslab.__all__)
+
+
+NO_NAME = "TypeError: Node.__init__() missing 1 required positional argument: 'node_name'"
+
+
+@pytest.mark.parametrize(
+    ('above', 'error', 'cause_id'),
+    [
+        ('class T(Node):\n    def _init_(self):\n        pass\n', NO_NAME, 'init_name'),
+        ('class T(Node):\n    def __int__(self):\n        pass\n', NO_NAME, 'init_name'),
+        ('class T(Node):\n    def __init__(self):\n        pass\n', NO_NAME, 'no_super_init'),
+        ('class T(Node):\n    def speak(self):\n        pass\n', NO_NAME, 'no_super_init'),
+        (
+            'class T:\n    def _init_(self, a):\n        pass\n',
+            'T() takes no arguments',
+            'init_name',
+        ),
+        ('class T(Node):\n    pass\n', "'super' object has no attribute '_init_'", 'init_name'),
+    ],
+)
+def test_other_underscores_than_those_of_init_are_named(above, error, cause_id):
+    """Who has handed the name to the parent class is not told to do so."""
+    kind = '' if error == NO_NAME else 'TypeError: ' if 'takes' in error else 'AttributeError: '
+    found = at('T(1)', kind + error, above)
+
+    assert found.cause_id == cause_id
+
+
+@pytest.mark.parametrize(
+    ('above', 'line', 'words'),
+    [
+        ('n = 0\ndef tick():\n', '    n += 1', 'write global n as its first line'),
+        ('def main():\n  n = 0\n  def tick():\n', '    n += 1', 'write nonlocal n as'),
+        ('def tick():\n', '    n = n + 1', 'write global n as the first line in it'),
+        ('class T:\n  def tick(self):\n', '    n += 1', 'keep it as self.n'),
+        ('n = 0\nclass T:\n  def tick(self):\n', '    n += 1', 'keep it as self.n'),
+        ('class T:\n  def f(self, a):\n    if a:\n      n = 1\n', '    print(n)', 'every way'),
+    ],
+)
+def test_name_of_a_def_is_kept_in_the_way_of_the_code(above, line, words):
+    """Functions have no self, and a value that one branch lacks is none to keep."""
+    found = at(line, "UnboundLocalError: local variable 'n' referenced before assignment", above)
+
+    assert found.cause_id == 'local_name'
+    assert words in found.try_this
+
+
+@pytest.mark.parametrize(
+    ('line', 'cause_id'),
+    [
+        ('!pip install numpy', 'notebook_line'),
+        ('%matplotlib inline', 'notebook_line'),
+        ('%%time', 'notebook_line'),
+        ('% number', 'syntax'),
+        ('%self.count', 'syntax'),
+        ('%time)', 'syntax'),
+    ],
+)
+def test_lines_of_notebooks_are_told_from_slips(line, cause_id):
+    """A percent sign may begin a line that has lost the bracket above it."""
+    assert at(line, 'SyntaxError: invalid syntax').cause_id == cause_id
+
+
+def test_module_of_the_notebook_is_not_said_to_be_misspelled():
+    """It is not there for a node, under no spelling."""
+    found = at('from roslab import start', "ModuleNotFoundError: No module named 'roslab'")
+
+    assert 'belongs to the notebook' in found.text
+    assert 'spelling' not in found.try_this
+
+
+@pytest.mark.parametrize(('owner', 'cause_id'), [('Talker', 'spins_no_node'), ('NoneType', 'no_')])
+def test_node_that_is_to_spin_itself_is_told_the_function(owner, cause_id):
+    """What is None is another mistake."""
+    found = at('node.spin()', f"AttributeError: '{owner}' object has no attribute 'spin'")
+
+    assert found.cause_id.startswith(cause_id)

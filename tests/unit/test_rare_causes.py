@@ -8,6 +8,7 @@ from autograder.exams.visible import (
     sensor_watch,
     talker,
     temperature_message,
+    temperature_publisher,
     temperature_subscriber,
 )
 from autograder.judging.exam import Failed, Run
@@ -113,3 +114,37 @@ def test_warning_of_silence_does_not_come_instead_of_a_distance(
     run = Run({'n.py': code}, Recording({}, events), {'distances': [1.25]})
 
     assert why(sensor_watch.logs_each_distance, run).cause_id == cause_id
+
+
+def warming(values, code=''):
+    """Return a run of a thermometer that sent these values, all of them in one second."""
+    sent = [
+        {
+            'event': 'message',
+            'topic': temperature_publisher.TOPIC,
+            'listener': None,
+            'clock_ns': 10**9,
+            'data': {'temperature_value': value},
+        }
+        for value in values
+    ]
+    return Run({'n.py': code}, Recording({}, (*sent, *ENDS)), {'simulated_s': 10})
+
+
+def test_formula_is_not_blamed_for_a_flood():
+    """What it gives for the readings that were due, counts."""
+    temperature_publisher.readings_are_plausible(warming(range(20, 220)))
+
+    found = why(temperature_publisher.readings_are_plausible, warming(range(110, 130)))
+    assert found.cause_id == 'implausible'
+
+
+@pytest.mark.parametrize(
+    ('line', 'cause_id'), [('random.seed(7)', 'seeded_each_time'), ('pass', 'constant')]
+)
+def test_seed_in_the_callback_is_told(line, cause_id):
+    """The value is computed there, and is the same all the same."""
+    code = f'self.create_timer(1.0, self.tick)\ndef tick(self):\n    {line}\n'
+
+    found = why(temperature_publisher.readings_are_plausible, warming([20.5] * 10, code))
+    assert found.cause_id == cause_id

@@ -121,6 +121,17 @@ class TestSleep:
         """Without the sleep it would not end either."""
         assert why_silent(run(answered=True, code=LOOPS)).cause_id == 'blocked'
 
+    def test_loop_that_serves_its_node_is_no_callback(self):
+        """No callback is blamed where there is none."""
+        code = (
+            'while rclpy.ok():\n    publisher.publish(message)\n    rclpy.spin_once(node)\n'
+            '    time.sleep(0.5)\n'
+        )
+
+        assert why_silent(run(answered=True, code=code)).cause_id == 'own_loop'
+        for other in ('node.create_timer(1.0, f)\n', 'def on_configure(self, state):\n    pass\n'):
+            assert why_silent(run(answered=True, code=other + code)).cause_id == 'blocked'
+
     def test_limit_of_a_program_without_a_pause_is_told_as_it_is(self):
         """And a program that answers has no such cause."""
         limit = why_silent(run(reason='wall_time_limit', answered=True, code=''))

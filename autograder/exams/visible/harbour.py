@@ -9,13 +9,15 @@ a timer and with its own logger; one executor serves both.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 import re
 
 from autograder.judging.causes import why_it_ended, why_no_node, why_silent
 from autograder.judging.checks import OTHER_CLOCK, own_logs, SECOND
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.learners_code import timer_periods
 from autograder.judging.own_time import names_another_clock
-from autograder.judging.unlogged import debug_level, why_not_logged
+from autograder.judging.unlogged import debug_level, why_left_out, why_not_logged
 from autograder.runs.recording import Event, INFO
 from autograder.runs.scenario import Advance, Await, Scenario
 
@@ -190,18 +192,18 @@ def _why_other_rhythm(
 ) -> Cause | None:
     """Explain reports at other moments than those that are due."""
     seconds = run.facts['simulated_s']
-    if len(seen) < seconds // period_s and (ended := why_silent(run)):
-        return ended
-    return why_other_period(lines, seconds, period_s)
+    if len(seen) < seconds // period_s and (why := why_silent(run) or why_left_out(run, INFO)):
+        return why
+    return why_other_period(run, lines, period_s)
 
 
-def why_other_period(lines: Sequence[Event], seconds: int, period_s: int) -> Cause | None:
+def why_other_period(run: Run, lines: Sequence[Event], period_s: int) -> Cause | None:
     """
     Explain lines that come too often or too rarely.
 
     :param lines: at least one, in order
-    :param seconds: how long the node was watched [s]
     """
+    seconds = run.facts['simulated_s']
     moments = {line['clock_ns'] for line in lines}
     if len(moments) < len(lines) and len(moments) <= seconds // period_s + 1:
         return Cause(
@@ -209,12 +211,19 @@ def why_other_period(lines: Sequence[Event], seconds: int, period_s: int) -> Cau
             'Several lines come at the same moment.',
             'Make one timer only, and log one line in its callback.',
         )
-    if len(lines) != seconds // period_s:
-        return Cause(
-            'wrong_rate',
-            f'There is about one line every {seconds / len(lines):.2g} s.',
-            f'The first argument of create_timer() is the period in seconds: {period_s}.0.',
-        )
+    if len(lines) == seconds // period_s:
+        return None
+    clocks_s = [(line['clock_ns'] or 0) / SECOND for line in lines]
+    gaps = [later - earlier for earlier, later in pairwise(clocks_s)]
+    right = f'The first argument of create_timer() is the period in seconds: {period_s}.0.'
+    # A single line has no rate, and neither have lines that come now and then.
+    if gaps and max(gaps) - min(gaps) <= 2 * STEP_S:
+        mean_s = sum(gaps) / len(gaps)
+        if abs(mean_s - period_s) > STEP_S / 2:
+            return Cause('wrong_rate', f'There is about one line every {mean_s:.2g} s.', right)
+    periods = timer_periods(run.files)
+    if periods and period_s not in periods:
+        return Cause('wrong_rate', 'No timer in your code has this period.', right)
     return None
 
 

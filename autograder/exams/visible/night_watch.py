@@ -23,7 +23,7 @@ from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.learners_code import timer_periods
 from autograder.judging.own_time import is_flood
 from autograder.judging.results import shortened
-from autograder.judging.unlogged import LEVELS, why_not_logged
+from autograder.judging.unlogged import LEVELS, why_left_out, why_not_logged
 from autograder.runs.recording import Event, INFO, WARN
 from autograder.runs.scenario import Advance, Await, Scenario
 
@@ -85,13 +85,17 @@ def _why_not_every_second(run: Run, found: list[Event]) -> Cause | None:
     seconds = run.facts['simulated_s']
     if not found:
         return why_not_logged(run, found, INFO, _has_another) or why_no_report(run, 1)
-    if len(found) < seconds and (ended := why_silent(run)):
-        return ended
+    if len(found) < seconds and (why := why_silent(run) or _why_left_out(run)):
+        return why
     return (
         _why_not_one_line(run, found)
         or _why_some_missing(run, found)
-        or why_other_period(found, seconds, 1)
+        or why_other_period(run, found, 1)
     )
+
+
+def _why_left_out(run: Run) -> Cause | None:
+    return why_left_out(run, INFO) or why_left_out(run, WARN)
 
 
 def _why_some_missing(run: Run, found: Sequence[Event]) -> Cause | None:
@@ -126,6 +130,8 @@ def _has_another(text: str) -> bool:
 
 def _why_not_one_line(run: Run, found: Sequence[Event]) -> Cause | None:
     """Explain watches with two lines or with none, which shift all that follow."""
+    if run.recording.in_wall_time:
+        return None  # how many are heard in real time is luck
     seconds = run.facts['simulated_s']
     fifths, moments = seconds // EVERY, {entry['clock_ns'] for entry in found}
     if len(found) - seconds == fifths and len(moments) <= seconds:
@@ -140,7 +146,7 @@ def _why_not_one_line(run: Run, found: Sequence[Event]) -> Cause | None:
             'A fifth watch is not logged at all.',
             'Use if and else: one line a watch, also for the fifth.',
         )
-    cause = why_other_period(found, seconds, 1)
+    cause = why_other_period(run, found, 1)
     return cause if cause and cause.cause_id == 'several_at_once' else None
 
 
@@ -152,13 +158,30 @@ def _warned(found: Sequence[Event]) -> list[int]:
 def lines_are_numbered(run: Run) -> None:
     """The lines carry the number of the watch: 1, 2, 3, and so on."""
     found = _enough(run)
-    for number, entry in enumerate(found, 1):
-        if number not in numbers_in(entry):
+    first = _first_watch(run, found) or 1
+    for line, entry in enumerate(found, 1):
+        if first + line - 1 not in numbers_in(entry):
             raise Failed(
-                expected=f'the number {number} in line {number}',
+                expected=f'the number {first + line - 1} in line {line}',
                 observed=repr(shortened(entry['text'])),
-                why=_why_not_one_line(run, found) or _why_misnumbered(number, found),
+                why=_why_not_one_line(run, found)
+                or (None if run.recording.in_wall_time else _why_misnumbered(line, found)),
             )
+
+
+def _first_watch(run: Run, found: Sequence[Event]) -> int:
+    """
+    Return the watch of the first line, or 0 if nothing tells it.
+
+    A program that keeps its own time may have spoken before anybody heard it: its first number
+    counts if the others go on from it.
+    """
+    if not run.recording.in_wall_time:
+        return 1
+    for first in numbers_in(found[0]):
+        if all(first + more in numbers_in(one) for more, one in enumerate(found)):
+            return first
+    return 0
 
 
 def _why_misnumbered(number: int, found: Sequence[Event]) -> Cause | None:
@@ -207,14 +230,17 @@ def _why_misnumbered(number: int, found: Sequence[Event]) -> Cause | None:
 def every_fifth_is_a_warning(run: Run) -> None:
     """Every fifth line is a WARN, all others are INFO."""
     found = _enough(run)
-    for number, entry in enumerate(found, 1):
+    # Lines without the right numbers are fifths from the first warning on, where nobody counts.
+    warned = _warned(found)
+    first = _first_watch(run, found) or (1 - warned[0] if warned else 1) % EVERY
+    for number, entry in enumerate(found, first):
         wanted = WARN if number % EVERY == 0 else INFO
         if entry['level'] != wanted:
             raise Failed(
                 expected=f'level {LEVELS[wanted]} for watch {number}',
                 observed=f'level {LEVELS.get(entry["level"], entry["level"])}',
                 why=_why_not_one_line(run, found)
-                or _why_wrong_level(number, entry['level'], found),
+                or (_why_wrong_level(number, entry['level'], found) if first == 1 else None),
             )
 
 
@@ -290,10 +316,12 @@ def _why_wrong_level(number: int, level: int, found: Sequence[Event]) -> Cause |
 def _enough(run: Run) -> list[Event]:
     """Return the lines, if a warning is among those that are due."""
     found = _no_flood(run)
-    if len(found) < 2 * EVERY:
+    # Real time is watched for a few seconds only; one warning is among five lines.
+    least = EVERY if run.recording.in_wall_time else 2 * EVERY
+    if len(found) < least:
         require_timer(run)
         raise Failed(
-            expected=f'at least {2 * EVERY} lines to look at',
+            expected=f'at least {least} lines to look at',
             observed=f'{len(found) or "none"}',
             why=_why_not_every_second(run, found),
         )

@@ -162,7 +162,7 @@ def _why_cmake(text: str) -> Cause | None:
     if projects and projects[0] != 'temp_monitor_pkg':
         return Cause(
             'name_mismatch',
-            f'project() has the name {projects[0][:60]}, and package.xml another one.',
+            f'project() has the name {projects[0][:60]}, and the package has another one.',
             'Write project(temp_monitor_pkg).',
         )
     files = [word for word in words if word.endswith('.msg')]

@@ -13,10 +13,12 @@ from __future__ import annotations
 import math
 
 from autograder.judging.causes import why_no_endpoint, why_no_message, why_silent
-from autograder.judging.checks import OWN_LOOP, require_node, SECOND
+from autograder.judging.checks import none_of, OWN_LOOP, require_node, SECOND
+from autograder.judging.code_places import seed_in_callback
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.learners_code import FieldUse, use_of_field
 from autograder.judging.own_time import (
+    is_flood,
     is_regular,
     keeps_its_timer,
     least_messages,
@@ -94,7 +96,9 @@ def publishes_readings(run: Run) -> None:
         )
     if not readings(run):
         raise Failed(
-            expected=expected, observed='the publisher, but no message', why=why_no_message(run)
+            expected=expected,
+            observed=none_of(run, 'the publisher, but no message'),
+            why=why_no_message(run),
         )
 
 
@@ -115,7 +119,8 @@ def publishes_once_per_second(run: Run) -> None:
             why=why_it_sleeps(run) or OTHER_CLOCK,
         )
     why = _why_wrong_rhythm(run, found, seconds)
-    observed = f'{len(found)} messages; first difference in second {wrong}'
+    many = 'far more' if is_flood(len(found), seconds) else len(found)
+    observed = f'{many} messages; first difference in second {wrong}'
     if why is not None and why.cause_id == 'paced_by_spin_once':  # how many, is luck
         observed = 'a message whenever anything happens'
     raise Failed(
@@ -311,7 +316,10 @@ def _why_zero(code: FieldUse, right: str) -> Cause:
 def readings_are_plausible(run: Run) -> None:
     """The readings are plausible temperatures, and they vary."""
     values = [float(event['data']['temperature_value']) for event in enough_readings(run)]
-    odd = [value for value in values if not COLDEST_C <= value <= HOTTEST_C]
+    # A formula that counts runs away with a flood: what it gives for those that were due, counts.
+    due = int(run.facts['simulated_s'])
+    first = values[:due] if is_flood(len(values), due) else values
+    odd = [value for value in first if not COLDEST_C <= value <= HOTTEST_C]
     if odd:
         shown = f'{odd[0]:.4g}' if math.isfinite(odd[0]) else str(odd[0])
         raise Failed(
@@ -323,12 +331,25 @@ def readings_are_plausible(run: Run) -> None:
         raise Failed(
             expected='readings that change from one to the next, as a real sensor has',
             observed=f'{values[0]:.4g} °C in all {len(values)} readings',
-            why=Cause(
-                'constant',
-                'The value never changes.',
-                'Compute the value in the callback, not once in __init__().',
-            ),
+            why=_why_constant(run),
         )
+
+
+def _why_constant(run: Run) -> Cause:
+    """Explain a reading that is the same each time, by where the code seeds its random numbers."""
+    if seed := seed_in_callback(run.files):
+        return Cause(
+            'seeded_each_time',
+            f'{seed[:60]}() begins the random numbers anew with the same seed, so the first one '
+            'of them comes each time.',
+            'Seed once, in __init__() or above the class, and only draw in the callback.',
+        )
+    return Cause(
+        'constant',
+        'The value never changes.',
+        'Compute it anew in the callback, not once in __init__(), and from something that changes '
+        'from call to call, such as self.elapsed.',
+    )
 
 
 def offers_reliable_qos(run: Run) -> None:
