@@ -57,6 +57,7 @@ NANOSECONDS = 1_000_000_000
 TICK, QUIET, EXITED = b't', b'q', b'e'
 TICK_S = 0.05
 LEAVE_S = 2.0
+AGAIN_S = 0.5  # in the program's own time; who ends does so in less
 # A question may be lost while endpoints match, and is asked again after half a second. A node
 # whose turn comes when others have used up the time is asked three times all the same, while there
 # is some to spare: a program of fifty silent nodes is not watched for minutes.
@@ -283,6 +284,18 @@ class Probe:
         self.spare_s -= max(0.0, self.patience_s - began - left)
         self.emit('barrier', node=name, answered=name not in self.unreachable)
 
+    def ask_again(self) -> None:
+        """
+        Prove that the program lives on after its first answer, or notice that it ends.
+
+        A program that spins once answers, too.  While it ends all of it may be at rest, and
+        whether its node is still in the graph is a matter of milliseconds.
+        """
+        until = self.patience_s + AGAIN_S
+        for name in sorted(self.asked - self.unreachable):
+            # One with a loop of its own may take its time: that is no matter here.
+            self.trips.ask(name, 1, max(until - self.patience_s, TICK_S))
+
     def barrier(self, rounds: int) -> None:
         """
         Prove that every node that answers has handled all it was sent before.
@@ -338,7 +351,9 @@ class Probe:
             self.wait_for_nodes()
             self.emit('seen', nodes=self.student_nodes())
             self.ask_all()
-            self.graph('start')
+            seen = self.seen.facts()
+            self.ask_again()
+            self.graph('start', seen)
             started = True
             lockstep = len(self.unreachable) < len(self.student_nodes())
             for number, step in enumerate(self.scenario['steps'], 1):
@@ -373,9 +388,9 @@ class Probe:
             self.spin(0.05)
         return True
 
-    def graph(self, when: str) -> None:
-        """Write down the graph."""
-        seen = self.seen.facts()
+    def graph(self, when: str, seen: dict[str, Any] | None = None) -> None:
+        """Write down the graph, as it is now or was."""
+        seen = seen or self.seen.facts()
         if self.seen.own_name in seen['nodes'] and not self.imitated:
             self.imitated = True
             self.emit('imitated')

@@ -370,3 +370,22 @@ def make():
 
     with pytest.raises(ProbeFailed, match=r'exam sample: .*step 2 \(feed\): AssertionError: The '):
         observe('sample', scenario, {'a.py': program}, sandbox)
+
+
+ENDS_SLOWLY = """
+def make():
+    node = Node('short')
+    rclpy.spin_once(node)
+    import time
+    time.sleep(0.2)  # at rest, as while threads are waited for
+    raise SystemExit
+"""
+
+
+def test_a_program_that_answers_once_and_ends_has_shown_nothing(run):
+    """While it ends it may be at rest, and its node in the graph for some milliseconds more."""
+    seen = run(ENDS_SLOWLY, Advance(1.0))
+
+    assert [event['answered'] for event in seen.of('barrier')] == [True]
+    assert seen.end_reason == 'student_exited'
+    assert seen.of('graph') == []
