@@ -248,7 +248,7 @@ def _out_of_order(shell: Any) -> str | None:
     if not here:
         return None
     index = {cell.source.strip(): number for number, cell in enumerate(cells)}
-    places = {cell.identifier: number for number, cell in enumerate(cells)}
+    places = {cell.identifier: at for at, cell in enumerate(cells) if cell.identifier}
     ran: list[int] = []
     for number, source in enumerate(_history(shell)[:-1]):
         at = places.get(_executed.get(number, ''), index.get(source.strip()))

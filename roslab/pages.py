@@ -126,8 +126,10 @@ class Pages:
         if threading.current_thread() is self._watcher:
             mark = self._console.marks
             text = self._console.feed(text)
-            if text:  # `print` writes a line and its end one after the other
-                self._whole.wait(_LINE_S)
+            # `print` writes a line and its end one after the other; where no end comes, that was
+            # waited for once.
+            if text and not self._whole.wait(_LINE_S):
+                self._whole.set()
             written = self._plain(text) if text else 0
             if self._console.marks > mark:
                 self._arrived.set()

@@ -21,7 +21,7 @@ from autograder.whole_class.class_results import ClassResults
 FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠')
 """How a cell begins that a spreadsheet may run, full-width signs included."""
 
-LATER_CELL = re.compile(r'(?<![;"\s])((?=[ "\f\v]*[;\t\r\n])[;"\s]+)([=+\-@＝＋－＠])')
+LATER_CELL = re.compile(r'(?<![;"\s])((?=["\s]*[;\t\r\n])[;"\s]+)([=+\-@＝＋－＠])')
 """Where a cell would begin in a spreadsheet that parts at semicolons, tabs or lines."""
 
 MARKS = (

@@ -58,6 +58,7 @@ _CMAKE = re.compile(
     re.MULTILINE,
 )
 _FOLDERS = re.compile(r'(?<![\w.)}>/])(?:/[\w.+-]+)+/')
+_ERROR_LINE = re.compile(r'^(?!ninja: ).*\berror:|^CMake Error: |\wError: |^[\w.]+\.Invalid\w+: ')
 LONGEST = 240
 """Characters of what a tool says that are passed on."""
 _FIELD = (
@@ -110,7 +111,8 @@ MISTAKES = (
     ),
     Mistake(
         'comma',
-        r'The target name "[^"]*,[^"]*" is reserved|the passed file \'[^\']*,\' doesn',
+        r'The target name "[^",]{0,200},[^"]{0,200}" is reserved|'
+        r"the passed file '[^']{0,200},' doesn",
         'A comma stands among the names.',
         'Between the names in parentheses stand spaces and no commas: '
         'rosidl_generate_interfaces(${{PROJECT_NAME}} "msg/Temperature.msg" ...).',
@@ -369,7 +371,7 @@ def _decisive_line(output: str) -> str:
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     for line in lines:
         # That there is no build.ninja follows from what CMake has said.
-        if re.search(r'^(?!ninja: ).*\berror:|\wError: |^[\w.]+\.Invalid\w+: ', line):
+        if _ERROR_LINE.search(line):
             return _sentences(line)
     return _sentences(lines[-1]) if lines else 'The build printed nothing.'
 

@@ -22,6 +22,7 @@ _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
 _EXIT = re.compile(r'\b(?:sys\.|os\._)?(?:exit|quit)\((?!\s*main\()')
 _GOES_ON = re.compile(r'\bspin\(|\bwhile\b')
 _OTHER_MAIN = re.compile(r'\b__name__\s*==\s*([\'"])(?!__main__\1)')
+_MAIN = re.compile(r'\b__name__\s*==\s*[\'"]__main__\b')
 _BROAD = re.compile(r'\bexcept[^\S\n]*(?::|(?:\([^\S\n]*)?(?:Base)?Exception\b)')
 _CALLS_BACK = re.compile(r'create_(?:timer|subscription|service|rate)\b')
 _PACES = re.compile(r'\bTimer\(|\basyncio\b|\bwhile\b(?:(?!\bwhile\b)[\s\S]){1,2000}?\bsleep\(')
@@ -105,11 +106,12 @@ def _why_over(run: Run) -> Cause:
     code = '\n'.join(map(without_texts, run.files.values()))
     # An answer alone may be what a single spin_once() has served.
     if run.recording.of('barrier', answered=True) and _GOES_ON.search(code):
-        if _BROAD.search(code):
+        ends_itself = _EXIT.search(code) or 'SystemExit' in code
+        if _BROAD.search(code) and not ends_itself:
             return Cause(
                 'swallowed',
-                'Your node was at work, and then the program ended by itself; your code catches '
-                'every exception, so a mistake in a callback is told to nobody.',
+                'Your node was at work, and then the program ended by itself. Your code catches '
+                'every exception: a mistake in a callback may have been caught with the rest.',
                 'Take that except out, and read what Python says. For the end of a program, catch '
                 'KeyboardInterrupt and ExternalShutdownException only.',
             )
@@ -122,14 +124,16 @@ def _why_over(run: Run) -> Cause:
     # An entry point names main() in a text, so this one looks at texts, too.
     written = '\n'.join(run.files.values())
     if 'def main' in written and not re.search(
-        r'^(?![^\S\n]*(?:async )?def ).*(?:\bmain[^\S\n]*[(),]|[:.]main\b)', written, re.MULTILINE
+        r'^(?![^\S\n]*(?:async )?def ).*(?:\bmain[^\S\n]*[]}(),]|[:.=][^\S\n]*main\b)',
+        written,
+        re.MULTILINE,
     ):
         return Cause(
             'main_not_called',
             'Your program defines main() and never calls it.',
             "Write as its last lines: if __name__ == '__main__': and below it, indented, main().",
         )
-    if 'def main' in written and _OTHER_MAIN.search(written):
+    if 'def main' in written and _OTHER_MAIN.search(written) and not _MAIN.search(written):
         return Cause(
             'main_not_called',
             'Your program defines main() and never calls it: __name__ is compared with another '

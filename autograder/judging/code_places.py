@@ -56,7 +56,7 @@ def logs_with_python(files: Mapping[str, str], names: Collection[str]) -> bool:
     """
     found: list[bool] = []
     for tree in trees(files):
-        theirs = set(_logging_names(tree))
+        theirs = set(_logging_names(tree)) - {''}  # of what is no name, as an item of a list
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
                 by = node.func.value

@@ -231,12 +231,19 @@ def subscription_depths(files: Mapping[str, str]) -> list[int | None]:
 
 
 def _values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
-    """Return what names get in a file, None for what gets several values."""
+    """Return what names get in a file, None for what gets several values or is changed."""
     known: dict[str, ast.AST | None] = {}
     for node in ast.walk(tree):
+        if isinstance(node, ast.arg):
+            known[node.arg] = None  # whatever is passed
+        if isinstance(node, (ast.AnnAssign, ast.AugAssign)):
+            known[last_name(node.target)] = None
         if isinstance(node, ast.Assign):
-            for name in map(last_name, node.targets):
+            for target in node.targets:
+                name = last_name(target)
                 known[name] = None if name in known else node.value
+                if isinstance(target, ast.Attribute):  # as in qos.depth = 10
+                    known[last_name(target.value)] = None
     return known
 
 

@@ -1,11 +1,14 @@
 """Nodes for the tests of the ros2 command, in a process of their own. Prints a line when ready."""
 
+import signal
+
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import Empty, Header, Int32, String
 
 
@@ -64,16 +67,17 @@ def listener(namespace):
 
 def main():
     """Spin all nodes until told to end."""
-    rclpy.init()
+    # rclpy's own handler may shut down just before it waits, which is an error of another kind.
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    told = []
+    signal.signal(signal.SIGINT, lambda *_: told.append(True))
     executor = SingleThreadedExecutor()
     nodes = [Talker(), listener('/lab'), Beacon('beacon'), Node('_shy')]
     for node in nodes:
         executor.add_node(node)
     print('ready', flush=True)
-    try:
-        executor.spin()
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
+    while not told:
+        executor.spin_once(timeout_sec=0.1)
 
 
 if __name__ == '__main__':

@@ -160,6 +160,12 @@ def test_parameter_of_another_type_is_told_without_its_value():
         ('def main():\n    rclpy.spin_once(node)\n\n\nmain()\n', 'spins_once'),
         ('def main():\n    rclpy.spin(node)\n\n\nmain()\n', 'exited_early'),
         ('async def main():\n    rclpy.spin(node)\n\n\nasyncio.run(main())\n', 'exited_early'),
+        ('def main():\n    rclpy.spin(node)\n\n\nrun = main\nrun()\n', 'exited_early'),
+        (
+            "def main():\n    rclpy.spin_once(node)\n\n\nif __name__ == 'x':\n    pass\n"
+            "if __name__ == '__main__':\n    main()\n",
+            'spins_once',
+        ),
     ],
 )
 def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_id):
@@ -177,6 +183,11 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
         ('try:\n    rclpy.spin(n)\nexcept Exception as e:\n    print(e)', 'swallowed', 'catches'),
         (
             'try:\n    rclpy.spin(n)\nexcept ExternalShutdownException:\n    ...',
+            'exited_early',
+            '',
+        ),
+        (
+            'try:\n    float(t)\nexcept Exception as e:\n    raise SystemExit\nrclpy.spin(n)',
             'exited_early',
             '',
         ),

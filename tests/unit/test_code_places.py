@@ -55,6 +55,11 @@ def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
         ("log.warning('a'); self.get_logger().warning('a')", ('warning', 'warn'), False),
         ("self.log.warning('a')", ('warning', 'warn'), True),
         ("self.logger.warning('a')", ('warning', 'warn'), False),
+        (
+            "self.h['a'] = logging.getLogger('x'); self.get_logger().warning('a')",
+            ('warning', 'warn'),
+            False,
+        ),
         ("log.info('a')", ('info',), False),
     ],
 )

@@ -135,7 +135,9 @@ def test_the_hostile_text_is_hostile():
     assert '\x00' in EVIL
 
 
-@pytest.mark.parametrize('text', ['x;=1+1', 'x; =cmd', 'a\t@b', 'a\n-b', 'a;"=1'])
+@pytest.mark.parametrize(
+    'text', ['x;=1+1', 'x; =cmd', 'a\t@b', 'a\n-b', 'a;"=1', 'x\xa0;=1', 'x\x85;\u2003=1']
+)
 def test_no_cell_of_a_spreadsheet_that_parts_at_semicolons_begins_like_a_formula(text):
     """Where the comma is the decimal point; quotes do not stop it."""
     line = csv_bytes(['a', 'b'], [['1', text]]).decode().split('\r\n', 1)[1]

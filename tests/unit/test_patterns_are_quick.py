@@ -1,8 +1,9 @@
 """
 No text keeps a regular expression of the grader busy.
 
-Students choose what the grader searches, and it does so in its own process.  Every pattern that is
-written in the grader's code is tried on texts that make a search begin anew at each letter.
+Students choose what the grader searches, and it does so in its own process.  The patterns that
+stand as one text in calls of ``re`` or in the tables of mistakes are tried on texts that make a
+search begin anew at each letter.
 """
 
 from __future__ import annotations
@@ -14,6 +15,9 @@ import re
 import time
 
 import pytest
+
+from autograder.judging.build_advice import MISTAKES
+from autograder.judging.raised_kinds import KINDS
 
 GRADER = Path(__file__).parents[2] / 'autograder'
 IN_THE_SANDBOX = ('inside/', 'probe/', '_work/')
@@ -33,6 +37,10 @@ def written_patterns() -> Iterator[tuple[str, re.Pattern[str], str]]:
             tree = ast.parse(path.read_text(encoding='utf-8'))
             for call, pattern, method in patterns_in(tree):
                 yield f'{place}:{call.lineno}', pattern, method
+    for mistake in MISTAKES:
+        yield f'mistake {mistake.cause}', re.compile(mistake.pattern), 'search'
+    for kind in KINDS:
+        yield f'kind {kind.cause_id}', re.compile(kind.says), 'search'
 
 
 def patterns_in(tree: ast.AST) -> Iterator[tuple[ast.Call, re.Pattern[str], str]]:

@@ -63,6 +63,8 @@ def test_message_type_that_builds_and_is_another_one():
     [
         ('1', 'queue_depth'),
         ('QoSProfile(depth=2)', 'queue_depth'),
+        ('qos); qos = QoSProfile(depth=2); (0', 'queue_depth'),
+        ('qos); qos = QoSProfile(depth=2); qos.depth = 10; (0', 'burst_is_cut'),
         ('10', 'burst_is_cut'),
         ('qos_profile_sensor_data', 'burst_is_cut'),
     ],

@@ -325,7 +325,7 @@ class TestWords:
                 'map_server',
                 'repeats in other words',
                 'publishes_each_survey',
-                'after the surveys of the same texts',
+                'a map for each survey, in their order',
             ),
             (
                 'map_server',

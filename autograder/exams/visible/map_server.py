@@ -146,7 +146,9 @@ def publishes_each_survey(run: Run) -> None:
     found = new_maps(run)
     if found != surveys:
         raise Failed(
-            expected=f'the maps {_shown(run, surveys)} after the surveys of the same texts',
+            expected='a map for each survey, in their order'
+            if run.secret
+            else f'the maps {_shown(run, surveys)} after the surveys of the same texts',
             observed=_shown(run, found),
             why=_why_other_maps(run, found, surveys),
         )
@@ -248,18 +250,19 @@ def _named(run: Run, text: str) -> str:
     """Name a map: by its text, or where the surveys are secret by the number of its survey."""
     surveys: Sequence[str] = run.facts['surveys']
     if run.secret and text in surveys:
-        return f'survey {surveys.index(text) + 1}'
+        return f'survey {list(dict.fromkeys(surveys)).index(text) + 1}'
     return repr(text) if text == FIRST else own_words(run, text[:40], 'another text')
 
 
 def _shown(run: Run, texts: Sequence[str]) -> str:
-    # How often a loop repeats one before we leave is luck.
-    found = [(_named(run, text), len(list(same))) for text, same in groupby(texts)]
-    surveys: Sequence[str] = [_named(run, text) for text in run.facts['surveys']]
-    shown = [
-        text if count == 1 else f'{text} {"twice" if count == surveys.count(text) else AGAIN}'
-        for text, count in found
-    ]
+    surveys: Sequence[str] = run.facts['surveys']
+    shown = []
+    for text, same in groupby(texts):
+        count = len(list(same))
+        # How often a loop repeats one before we leave is luck, and which comes twice is secret.
+        many = count > 2 or text not in surveys or len(texts) > len(surveys)
+        often = AGAIN if many else '' if run.secret else 'twice'
+        shown.append(f'{_named(run, text)} {often if count > 1 else ""}'.rstrip())
     return ', '.join(shown[:6]) or 'no map'
 
 

@@ -9,11 +9,11 @@ class Talker(Node):
         super().__init__('talker')
         self.count = 0
         self.publisher = self.create_publisher(String, 'chatter', 10)
-        threading.Timer(0.5, self.speak).start()
+        threading.Timer(500, self.speak).start()
     def speak(self):
         self.count += 1
         self.publisher.publish(String(data=f'hello {self.count}'))
-        threading.Timer(0.5, self.speak).start()
+        threading.Timer(500, self.speak).start()
 
 def main(args=None):
     rclpy.init(args=args)
