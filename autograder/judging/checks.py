@@ -26,10 +26,24 @@ from autograder.judging.untold import own_words
 from autograder.runs.recording import Event
 
 SECOND = 1_000_000_000
+WHILE_IT_STOOD = 'something came also while that clock stood still'
 OTHER_CLOCK = Cause(
     'other_clock',
     "The messages do not come in the rhythm of the node's own clock, and your code names another.",
     'Use self.create_timer() without a clock of its own, and no time.sleep() or time.time().',
+)
+ALONE = Cause(
+    'other_clock',
+    "What paces your program follows the computer's own clock: it goes on while the ROS clock "
+    'stands still.',
+    'Use self.create_timer() of the node without clock=, in place of threading.Timer, a thread '
+    'that sleeps or asyncio.sleep().',
+)
+PACED_BY_SPIN_ONCE = Cause(
+    'paced_by_spin_once',
+    'spin_once() comes back as soon as anything has happened, a tick of the clock too, so it '
+    'paces nothing.',
+    'Use self.create_timer() with the period in seconds, and rclpy.spin(node).',
 )
 OWN_LOOP = Cause(
     'own_loop',
@@ -221,6 +235,7 @@ def require_period(
 
 def _require_period_in_wall_time(run: Run, times_s: list[float], period_s: float) -> None:
     """Fail unless code with a loop of its own, which keeps real time, is regular in that."""
+    refuse_own_clock(run, f'one message every {period_s:g} s of simulated time')
     if is_regular(run.recording, times_s, period_s):
         return
     raise Failed(
@@ -229,6 +244,26 @@ def _require_period_in_wall_time(run: Run, times_s: list[float], period_s: float
         why=(why_silent(run) if len(times_s) < 2 else None) or OWN_LOOP,
         every_s=period_s,
     )
+
+
+def refuse_own_clock(run: Run, expected: str) -> None:
+    """
+    Fail if a program that listens goes on while the ROS clock stands still.
+
+    :param expected: what is due by that clock, in words
+    """
+    if run.recording.goes_on_alone:
+        raise Failed(expected=expected, observed=WHILE_IT_STOOD, why=why_own_time(run))
+
+
+def why_own_time(run: Run) -> Cause:
+    """Explain a program that was watched in wall time."""
+    if not run.recording.goes_on_alone:
+        return OWN_LOOP
+    code = '\n'.join(run.files.values())
+    if 'spin_once(' in code and 'create_timer' not in code:
+        return PACED_BY_SPIN_ONCE
+    return why_it_sleeps(run) or ALONE
 
 
 def _why_other_rhythm(
@@ -335,7 +370,7 @@ def require_ros_clock(run: Run) -> None:
         raise Failed(
             expected='lines in the rhythm of the simulated clock',
             observed='a program with a clock of its own',
-            why=OWN_LOOP,
+            why=why_own_time(run),
         )
 
 

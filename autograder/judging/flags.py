@@ -29,7 +29,11 @@ def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
     found = [*_about_topics(recording, scenario), *_about_nodes(recording)]
     if recording.of('graph') and max(_counts(recording)) > MANY_ENDPOINTS:
         found.append(f'more than {MANY_ENDPOINTS} publishers and subscriptions')
-    if recording.in_wall_time:
+    if recording.goes_on_alone:
+        found.append(
+            'the program goes on while the clock stands still; it was watched for some time'
+        )
+    elif recording.in_wall_time:
         found.append('the program answers nothing it is asked; it was watched for a few seconds')
     if recording.end_reason == 'too_many_events':
         found.append('more messages and log lines than are recorded')

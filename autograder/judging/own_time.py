@@ -5,6 +5,11 @@ A program that answers none of the probe's questions, as a loop with ``time.slee
 be led through simulated time.  It is watched in real time instead.  How long is drawn from the
 course secret where it counts, so that a program that works for a while only, and answers nothing
 on purpose, cannot know when to stop.
+
+A program may answer and publish from another clock all the same, such as ``threading.Timer``.
+How many of its messages fall into a run depends on the machine then, so one that may be such, and
+has not passed, is run again (:func:`patient`): if it publishes while the clock stands still, it is
+watched in real time too.
 """
 
 from __future__ import annotations
@@ -30,6 +35,13 @@ _OTHER_CLOCK = re.compile(
     r'\b(STEADY_TIME|SYSTEM_TIME|use_sim_time|asyncio|threading\.Timer|Timer\()'
     r'|\btime\.(time|time_ns|monotonic|monotonic_ns|perf_counter|sleep)\b|\bsleep\('
 )
+
+_ANY_CLOCK = re.compile(
+    r'\b(time|threading|_thread|asyncio|sched|signal|select|queue|concurrent|multiprocessing'
+    r'|subprocess|ctypes|timeout\w*|Clock|ClockType|Timer|Event|Condition|\w*sleep|wait\w*)\b'
+)
+STAND_STILL_S = 2.5
+"""Longer than any period that an exam asks for."""
 
 
 def watched_longer(exam: str, scenario: Scenario) -> Scenario:
@@ -75,6 +87,24 @@ def is_regular(recording: Recording, times_s: Sequence[float], period_s: float) 
         return False
     end_s = max((float(event['wall_s']) for event in recording.of('end')), default=times_s[-1])
     return end_s - times_s[-1] <= SLOWEST * period_s + LATE_S
+
+
+def patient(scenario: Scenario, files: Mapping[str, str], recording: Recording) -> Scenario | None:
+    """
+    Return how to run a program again that has not passed and may keep its own time.
+
+    It is asked of the code, and generously: it decides only whether somebody looks.
+
+    :param files: relative path to text
+    :param recording: of the run before
+    :returns: None if there is nothing to find out
+    """
+    advances = any(isinstance(step, Advance) for step in scenario.steps)
+    if not advances or recording.in_wall_time or recording.end_reason != 'complete':
+        return None
+    if not any(_ANY_CLOCK.search(without_texts(text)) for text in files.values()):
+        return None
+    return replace(scenario, stand_still_s=STAND_STILL_S)
 
 
 def names_another_clock(files: Mapping[str, str]) -> bool:

@@ -15,8 +15,9 @@ Four rules keep the recording the same from run to run, however slow the machine
 3. *Quiet.*  Callbacks on several threads may be at work when the service answers.  After a round
    the grader, who sees the program's threads from outside, is asked until none of them runs,
    and none of ours: what was sent has arrived then.
-4. *Log barrier.*  A first log line can be late while a reader fetches the history; the first input
-   of a scenario is waited for until its log arrives, or a bound is reached.
+4. *Log barrier.*  A first log line can be late while a reader fetches the history: nothing begins
+   until the program and we have rested for longer than the middleware's timers, and the first
+   input of a scenario is waited for until its log arrives, or a bound is reached.
 
 This file and the other ``probe_*.py`` import nothing of this project but each other: only their
 text enters the probe's sandbox.
@@ -126,6 +127,7 @@ class Probe:
         self.listeners: dict[str, Any] = {}
         self.seen = Graph(self.node)
         self.imitated = False
+        self.own_time = False
 
     def _watch_topics(self) -> None:
         # A best-effort, volatile reader matches every writer, so a QoS mistake is seen as what it
@@ -169,7 +171,7 @@ class Probe:
 
     def message(self, topic: str, message: Any, **facts: Any) -> None:
         """Write down a message that was received."""
-        self.messages += not facts
+        self.messages += 1
         data = to_json(message)
         size = len(json.dumps(data))
         what = {'too_large': size} if size > LONGEST_EVENT else {'data': data}
@@ -218,10 +220,14 @@ class Probe:
         self.quiet = self.quiet or QUIET in heard
         self.student_exited = self.student_exited or EXITED in heard or not heard
 
-    def wait_until_quiet(self) -> None:
-        """Wait until no thread of the student's program runs; the grader bounds the wait."""
+    def wait_until_quiet(self, question: str = 'is_it_quiet') -> None:
+        """
+        Wait until no thread of the student's program runs; the grader bounds the wait.
+
+        :param question: ``is_it_still`` is whether none has run for some milliseconds
+        """
         self.quiet = False
-        self.write({'event': 'is_it_quiet'})
+        self.write({'event': question})
         while not self.quiet and not self.student_exited:
             self.hear_grader(1.0)
 
@@ -295,6 +301,9 @@ class Probe:
         for name in sorted(self.asked - self.unreachable):
             # One with a loop of its own may take its time: that is no matter here.
             self.trips.ask(name, 1, max(until - self.patience_s, TICK_S))
+        # What was logged before we met is fetched, and belongs before the first step.
+        self.wait_until_quiet('is_it_still')
+        self.drain()
 
     def barrier(self, rounds: int) -> None:
         """
@@ -313,6 +322,7 @@ class Probe:
                 before = self.patience_s
                 self.ask_first(name, self.late_s)
                 self.late_s -= self.patience_s - before
+                self.wait_until_quiet('is_it_still')
             if name in self.unreachable:
                 continue
             if not self.trips.ask(name, rounds, self.scenario['answer_s']):
@@ -359,7 +369,7 @@ class Probe:
             for number, step in enumerate(self.scenario['steps'], 1):
                 if step['do'] not in ('await', 'mark', 'look'):
                     self.before_step = (self.logs, self.messages)
-                take(self, number, step, lockstep)
+                take(self, number, step, lockstep and not self.own_time)
         except Stop as stop:
             reason = str(stop)
         self.drain()

@@ -41,7 +41,9 @@ class Stop(Exception):
 def advance(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
     """Move the clock forward in equal steps, each proven to be handled."""
     now = probe.clock_ns or 0
-    if not lockstep:
+    if lockstep and probe.scenario['stand_still_s']:
+        probe.own_time = _goes_on_alone(probe)
+    if not lockstep or probe.own_time:
         _advance_in_wall_time(probe, now, DEAF_S if probe.deaf else step['watch_s'])
         return
     for number in range(step['steps']):
@@ -51,6 +53,18 @@ def advance(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
         # before the next one.
         probe.wait_until_quiet()
         probe.drain()
+
+
+def _goes_on_alone(probe: Any) -> bool:
+    """Tell whether the program publishes, or logs if nothing is watched, while no time passes."""
+    topics = probe.scenario['watch']
+    ends = probe.seen.facts()['endpoints']
+    if topics and not any(e['kind'] == 'publisher' and e['topic'] in topics for e in ends):
+        return False
+    what = 'messages' if topics else 'logs'
+    before = getattr(probe, what)
+    seconds = probe.scenario['stand_still_s']
+    return bool(probe.wait_until(lambda: getattr(probe, what) > before, seconds))
 
 
 def _advance_in_wall_time(probe: Any, start_ns: int, seconds: float) -> None:

@@ -1,7 +1,7 @@
 """
 One exam on one set of files: run it if nobody has yet, then judge the recording.
 
-A recording depends on the files, the scenario and the environment, and on nothing else.  It is
+A recording depends on the files, the exam and the environment, and on nothing else.  It is
 kept under a digest of the three, so that equal files (an untouched stub handed in by half a class)
 run once, a rerun runs nothing, and a changed check is judged again in milliseconds.
 """
@@ -18,11 +18,18 @@ import threading
 import time
 from typing import Any
 
-from autograder.errors import ProbeFailed, RecordingInvalid, SandboxUnavailable, TooBusy
+from autograder.errors import (
+    GraderError,
+    ProbeFailed,
+    RecordingInvalid,
+    SandboxUnavailable,
+    TooBusy,
+)
 from autograder.explaining.picture_data import pictures
-from autograder.judging.exam import Exam, Run
+from autograder.judging.exam import Exam, Run, Scenario
 from autograder.judging.flags import flags_of
 from autograder.judging.judge import judge, worth_running
+from autograder.judging.own_time import patient
 from autograder.judging.results import CheckResult, ExamResult, Verdict
 from autograder.runs.observe import observe
 from autograder.runs.recording import Event, header, Recording
@@ -67,7 +74,13 @@ def examine(
         return result
 
     def run() -> Outcome:
-        return _run(exam, files, sandbox, _observer(exam, files, sandbox, told, place))
+        def once(scenario: Scenario) -> Outcome:
+            if place is None:
+                return observe(exam.name, scenario, files, sandbox, told)
+            task = task_of(exam.name, scenario.to_json(), files, sandbox.mode)
+            return outcome_of(place.run(task))
+
+        return _run(exam, files, sandbox, once)
 
     if recordings is None:
         return judged(exam, files, *run())
@@ -158,39 +171,47 @@ def _for_people(recording: Recording, timing: Mapping[str, float]) -> Recording:
     return Recording({**recording.header, **notes}, recording.events)
 
 
-def _observer(
+def _run(
     exam: Exam,
     files: Mapping[str, str],
     sandbox: Sandbox,
-    told: Callable[[Event], None] | None,
-    place: Place | None,
-) -> Callable[[], Outcome]:
-    """Return what runs the files once, here or elsewhere."""
-    if place is None:
-        return lambda: observe(exam.name, exam.scenario, files, sandbox, told)
-    task = task_of(exam.name, exam.scenario.to_json(), files, sandbox.mode)
-    return lambda: outcome_of(place.run(task))
-
-
-def _run(
-    exam: Exam, files: Mapping[str, str], sandbox: Sandbox, once: Callable[[], Outcome]
+    once: Callable[[Scenario], Outcome],
 ) -> Outcome:
-    """Run once; if our own infrastructure hit its limit, once more, and say so."""
-    repeated = {}
-    try:
-        recording, timing = once()
-        again = _may_have_been_ended(recording)
-    except (ProbeFailed, TooBusy):
-        again = True
-    if again:
-        recording, timing = once()
-        repeated = {'repeated': 1.0}
+    """Run once, and again in another way if a clock of the program's own may have decided."""
+    recording, timing = _once_or_twice(exam.scenario, once)
+    again = patient(exam.scenario, files, recording)
+    if again and not _passes(exam, files, recording):
+        other, more = _once_or_twice(again, once)
+        timing = {**timing, 'run_s': timing.get('run_s', 0.0) + more.get('run_s', 0.0)}
+        if other.in_wall_time:
+            recording = other
     about = {
         'scenario': exam.scenario_digest()[:32],
         'files': files_digest(files),
         'environment': environment_digest(sandbox.ros.python),
     }
-    return Recording({**recording.header, **about}, recording.events), {**timing, **repeated}
+    return Recording({**recording.header, **about}, recording.events), timing
+
+
+def _passes(exam: Exam, files: Mapping[str, str], recording: Recording) -> bool:
+    try:
+        checks = judge(exam, Run(files, recording, exam.facts))
+    except GraderError:
+        return True  # told when the recording is kept and judged; a mended exam needs no new run
+    return all(check.verdict is Verdict.PASSED for check in checks)
+
+
+def _once_or_twice(scenario: Scenario, once: Callable[[Scenario], Outcome]) -> Outcome:
+    """Run once; if our own infrastructure hit its limit, once more, and say so."""
+    try:
+        recording, timing = once(scenario)
+        again = _may_have_been_ended(recording)
+    except (ProbeFailed, TooBusy):
+        again = True
+    if not again:
+        return recording, timing
+    recording, timing = once(scenario)
+    return recording, {**timing, 'repeated': 1.0}
 
 
 ENDING = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)

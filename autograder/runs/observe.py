@@ -32,6 +32,8 @@ from autograder.sandboxes.processes import (
     proportional,
     Threads,
     usage,
+    wait_until_quiet,
+    wait_until_still,
 )
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
@@ -42,6 +44,7 @@ MOST_SLEPT_S = 0.25  # that one look can find; the shortest wait that decides an
 # What the probe is told, see probe.py.
 TICK, QUIET, EXITED = b't', b'q', b'e'
 BUSY_S = 3.0  # processor time without a node: imports take 0.3 s, and a slow machine thrice that
+STILL_S = 0.0025  # twice the period of a writer's questions, see fastdds.xml
 MOST_WALL = 5  # times the limit, before a machine counts as too busy for a verdict
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
 # A message package takes some 5 s of processor time; six times that, for slower machines.
@@ -258,10 +261,13 @@ class _Watched:
                 self.student.release()
                 continue
             if event['event'] == 'is_it_quiet':
-                self.threads.wait_until_quiet()
-                # What it sent has arrived when the probe's own threads have taken it in: a
+                # What either sent has arrived when the other's threads have taken it in: a
                 # datagram on the loopback interface wakes its reader before its writer goes on.
-                self.probe_threads.wait_until_quiet()
+                wait_until_quiet(self.threads, self.probe_threads)
+                self._tell_probe(QUIET)
+                continue
+            if event['event'] == 'is_it_still':
+                wait_until_still(STILL_S, self.threads, self.probe_threads)
                 self._tell_probe(QUIET)
                 continue
             self._keep_event(event)

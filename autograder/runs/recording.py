@@ -216,6 +216,11 @@ class Recording:
         """Tell whether the code kept its own time and was therefore watched in wall time."""
         return bool(self.of('wall_time'))
 
+    @property
+    def goes_on_alone(self) -> bool:
+        """Tell whether the code answered, and went on all the same while the clock stood still."""
+        return self.in_wall_time and bool(self.of('barrier', answered=True))
+
     # -- files -----------------------------------------------------------------------------
 
     def lines(self) -> Iterator[str]:

@@ -243,7 +243,7 @@ class Await:
     Wait in wall time for what the step before has caused, at most so long.
 
     :param logs: log lines since that step began
-    :param messages: messages on watched topics since then
+    :param messages: messages since then, on watched topics or at a :class:`Join`
     :param seconds: wall seconds, in which nobody waits for a processor
     """
 
@@ -304,6 +304,8 @@ class Scenario:
         rarely 3 s
     :param first_log_s: wall budget for the first input's log line [s]; 0 for a node that
         answers with messages
+    :param stand_still_s: how long the clock stands still before each :class:`Advance`, to see who
+        publishes all the same [s]; such a program is watched in wall time from there on
     """
 
     program: str = 'node'
@@ -317,6 +319,7 @@ class Scenario:
     first_answer_s: float = 3.0
     answer_s: float = 5.0
     first_log_s: float = 3.0
+    stand_still_s: float = 0.0
 
     def to_json(self) -> dict[str, Any]:
         """Return the scenario as the probe reads it, without the probe's name."""

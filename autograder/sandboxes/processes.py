@@ -21,6 +21,7 @@ AT_RANDOM = 32768  # from here on, Linux gives ports to who asks for none: ip(7)
 CPU_TICKS = os.sysconf('SC_CLK_TCK')
 PAGE = os.sysconf('SC_PAGESIZE')
 BUSY_S = 0.05  # processor time after which a program is taken for one that always computes
+STILL_TRIES = 40
 STARVED_S = 5.0  # wall time without so much of it: the machine is too busy to say
 
 
@@ -67,46 +68,88 @@ class Threads:
                 continue  # it has ended
         return False
 
+    def used_ns(self) -> tuple[int, ...]:
+        """Return the processor time of each process, exact to the moment [ns]."""
+        return tuple(_used_ns(process) for process in self.processes)
+
     def used_s(self) -> float:
-        """Return the processor time of all threads that there are [s]."""
-        ticks = 0
-        for file in self.files.values():
-            with suppress(OSError):  # it has ended
-                fields = os.pread(file, 512, 0).rpartition(b')')[2].split()
-                ticks += int(fields[11]) + int(fields[12])  # utime and stime: proc(5)
-        return ticks / CPU_TICKS
-
-    def wait_until_quiet(self) -> bool:
-        """
-        Wait until no thread runs.
-
-        A thread in a callback runs, or waits for another thread that runs; so when all of them
-        sleep, every callback is over or sleeps too.  A program that always computes is left alone
-        when it has computed for long enough; how long it waits for a processor does not count.
-
-        :returns: whether it was quiet
-        :raises TooBusy: if it wants a processor and hardly gets one
-        """
-        deadline, used_s = time.monotonic() + STARVED_S, None
-        while True:
-            self.look_at_threads()
-            # Twice: of two threads that take turns, each may sleep when it is looked at.
-            if not self.run() and not self.run():
-                return True
-            used_s = self.used_s() if used_s is None else used_s
-            if self.used_s() >= used_s + BUSY_S:
-                return False
-            if time.monotonic() > deadline:
-                raise TooBusy(
-                    f'The machine was too busy: a program got no turn for {STARVED_S} s.'
-                )
-            # There is no event for it; a tenth of a millisecond is short beside a round trip.
-            select.select((), (), (), 0.0001)
+        """Return the processor time of all processes that there are [s]."""
+        return sum(self.used_ns()) / 1e9
 
     def close(self) -> None:
         """Close the files."""
         while self.files:
             os.close(self.files.popitem()[1])
+
+
+def wait_until_quiet(*programs: Threads) -> bool:
+    """
+    Wait for a moment at which no thread of any of these programs runs.
+
+    A thread in a callback runs, or waits for another thread that runs; so when all of them sleep,
+    every callback is over or sleeps too, and whatever one sent another has arrived.  A program
+    that always computes is left alone when it has computed for long enough; how long it waits for
+    a processor does not count.
+
+    :returns: whether all were quiet
+    :raises TooBusy: if one wants a processor and hardly gets one
+    """
+    deadline, began_s, left = time.monotonic() + STARVED_S, None, list(programs)
+    while True:
+        for program in left:
+            program.look_at_threads()
+        if _rest(left):
+            return len(left) == len(programs)
+        used_s = {program: program.used_s() for program in left}
+        began_s = began_s or used_s
+        left = [one for one in left if used_s[one] < began_s[one] + BUSY_S]
+        if left and time.monotonic() > deadline:
+            raise TooBusy(f'The machine was too busy: a program got no turn for {STARVED_S} s.')
+        # There is no event for it; a tenth of a millisecond is short beside a round trip.
+        select.select((), (), (), 0.0001)
+
+
+def wait_until_still(seconds: float, *programs: Threads) -> bool:
+    """
+    Wait until no thread of any of these programs has run for some time.
+
+    Nothing is on its way then that a timer shorter than this would send again.  A program that
+    wakes more often on its own is left alone after some tries.
+
+    :param seconds: how long [s]
+    :returns: whether it was so
+    :raises TooBusy: as :func:`wait_until_quiet`
+    """
+    for _ in range(STILL_TRIES):
+        if not wait_until_quiet(*programs):
+            return False
+        before = [program.used_ns() for program in programs]
+        select.select((), (), (), seconds)
+        if _rest(list(programs)) and before == [program.used_ns() for program in programs]:
+            return True
+    return False
+
+
+def _rest(programs: list[Threads]) -> bool:
+    """
+    Tell whether all threads sleep at one and the same moment.
+
+    They are looked at one after the other, and of two that take turns each may sleep just then.
+    But then one of them has used the processor meanwhile, and the clocks of the processes tell.
+    """
+    before = [program.used_ns() for program in programs]
+    if any(program.run() for program in programs):
+        return False
+    return before == [program.used_ns() for program in programs]
+
+
+def _used_ns(pid: int) -> int:
+    """Return the processor time of a process, or none of one that has ended."""
+    try:
+        # The clock of another process's processor time: clock_getcpuclockid(3), in Linux.
+        return time.clock_gettime_ns((~pid << 3) | 2)
+    except OSError:
+        return 0
 
 
 def ports(pid: int) -> set[int]:

@@ -11,6 +11,8 @@ from autograder.judging.own_time import (
     keeps_its_timer,
     least_messages,
     names_another_clock,
+    patient,
+    STAND_STILL_S,
 )
 from autograder.runs import inputs
 from autograder.runs.recording import header, Recording
@@ -151,3 +153,47 @@ def test_a_flood_is_far_more_than_was_due():
     assert is_flood(1000, 20)
     assert not is_flood(200, 20)
     assert not is_flood(8, 0.5)
+
+
+class TestWhoIsRunAgain:
+    """Who has not passed, and may keep its own time although it answers."""
+
+    RUN = Recording(header('talker', 'none'), ({'event': 'end', 'reason': 'complete'},))
+
+    @pytest.mark.parametrize(
+        'code',
+        [
+            'import threading\nthreading.Timer(0.5, speak).start()',
+            'from time import sleep as s',
+            'node.create_timer(1.0, speak, clock=Clock())',
+            'while rclpy.ok():\n    rclpy.spin_once(node, timeout_sec=0.5)\n    speak()',
+            'signal.setitimer(signal.ITIMER_REAL, 1, 1)',
+            'done.wait(0.5)',
+        ],
+    )
+    def test_code_that_may_keep_its_own_time(self, code):
+        """Generously: it decides only whether somebody looks."""
+        again = patient(SCENARIO, {'a.py': code}, self.RUN)
+
+        assert again is not None
+        assert again.stand_still_s == STAND_STILL_S
+        assert again.steps == SCENARIO.steps
+
+    def test_code_that_names_no_clock(self):
+        """Timers of the node follow the clock that we move; a comment drives nothing."""
+        code = 'self.create_timer(0.5, self.speak)  # no time.sleep()'
+
+        assert patient(SCENARIO, {'a.py': code}, self.RUN) is None
+
+    @pytest.mark.parametrize(
+        ('scenario', 'run'),
+        [
+            (Scenario(steps=(Feed('/a', [{}]),)), RUN),
+            (SCENARIO, recording(3.0, 4.0)),
+            (SCENARIO, Recording(header('a', 'none'), ({'event': 'end', 'reason': 'no_node'},))),
+        ],
+        ids=['no time passes', 'was watched already', 'broken off'],
+    )
+    def test_nothing_to_find_out(self, scenario, run):
+        """Then once is enough."""
+        assert patient(scenario, {'a.py': 'import time'}, run) is None

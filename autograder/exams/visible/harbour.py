@@ -13,7 +13,7 @@ from itertools import pairwise
 import re
 
 from autograder.judging.causes import why_it_ended, why_no_node, why_silent
-from autograder.judging.checks import OTHER_CLOCK, own_logs, SECOND
+from autograder.judging.checks import OTHER_CLOCK, own_logs, SECOND, why_own_time
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.learners_code import timer_periods
 from autograder.judging.own_time import names_another_clock
@@ -116,7 +116,7 @@ def require_reports(run: Run, node: str, period_s: int) -> None:
         raise Failed(
             expected='lines in the rhythm of the simulated clock',
             observed='a program with a clock of its own',
-            why=NEITHER_SPUN,
+            why=why_own_time(run) if run.recording.goes_on_alone else NEITHER_SPUN,
         )
     seconds = run.facts['simulated_s']
     entries = [entry for entry in own_logs(run, node) if second_of(entry) > 0]

@@ -13,7 +13,12 @@ from __future__ import annotations
 import re
 
 from autograder.judging.causes import close_name, why_no_endpoint, why_no_node, why_silent
-from autograder.judging.checks import require_messages, require_period, require_qos
+from autograder.judging.checks import (
+    refuse_own_clock,
+    require_messages,
+    require_period,
+    require_qos,
+)
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.own_time import names_another_clock
 from autograder.judging.results import shortened
@@ -134,6 +139,7 @@ def moves_with_its_namespace(run: Run) -> None:
 
 def speaks_twice_a_second(run: Run) -> None:
     """It publishes twice a second, measured on the ROS clock."""
+    refuse_own_clock(run, 'two messages a second of the ROS clock')
     code = '\n'.join(run.files.values())
     # A loop that sleeps and serves the node in between answers now and then.
     sleeps = run.recording.end_reason == 'unresponsive' and 'create_timer' not in code

@@ -13,7 +13,14 @@ from __future__ import annotations
 import math
 
 from autograder.judging.causes import why_no_endpoint, why_no_message, why_silent
-from autograder.judging.checks import none_of, OWN_LOOP, require_node, SECOND
+from autograder.judging.checks import (
+    none_of,
+    OWN_LOOP,
+    PACED_BY_SPIN_ONCE,
+    refuse_own_clock,
+    require_node,
+    SECOND,
+)
 from autograder.judging.code_places import seed_in_callback
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.learners_code import FieldUse, use_of_field
@@ -146,12 +153,7 @@ def _why_wrong_rhythm(run: Run, clocks_ns: list[int], seconds: int) -> Cause | N
         return why
     code = '\n'.join(run.files.values())
     if 'spin_once(' in code and 'create_timer' not in code:
-        return Cause(
-            'paced_by_spin_once',
-            'spin_once() comes back as soon as anything has happened, a tick of the clock too, '
-            'so it paces nothing.',
-            'Use self.create_timer(1.0, ...) and rclpy.spin(node).',
-        )
+        return PACED_BY_SPIN_ONCE
     if len(clocks_ns) > seconds and len(set(clocks_ns)) < len(clocks_ns):
         return Cause(
             'several_at_once',
@@ -195,6 +197,7 @@ def _moment_of(clocks_ns: list[int], second: int) -> int:
 
 def _once_per_second_in_wall_time(run: Run) -> None:
     # Code with its own loop keeps real time.
+    refuse_own_clock(run, 'one message in every second of the ROS clock')
     times = [event['wall_s'] for event in readings(run)]
     if is_regular(run.recording, times, 1.0):
         return
@@ -243,7 +246,7 @@ def stamps_follow_the_clock(run: Run) -> None:
                 observed=_describe_stamp(run, seconds, clock),
                 why=(
                     OWN_LOOP
-                    if run.recording.in_wall_time
+                    if run.recording.in_wall_time and not run.recording.goes_on_alone
                     else _stamp_cause(run, seconds, clock, stamp)
                 ),
             )
