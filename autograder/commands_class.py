@@ -161,7 +161,9 @@ def _stats(chosen: argparse.Namespace) -> int:
 
 def stats_text(numbers: ClassNumbers) -> str:
     """Return a class in numbers as plain text."""
-    lines = [f'{numbers.assignment}: {numbers.submissions} submissions']
+    lines = [
+        f'{numbers.assignment}: {numbers.submissions} submission{"s" * (numbers.submissions != 1)}'
+    ]
     lines += [f'  for review: {student}: {fault}' for student, fault in numbers.review]
     lines += _marks_lines(numbers)
     if numbers.checks:

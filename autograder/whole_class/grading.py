@@ -384,7 +384,8 @@ def _summary(graded: Sequence[Graded], graded_s: float, total_s: float, totals: 
     reviews = sum(bool(one.result.fault) for one in graded)
     exams = [exam for one in graded for exam in one.result.exams]
     modes = sorted({exam.mode for exam in exams if exam.mode})
-    parts = [f'{len(graded)} submissions in {total_s:.1f} s ({graded_s:.1f} s of it running)']
+    some = f'{len(graded)} submission{"s" * (len(graded) != 1)}'
+    parts = [f'{some} in {total_s:.1f} s ({graded_s:.1f} s of it running)']
     slowest = totals.slowest_text()
     if slowest and len(graded) > 1:
         parts.append(printable(slowest))

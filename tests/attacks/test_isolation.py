@@ -25,6 +25,7 @@ LAUNCHER = """
 import sys
 from pathlib import Path
 from autograder.sandboxes.confined import Limits, Program
+from autograder.sandboxes.processes import Threads
 from autograder.sandboxes.sandbox import strongest
 box = strongest()
 argv = (box.ros.python, '/grader/inside/run_node.py', '/submission/x.py')
@@ -33,6 +34,8 @@ confined = box.start(program, Limits(), Path('/'))
 if sys.argv[3] == 'running':
     confined.release()
     confined.process.stdout.readline()
+while len(Threads(confined.pid).processes) < 2:  # bubblewrap's first process, and the program
+    pass
 print(confined.pid, flush=True)
 sys.stdin.read()
 """
