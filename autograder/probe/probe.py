@@ -217,18 +217,20 @@ class Probe:
     def heed(self, heard: bytes) -> None:
         """Take what the grader said; nothing at all is its end."""
         self.patience_s += heard.count(TICK) * TICK_S
-        self.quiet = self.quiet or QUIET in heard
+        self.quiet = self.quiet or QUIET in heard or not heard
         self.student_exited = self.student_exited or EXITED in heard or not heard
 
     def wait_until_quiet(self, question: str = 'is_it_quiet') -> None:
         """
-        Wait until no thread of the student's program runs; the grader bounds the wait.
+        Wait until no thread of the student's program runs, or it has ended, and none of ours.
+
+        The grader bounds the wait.
 
         :param question: ``is_it_still`` is whether none has run for some milliseconds
         """
         self.quiet = False
         self.write({'event': question})
-        while not self.quiet and not self.student_exited:
+        while not self.quiet:
             self.hear_grader(1.0)
 
     def drain(self) -> None:
@@ -372,6 +374,8 @@ class Probe:
                 take(self, number, step, lockstep and not self.own_time)
         except Stop as stop:
             reason = str(stop)
+        # What it sent last, just before it ended, may still be on its way.
+        self.wait_until_quiet()
         self.drain()
         # A program that ended before its node could be asked has shown nothing for certain:
         # whether its node is still in the graph is a matter of milliseconds.

@@ -166,6 +166,11 @@ def ports(pid: int) -> set[int]:
     return found
 
 
+def first_port(domain: int) -> int:
+    """Return the port on which the first participant of a ROS domain hears the others."""
+    return FIRST_PORT + PORTS_A_DOMAIN * domain + OWN_PORTS[0]
+
+
 def other_domains(used: set[int]) -> list[int]:
     """
     Return the ROS domains besides 0 in which somebody takes part, by the ports in use.

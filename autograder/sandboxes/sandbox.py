@@ -32,6 +32,7 @@ from autograder.errors import SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
 from autograder.sandboxes.confined import Confined, Limits, Program
 from autograder.sandboxes.isolation import fix_for, System
+from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox_trial import try_out
 from environment.ros import ros_environment, RosEnvironment
 
@@ -281,7 +282,9 @@ class Sandbox:
         if self.mode == 'bwrap-root':
             enter = ['nsenter', f'--net=/proc/self/fd/{student.namespaces["net"]}', '--']
             program = Program(
-                argv, {str(HERE / name): f'/grader/{Path(name).name}' for name in PROBE}
+                argv,
+                {str(HERE / name): f'/grader/{Path(name).name}' for name in PROBE},
+                variables=_of_probe(Path('/grader'), student.domain),
             )
             options = self.bwrap(program, limits, (), own_net=False)
             return _popen(enter, options, self.command(program, limits), fds)
@@ -290,9 +293,8 @@ class Sandbox:
             folder.mkdir(mode=0o755)
         for name in PROBE:  # Python lists the folder, whose neighbours are no business of it
             shutil.copy(HERE / name, code)
-        program = Program(argv, {str(code): '/grader'})
+        program = Program(argv, {str(code): '/grader'}, variables=_of_probe(code, student.domain))
         run, variables = self._outside(program, limits, own, student.domain)
-        variables['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(HERE / 'fastdds.xml')
         if self.mode != 'none' and not landlock.refusal(root=os.geteuid() == 0)[0]:
             run = [*self._confine(program, own), *run]
         if self.mode == 'bwrap-user':
@@ -310,9 +312,24 @@ PROBE = (
     'probe/probe_round_trips.py',
     'probe/probe_steps.py',
     'probe/probe_wire.py',
+    'probe/probe.xml',
     'inside/lean_start.py',
 )
 """What the probe consists of."""
+
+
+def _of_probe(folder: Path, domain: int) -> dict[str, str]:
+    """
+    Return the probe's own variables: where its profile is, and the port that it names.
+
+    :param folder: of the probe's files, as the probe sees it
+    """
+    return {
+        'FASTRTPS_DEFAULT_PROFILES_FILE': str(folder / 'probe.xml'),
+        'UNICAST_PORT': str(first_port(domain)),
+    }
+
+
 BARE = {'PATH': '/usr/bin:/bin'}
 _PIPES: dict[str, Any] = {
     'stdin': subprocess.PIPE,

@@ -42,3 +42,11 @@ def course(released: Path, tmp_path: Path) -> Layout:
     root = tmp_path / 'course'
     shutil.copytree(released, root)
     return Layout(root)
+
+
+@pytest.fixture(scope='session')
+def run():
+    """Return a function that runs a small program, see :mod:`small_programs`."""
+    from small_programs import runner
+
+    return runner()

@@ -7,7 +7,6 @@ from dataclasses import replace
 import pytest
 
 from autograder.errors import ProbeFailed
-from autograder.runs.observe import observe
 from autograder.runs.recording import WARN
 from autograder.runs.scenario import (
     Advance,
@@ -20,55 +19,13 @@ from autograder.runs.scenario import (
     Mark,
     Offer,
     Qos,
-    Scenario,
     set_parameter,
     state,
     transition,
 )
-from autograder.sandboxes.sandbox import strongest
 
 STRING, INT = 'std_msgs/msg/String', 'std_msgs/msg/Int32'
-PROGRAM = """
-import rclpy
-from rclpy.duration import Duration
-from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
-from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from std_msgs.msg import Int32, String
-
-
-def main():
-    rclpy.init()
-    node = make()
-    rclpy.spin(node)
-
-
-{body}
-
-
-main()
-"""
-
 pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow]
-
-
-@pytest.fixture(scope='module')
-def sandbox():
-    """Return the strongest sandbox of this machine."""
-    return strongest()
-
-
-@pytest.fixture
-def run(sandbox):
-    """Return a function that runs a program, given as the body of ``make``, through steps."""
-
-    def _run(body, *steps, **options):
-        scenario = Scenario(file='program.py', steps=steps, **options)
-        files = {'program.py': PROGRAM.format(body=body)}
-        return observe('steps', scenario, files, sandbox)[0]
-
-    return _run
 
 
 def of_interest(recording, *kinds):
@@ -354,141 +311,15 @@ def make():
         assert {event['clock_ns'] for event in seen.messages('/out')} == {None}
 
 
-def test_a_step_that_cannot_be_taken_is_named(sandbox):
+def test_a_step_that_cannot_be_taken_is_named(run):
     """An exam that nobody has looked at is told by its name, with the step."""
-    scenario = Scenario(
-        file='a.py', feed={'/numbers': INT}, steps=(Look('here'), Feed('/numbers', [{'data': ''}]))
-    )
-    program = PROGRAM.format(
-        body="""
+    body = """
 def make():
     node = Node('a')
     node.create_subscription(Int32, 'numbers', print, 10)
     return node
 """
-    )
+    steps = Look('here'), Feed('/numbers', [{'data': ''}])
 
-    with pytest.raises(ProbeFailed, match=r'exam sample: .*step 2 \(feed\): AssertionError: The '):
-        observe('sample', scenario, {'a.py': program}, sandbox)
-
-
-ENDS_SLOWLY = """
-def make():
-    node = Node('short')
-    rclpy.spin_once(node)
-    import time
-    time.sleep(0.2)  # at rest, as while threads are waited for
-    raise SystemExit
-"""
-
-
-def test_a_program_that_answers_once_and_ends_has_shown_nothing(run):
-    """While it ends it may be at rest, and its node in the graph for some milliseconds more."""
-    seen = run(ENDS_SLOWLY, Advance(1.0))
-
-    assert [event['answered'] for event in seen.of('barrier')] == [True]
-    assert seen.end_reason == 'student_exited'
-    assert seen.of('graph') == []
-
-
-MANY = """
-from rclpy.executors import SingleThreadedExecutor
-
-
-def make():
-    executor = SingleThreadedExecutor()
-    for number in range(12):
-        node = Node(f'node_{number:02}')
-        node.get_logger().info('made')
-        executor.add_node(node)
-    executor.spin()
-"""
-LATER = """
-from rclpy.executors import SingleThreadedExecutor
-
-
-def make():
-    executor = SingleThreadedExecutor()
-    first = Node('first')
-
-    def more():
-        timer.cancel()
-        second = Node('second')
-        executor.add_node(second)
-        second.get_logger().info('made')
-
-    timer = first.create_timer(1.0, more)
-    executor.add_node(first)
-    executor.spin()
-"""
-
-
-class TestFirstLines:
-    """What was logged before we met is fetched, and that takes its time."""
-
-    def test_first_lines_of_all_nodes_come_before_the_first_step(self, run):
-        """Nothing begins while one of them is on its way."""
-        seen = run(MANY, Advance(0.25))
-
-        assert {event['name'] for event in seen.logs()} == {f'node_{n:02}' for n in range(12)}
-        assert {event['clock_ns'] for event in seen.logs()} == {None}
-
-    def test_first_line_of_a_node_that_comes_later_is_at_its_time(self, run):
-        """The clock waits for it as it does for the first ones."""
-        seen = run(LATER, Advance(4.0))
-
-        (line,) = seen.logs()
-        assert line['clock_ns'] == 1_100_000_000
-
-
-ON_ITS_OWN = """
-import threading
-
-
-def make():
-    node = Node('own')
-    publisher = node.create_publisher(Int32, '/out', 10)
-
-    def go_on():
-        again = threading.Timer(0.3, go_on)
-        again.daemon = True
-        again.start()
-        publisher.publish(Int32())
-        node.get_logger().info('out')
-
-    go_on()
-    return node
-"""
-BY_ITS_TIMER = """
-def make():
-    node = Node('timed')
-    publisher = node.create_publisher(Int32, '/out', 10)
-    node.create_timer(1.0, lambda: publisher.publish(Int32()))
-    return node
-"""
-
-
-class TestStandingStill:
-    """Who publishes while no time passes keeps a time of its own."""
-
-    def test_program_that_goes_on_is_watched_in_wall_time(self, run):
-        """It answers, and so would else be led through simulated time in no time."""
-        seen = run(ON_ITS_OWN, Advance(9.0, watch_s=1.0), watch={'/out': INT}, stand_still_s=5.0)
-
-        assert [event['seconds'] for event in seen.of('wall_time')] == [1.0]
-        assert [event['answered'] for event in seen.of('barrier')] == [True]
-        assert len(seen.messages('/out')) > 2
-
-    def test_lines_count_where_no_topic_is_watched(self, run):
-        """An exam about log lines asks for nothing else."""
-        seen = run(ON_ITS_OWN, Advance(9.0, watch_s=0.1), stand_still_s=5.0)
-
-        assert seen.in_wall_time
-
-    @pytest.mark.parametrize('watch', [{}, {'/out': INT}, {'/other': INT}])
-    def test_program_that_waits_is_led_through_simulated_time(self, run, watch):
-        """Nothing is due while the clock stands still, nor is anybody waited for in vain."""
-        seen = run(BY_ITS_TIMER, Advance(3.0), watch=watch, stand_still_s=0.2)
-
-        assert not seen.in_wall_time
-        assert len(seen.messages('/out')) == (2 if '/out' in watch else 0)
+    with pytest.raises(ProbeFailed, match=r'exam steps: .*step 2 \(feed\): AssertionError: The '):
+        run(body, *steps, feed={'/numbers': INT})

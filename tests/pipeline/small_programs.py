@@ -1,0 +1,52 @@
+"""Small programs through the steps of a scenario, in the sandbox with the probe beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from autograder.runs.observe import observe
+from autograder.runs.recording import Recording
+from autograder.runs.scenario import Scenario
+from autograder.sandboxes.sandbox import strongest
+
+PROGRAM = """
+import rclpy
+from rclpy.duration import Duration
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from std_msgs.msg import Int32, String
+
+
+def main():
+    rclpy.init()
+    node = make()
+    rclpy.spin(node)
+
+
+{body}
+
+
+main()
+"""
+
+
+def program_of(body: str) -> str:
+    """
+    Return a whole program.
+
+    :param body: of it, with a function ``make`` that returns the node to spin
+    """
+    return PROGRAM.format(body=body)
+
+
+def runner() -> Callable[..., Recording]:
+    """Return a function that runs a program, given as the body of ``make``, through steps."""
+    sandbox = strongest()
+
+    def _run(body, *steps, **options):
+        scenario = Scenario(file='program.py', steps=steps, **options)
+        return observe('steps', scenario, {'program.py': program_of(body)}, sandbox)[0]
+
+    return _run
