@@ -113,6 +113,7 @@ _WORDS: dict[str, Callable[[Event], str]] = {
     'left': lambda event: f'{event["name"]} left',
     'mark': lambda event: f'-- {event["name"]} --',
     'awaited': lambda event: f'waited: {"enough came" if event["enough"] else "too little came"}',
+    'other_clock': lambda event: f'{", ".join(event["sources"])}: while the clock stood still',
     'foreign_clock': lambda _: "a /clock that is not the grader's",
     'imitated': lambda _: "a node with the name of the grader's own",
     'wall_time': lambda event: f'watched for {event["seconds"]} real seconds',

@@ -19,6 +19,7 @@ from typing import Any
 
 from autograder.judging.causes import why_no_endpoint, why_no_message, why_no_node, why_silent
 from autograder.judging.exam import Cause, Failed, Run
+from autograder.judging.learners_code import without_texts
 from autograder.judging.own_time import is_regular, names_another_clock
 from autograder.judging.stalled import why_it_sleeps
 from autograder.judging.unlogged import LEVELS, why_left_out, why_not_logged
@@ -36,8 +37,8 @@ ALONE = Cause(
     'other_clock',
     "What paces your program follows the computer's own clock: it goes on while the ROS clock "
     'stands still.',
-    'Use self.create_timer() of the node without clock=, in place of threading.Timer, a thread '
-    'that sleeps or asyncio.sleep().',
+    'Use self.create_timer() of the node without clock=, not threading.Timer, time.sleep() in a '
+    'thread or asyncio.sleep(); and leave use_sim_time and the arguments of the program alone.',
 )
 PACED_BY_SPIN_ONCE = Cause(
     'paced_by_spin_once',
@@ -260,8 +261,9 @@ def why_own_time(run: Run) -> Cause:
     """Explain a program that was watched in wall time."""
     if not run.recording.goes_on_alone:
         return OWN_LOOP
-    code = '\n'.join(run.files.values())
-    if 'spin_once(' in code and 'create_timer' not in code:
+    code = '\n'.join(map(without_texts, run.files.values()))
+    others = names_another_clock(run.files) or 'thread' in code.lower()
+    if 'spin_once(' in code and 'create_timer' not in code and not others:
         return PACED_BY_SPIN_ONCE
     return why_it_sleeps(run) or ALONE
 

@@ -23,7 +23,7 @@ import re
 from autograder.judging.learners_code import timer_periods, without_texts
 from autograder.runs.inputs import generator
 from autograder.runs.recording import Recording
-from autograder.runs.scenario import Advance, Scenario
+from autograder.runs.scenario import Advance, Feed, Join, Scenario
 
 SHORTEST_S, LONGEST_S = 6.5, 9.5
 SLOWEST, FASTEST = 1.5, 0.65
@@ -38,7 +38,9 @@ _OTHER_CLOCK = re.compile(
 
 _ANY_CLOCK = re.compile(
     r'\b(time|threading|_thread|asyncio|sched|signal|select|queue|concurrent|multiprocessing'
-    r'|subprocess|ctypes|timeout\w*|Clock|ClockType|Timer|Event|Condition|\w*sleep|wait\w*)\b'
+    r'|subprocess|ctypes|timeout\w*|\w*Clock|ClockType|Timer|Event|Condition|\w*sleep|wait\w*'
+    r'|datetime|selectors|spin_once|use_sim_time|use_global_arguments)\b'
+    r'|\bargs\s*=\s*[\[(]|\binit\(\s*[\[(]'
 )
 STAND_STILL_S = 2.5
 """Longer than any period that an exam asks for."""
@@ -93,14 +95,21 @@ def patient(scenario: Scenario, files: Mapping[str, str], recording: Recording) 
     """
     Return how to run a program again that has not passed and may keep its own time.
 
-    It is asked of the code, and generously: it decides only whether somebody looks.
+    It is asked of the code, and generously: it decides only whether somebody looks.  Only an exam
+    whose programs publish of their own accord is such: what answers to an input, or to a listener
+    that joins, is silent when nothing happens.
 
     :param files: relative path to text
     :param recording: of the run before
     :returns: None if there is nothing to find out
     """
-    advances = any(isinstance(step, Advance) for step in scenario.steps)
-    if not advances or recording.in_wall_time or recording.end_reason != 'complete':
+    kinds = {type(step) for step in scenario.steps}
+    if (
+        Advance not in kinds
+        or kinds & {Feed, Join}
+        or recording.in_wall_time
+        or recording.end_reason != 'complete'
+    ):
         return None
     if not any(_ANY_CLOCK.search(without_texts(text)) for text in files.values()):
         return None

@@ -128,6 +128,7 @@ class Probe:
         self.seen = Graph(self.node)
         self.imitated = False
         self.own_time = False
+        self.heard_from: set[str] = set()
 
     def _watch_topics(self) -> None:
         # A best-effort, volatile reader matches every writer, so a QoS mistake is seen as what it
@@ -172,6 +173,7 @@ class Probe:
     def message(self, topic: str, message: Any, **facts: Any) -> None:
         """Write down a message that was received."""
         self.messages += 1
+        self.heard_from.add(topic)
         data = to_json(message)
         size = len(json.dumps(data))
         what = {'too_large': size} if size > LONGEST_EVENT else {'data': data}
@@ -180,6 +182,7 @@ class Probe:
 
     def _log(self, entry: Log) -> None:
         self.logs += 1
+        self.heard_from.add(entry.name[:256])
         self.emit(
             'log',
             name=entry.name[:256],

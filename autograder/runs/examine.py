@@ -76,7 +76,8 @@ def examine(
     def run() -> Outcome:
         def once(scenario: Scenario) -> Outcome:
             if place is None:
-                return observe(exam.name, scenario, files, sandbox, told)
+                first = scenario is exam.scenario
+                return observe(exam.name, scenario, files, sandbox, told if first else None)
             task = task_of(exam.name, scenario.to_json(), files, sandbox.mode)
             return outcome_of(place.run(task))
 

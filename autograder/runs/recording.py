@@ -36,6 +36,9 @@ observation, events of the probe; ``docs/recording.schema.json`` says the same a
     the phase ``name`` begins.
 ``awaited``
     a wait in wall time is over; whether there was ``enough``.
+``other_clock``
+    while the simulated clock stood still, something came from these ``sources``: topics, or
+    loggers where no topic is watched; what follows is watched in wall time.
 ``foreign_clock``, ``imitated``
     a ``/clock`` arrived that the probe did not send; a node has the name of the probe's own.
 ``wall_time``, ``unresponsive``, ``not_connected``, ``no_first_log``
@@ -218,8 +221,20 @@ class Recording:
 
     @property
     def goes_on_alone(self) -> bool:
-        """Tell whether the code answered, and went on all the same while the clock stood still."""
-        return self.in_wall_time and bool(self.of('barrier', answered=True))
+        """Tell whether something of the program went on while the simulated clock stood still."""
+        return bool(self.of('other_clock'))
+
+    def by_another_clock(self, source: str) -> bool:
+        """
+        Tell whether it was heard from this while the simulated clock stood still.
+
+        :param source: a topic, or a node's name as its loggers begin
+        """
+        return any(
+            one == source or one.startswith(f'{source}.')
+            for event in self.of('other_clock')
+            for one in event['sources']
+        )
 
     # -- files -----------------------------------------------------------------------------
 

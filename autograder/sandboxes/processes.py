@@ -59,10 +59,10 @@ class Threads:
                 self.files[process, task] = os.open(path, os.O_RDONLY)
 
     def run(self) -> bool:
-        """Tell whether a thread runs or waits for a processor."""
+        """Tell whether a thread runs, or waits for a processor or for a disk: proc(5)."""
         for file in self.files.values():
             try:
-                if os.pread(file, 512, 0).rpartition(b')')[2][1:2] == b'R':
+                if os.pread(file, 512, 0).rpartition(b')')[2][1:2] in (b'R', b'D'):
                     return True
             except OSError:
                 continue  # it has ended

@@ -115,25 +115,32 @@ class TestStandingStill:
 
     def test_program_that_goes_on_is_watched_in_wall_time(self, run):
         """It answers, and so would else be led through simulated time in no time."""
-        seen = run(ON_ITS_OWN, Advance(9.0, watch_s=1.0), watch={'/out': INT}, stand_still_s=5.0)
+        seen = run(ON_ITS_OWN, Advance(9.0, watch_s=1.0), watch={'/out': INT}, stand_still_s=1.0)
 
+        assert [event['sources'] for event in seen.of('other_clock')] == [['/out']]
         assert [event['seconds'] for event in seen.of('wall_time')] == [1.0]
         assert [event['answered'] for event in seen.of('barrier')] == [True]
         assert len(seen.messages('/out')) > 2
 
     def test_lines_count_where_no_topic_is_watched(self, run):
         """An exam about log lines asks for nothing else."""
-        seen = run(ON_ITS_OWN, Advance(9.0, watch_s=0.1), stand_still_s=5.0)
+        seen = run(ON_ITS_OWN, Advance(9.0, watch_s=0.1), stand_still_s=1.0)
 
         assert seen.in_wall_time
+        assert seen.by_another_clock('own')
+        assert not seen.by_another_clock('other')
 
     @pytest.mark.parametrize('watch', [{}, {'/out': INT}, {'/other': INT}])
     def test_program_that_waits_is_led_through_simulated_time(self, run, watch):
-        """Nothing is due while the clock stands still, nor is anybody waited for in vain."""
-        seen = run(BY_ITS_TIMER, Advance(3.0), watch=watch, stand_still_s=0.2)
+        """Nothing is due while the clock stands still; after the last time all is known."""
+        steps = Advance(3.0), Advance(3.0)
+
+        seen = run(BY_ITS_TIMER, *steps, watch=watch, stand_still_s=0.2)
 
         assert not seen.in_wall_time
+        assert not seen.goes_on_alone
         assert len(seen.messages('/out')) == (2 if '/out' in watch else 0)
+        assert seen.end_reason == 'follows_the_clock'
 
 
 LAST_WORDS = """

@@ -64,7 +64,8 @@ class TestNightWatch:
         lines = watches(level=lambda place: WARN if place % 5 == 3 else INFO, first=3)
         run = night(*lines[:6])
         seen = [one for one in run.recording.events if served or one not in SERVED]
-        events = ({'event': 'wall_time', 'seconds': 6.0}, *seen)
+        alone = [{'event': 'other_clock', 'sources': ['n.night_watch']}] if served else []
+        events = (*alone, {'event': 'wall_time', 'seconds': 6.0}, *seen)
         real = Run(run.files, Recording({}, events), run.facts)
 
         night_watch.lines_are_numbered(real)

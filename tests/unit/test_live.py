@@ -93,6 +93,7 @@ def test_every_kind_of_event_has_a_line():
         'listener': 'l',
         'enough': True,
         'seconds': 3,
+        'sources': ['/a'],
         'exit': 0,
     }
 

@@ -16,7 +16,7 @@ from autograder.judging.own_time import (
 )
 from autograder.runs import inputs
 from autograder.runs.recording import header, Recording
-from autograder.runs.scenario import Advance, Feed, Scenario
+from autograder.runs.scenario import Advance, Feed, Look, Scenario
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def watches(scenario: Scenario) -> list[float]:
     return [step.watch_s for step in scenario.steps if isinstance(step, Advance)]
 
 
-SCENARIO = Scenario(steps=(Feed('/a', [{}]), Advance(10), Advance(5)))
+SCENARIO = Scenario(steps=(Look('a'), Advance(10), Advance(5)))
 
 
 class TestHowLongItIsWatched:
@@ -169,6 +169,8 @@ class TestWhoIsRunAgain:
             'while rclpy.ok():\n    rclpy.spin_once(node, timeout_sec=0.5)\n    speak()',
             'signal.setitimer(signal.ITIMER_REAL, 1, 1)',
             'done.wait(0.5)',
+            'rclpy.init(args=[])',
+            "super().__init__('a', parameter_overrides=[Parameter('use_sim_time', value=False)])",
         ],
     )
     def test_code_that_may_keep_its_own_time(self, code):
@@ -188,11 +190,12 @@ class TestWhoIsRunAgain:
     @pytest.mark.parametrize(
         ('scenario', 'run'),
         [
-            (Scenario(steps=(Feed('/a', [{}]),)), RUN),
+            (Scenario(steps=(Feed('/a', [{}]), Advance(3))), RUN),
+            (Scenario(steps=(Look('a'),)), RUN),
             (SCENARIO, recording(3.0, 4.0)),
             (SCENARIO, Recording(header('a', 'none'), ({'event': 'end', 'reason': 'no_node'},))),
         ],
-        ids=['no time passes', 'was watched already', 'broken off'],
+        ids=['answers only', 'no time passes', 'was watched already', 'broken off'],
     )
     def test_nothing_to_find_out(self, scenario, run):
         """Then once is enough."""
