@@ -21,7 +21,7 @@ IN_WALL_TIME = {'event': 'wall_time', 'clock_ns': None, 'seconds': 3.0}
 class Course:
     """An exam, and a program that is seen to keep its own time or not."""
 
-    def __init__(self, passes: bool, own_time: bool = False):
+    def __init__(self, passes: bool, own_time: bool = False, hidden: bool = True):
         self.own_time = own_time
         self.runs: list[float] = []
         self.exam = Exam(
@@ -33,6 +33,7 @@ class Course:
             requires=('talker.py',),
             scenario=Scenario(file='talker.py', steps=(Advance(1.0),)),
         )
+        self.exam.hidden = hidden
 
         @self.exam.check(points=1)
         def is_right(run):
@@ -94,6 +95,15 @@ def test_nobody_else_is_run_again(graded, passes, files):
 
     assert course.runs == [0.0]
     assert result.points == passes
+
+
+def test_a_learner_does_not_wait_for_it(graded):
+    """A visible check answers at once; what counts is graded."""
+    course = Course(passes=False, own_time=True, hidden=False)
+
+    graded(course, CLOCK)
+
+    assert course.runs == [0.0]
 
 
 def test_a_kept_recording_is_not_run_again(graded, tmp_path):
