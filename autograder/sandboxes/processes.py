@@ -6,7 +6,7 @@ Everything is asked of the kernel; the program itself is no witness.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 import os
 from pathlib import Path
@@ -123,21 +123,21 @@ def wait_until_still(seconds: float, *programs: Threads) -> bool:
     for _ in range(STILL_TRIES):
         if not wait_until_quiet(*programs):
             return False
-        before = [program.used_ns() for program in programs]
-        select.select((), (), (), seconds)
-        if _rest(list(programs)) and before == [program.used_ns() for program in programs]:
+        if _rest(programs, seconds):
             return True
     return False
 
 
-def _rest(programs: list[Threads]) -> bool:
+def _rest(programs: Sequence[Threads], seconds: float = 0.0) -> bool:
     """
-    Tell whether all threads sleep at one and the same moment.
+    Tell whether all threads sleep at one and the same moment, and have done so for some time.
 
     They are looked at one after the other, and of two that take turns each may sleep just then.
     But then one of them has used the processor meanwhile, and the clocks of the processes tell.
     """
     before = [program.used_ns() for program in programs]
+    if seconds:
+        select.select((), (), (), seconds)
     if any(program.run() for program in programs):
         return False
     return before == [program.used_ns() for program in programs]

@@ -32,21 +32,12 @@ main()
 """
 
 
-def program_of(body: str) -> str:
-    """
-    Return a whole program.
-
-    :param body: of it, with a function ``make`` that returns the node to spin
-    """
-    return PROGRAM.format(body=body)
-
-
 def runner() -> Callable[..., Recording]:
     """Return a function that runs a program, given as the body of ``make``, through steps."""
     sandbox = strongest()
 
     def _run(body, *steps, **options):
         scenario = Scenario(file='program.py', steps=steps, **options)
-        return observe('steps', scenario, {'program.py': program_of(body)}, sandbox)[0]
+        return observe('steps', scenario, {'program.py': PROGRAM.format(body=body)}, sandbox)[0]
 
     return _run
