@@ -29,7 +29,7 @@ from autograder.explaining.picture_data import pictures
 from autograder.judging.exam import Exam, Run, Scenario
 from autograder.judging.flags import flags_of
 from autograder.judging.judge import judge, worth_running
-from autograder.judging.own_time import patient
+from autograder.judging.own_time import patient, unhurried
 from autograder.judging.results import CheckResult, ExamResult, Verdict
 from autograder.runs.observe import observe
 from autograder.runs.recording import Event, header, Recording
@@ -74,14 +74,16 @@ def examine(
         return result
 
     def run() -> Outcome:
+        planned = unhurried(exam.scenario, files, exam.hidden)
+
         def once(scenario: Scenario) -> Outcome:
             if place is None:
-                first = scenario is exam.scenario
+                first = scenario is planned
                 return observe(exam.name, scenario, files, sandbox, told if first else None)
             task = task_of(exam.name, scenario.to_json(), files, sandbox.mode)
             return outcome_of(place.run(task))
 
-        return _run(exam, files, sandbox, once)
+        return _run(exam, planned, files, sandbox, once)
 
     if recordings is None:
         return judged(exam, files, *run())
@@ -174,12 +176,13 @@ def _for_people(recording: Recording, timing: Mapping[str, float]) -> Recording:
 
 def _run(
     exam: Exam,
+    planned: Scenario,
     files: Mapping[str, str],
     sandbox: Sandbox,
     once: Callable[[Scenario], Outcome],
 ) -> Outcome:
     """Run once, and again in another way if a clock of the program's own may have decided."""
-    recording, timing = _once_or_twice(exam.scenario, once)
+    recording, timing = _once_or_twice(planned, once)
     # A learner who checks waits for an answer, and the cause is the same.
     again = patient(exam.scenario, files, recording) if exam.hidden else None
     if again and not _passes(exam, files, recording):

@@ -14,6 +14,7 @@ import re
 
 from autograder.judging.causes import why_no_message, why_silent
 from autograder.judging.checks import (
+    refuse_unasked,
     require_endpoint,
     require_field,
     require_node,
@@ -21,6 +22,7 @@ from autograder.judging.checks import (
     SECOND,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.own_time import STILL
 from autograder.runs.recording import Event
 from autograder.runs.scenario import Advance, Await, Join, Leave, Mark, Scenario, Step
 
@@ -163,6 +165,7 @@ def delivers_once(run: Run) -> None:
                 'Pass the depth 10 as quality of service.',
             ),
         )
+    refuse_unasked(run.recording.phase(STILL).messages(TOPIC, 'third'), f'parcel on {TOPIC}')
     listeners = ('first', 'second', 'third')
     first, second, third = (len(parcels(run, listener)) for listener in listeners)
     complete = run.recording.end_reason == 'complete'

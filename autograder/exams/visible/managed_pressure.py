@@ -16,7 +16,13 @@ import re
 from typing import Any
 
 from autograder.judging.causes import why_no_endpoint, why_silent
-from autograder.judging.checks import field_of, own_logs, require_answers, require_node
+from autograder.judging.checks import (
+    field_of,
+    own_logs,
+    refuse_unasked,
+    require_answers,
+    require_node,
+)
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.lifecycle_causes import (
     died_in_vain,
@@ -34,6 +40,7 @@ from autograder.judging.lifecycle_causes import (
     without_its_end,
     WRONG_DEFAULT,
 )
+from autograder.judging.own_time import STILL
 from autograder.judging.unlogged import why_not_logged
 from autograder.runs.recording import ERROR, Event, Recording, WARN
 from autograder.runs.scenario import (
@@ -213,6 +220,8 @@ def _why_still_refused(run: Run, part: Recording) -> Cause:
 
 def warns_above_the_limit(run: Run) -> None:
     """Active, it logs exactly one WARN for each pressure strictly above the limit."""
+    still = Run(run.files, run.recording.phase(STILL), run.facts)
+    refuse_unasked(own_logs(still, NODE, WARN), 'WARN line')
     first, _ = inputs(run).limits
     _warns(run, 'active', inputs(run).active, first)
 

@@ -13,8 +13,15 @@ from collections.abc import Sequence
 from itertools import groupby
 
 from autograder.judging.causes import why_no_endpoint, why_silent
-from autograder.judging.checks import require_endpoint, require_node, require_qos, SECOND
+from autograder.judging.checks import (
+    refuse_unasked,
+    require_endpoint,
+    require_node,
+    require_qos,
+    SECOND,
+)
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.own_time import STILL, STILL_AT_FIRST
 from autograder.judging.untold import own_words
 from autograder.runs.scenario import Advance, Feed, FeedTopic, Join, Look, Qos, Scenario
 
@@ -96,6 +103,7 @@ def offers_a_latched_map(run: Run) -> None:
 
 def has_a_map_from_the_start(run: Run) -> None:
     """Who comes before the first survey gets the map unknown, once."""
+    _refuse_unasked(run, STILL_AT_FIRST)
     found = maps_of(run, 'early')
     if found[:1] == [FIRST] and found.count(FIRST) == 1:
         return
@@ -104,6 +112,12 @@ def has_a_map_from_the_start(run: Run) -> None:
         observed=_shown(run, [text for text in found if text not in run.facts['surveys']]),
         why=_why_no_first_map(run, found),
     )
+
+
+def _refuse_unasked(run: Run, *phases: str) -> None:
+    """Fail if a map came in one of these phases, in which none was due."""
+    for phase in phases:
+        refuse_unasked(run.recording.phase(phase).messages('/map', 'early'), 'map')
 
 
 def _why_no_first_map(run: Run, found: Sequence[str]) -> Cause | None:
@@ -142,6 +156,7 @@ def _why_unmatched(run: Run, listener: str) -> Cause | None:
 
 def publishes_each_survey(run: Run) -> None:
     """Each survey becomes the new map, unchanged and once."""
+    _refuse_unasked(run, STILL_AT_FIRST, STILL)
     surveys = list(run.facts['surveys'])
     found = new_maps(run)
     if found != surveys:
@@ -213,6 +228,7 @@ def keeps_only_the_newest(run: Run) -> None:
                 'Leave lifespan out.',
             ),
         )
+    _refuse_unasked(run, STILL_AT_FIRST, STILL)
     # Of its own maps: what they say is another check's business.
     newest = [*run.facts['surveys'], *new_maps(run)][-1]
     found = maps_of(run, 'late')

@@ -15,6 +15,7 @@ import math
 from autograder.judging.causes import why_silent
 from autograder.judging.checks import (
     field_of,
+    refuse_unasked,
     require_endpoint,
     require_field,
     require_node,
@@ -22,6 +23,7 @@ from autograder.judging.checks import (
     SECOND,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.own_time import STILL
 from autograder.judging.untold import own_words
 from autograder.runs.recording import Event
 from autograder.runs.scenario import Advance, Feed, Look, Scenario, Step
@@ -54,6 +56,7 @@ def hears_and_publishes(run: Run) -> None:
 
 def answers_one_for_one(run: Run) -> None:
     """For each number it publishes exactly one reading."""
+    refuse_unasked(run.recording.phase(STILL).messages(TARGET), 'message on readings')
     singles = len(run.facts['numbers']) - run.facts['burst']
     for index in range(singles):
         found = [event for event in readings(run) if event['after_input'] == index]

@@ -13,8 +13,14 @@ from itertools import pairwise
 import math
 
 from autograder.judging.causes import why_silent
-from autograder.judging.checks import require_endpoint, require_node, require_partner
+from autograder.judging.checks import (
+    refuse_unasked,
+    require_endpoint,
+    require_node,
+    require_partner,
+)
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.own_time import STILL
 from autograder.runs.scenario import Feed, Scenario
 
 NODE = '/running_mean'
@@ -84,6 +90,7 @@ def reads_and_writes(run: Run) -> None:
 
 def answers_every_number(run: Run) -> None:
     """For each number it publishes exactly one message."""
+    refuse_unasked(run.recording.phase(STILL).messages(TARGET), f'message on {TARGET}')
     before = first_nan(run)
     for index in range(before):
         found = answers(run, range(index, index + 1))
@@ -200,6 +207,7 @@ def ignores_nan(run: Run) -> None:
     since = first_nan(run)
     found = answers(run)[len(means_of(singles[:since])) :]
     due = means_of((*singles, *run.facts['burst']))[len(means_of(singles[:since])) :]
+    found = _in_order(found, due, len(run.facts['burst']))
     if any(math.isnan(mean) for mean in found):
         raise Failed(
             expected='means that are numbers after NaN',
@@ -220,6 +228,19 @@ def ignores_nan(run: Run) -> None:
             else f'{len(found) or "no"} means',
             why=why_silent(run) or _why_not_after_nan(run, found, len(means_of(singles[:since]))),
         )
+
+
+def _in_order(found: list[float], due: Sequence[float], burst: int) -> list[float]:
+    """
+    Return means with those of a burst in their order: several threads may answer in any.
+
+    :param burst: how many of those due belong to it
+    """
+    if not burst or len(found) != len(due):
+        return found
+    ranks = sorted(range(burst), key=lambda place: due[len(due) - burst + place])
+    ordered = dict(zip(ranks, sorted(found[-burst:]), strict=True))
+    return [*found[:-burst], *(ordered[place] for place in range(burst))]
 
 
 def _why_not_after_nan(run: Run, found: Sequence[float], before: int) -> Cause | None:

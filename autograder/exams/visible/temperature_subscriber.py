@@ -13,8 +13,14 @@ from collections.abc import Sequence
 import math
 
 from autograder.judging.causes import why_silent
-from autograder.judging.checks import require_endpoint, require_node, require_partner
+from autograder.judging.checks import (
+    refuse_unasked,
+    require_endpoint,
+    require_node,
+    require_partner,
+)
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.own_time import STILL
 from autograder.judging.reading_errors import (
     LOGGED_TWICE,
     NEEDLESS_ERROR,
@@ -150,6 +156,7 @@ def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Ca
 
 def warns_when_too_hot(run: Run) -> None:
     """It logs exactly one WARN for each reading above 30 °C."""
+    _refuse_unasked(run)
     short, long = None, None
     groups = [group for group in sent(run) if any(one.hot for one in group.readings)]
     groups = [group for group in groups if all(one.unit == 'Celsius' for one in group.readings)]
@@ -174,6 +181,11 @@ def warns_when_too_hot(run: Run) -> None:
         share=share_of(run, len(right), len(groups)),
         why=_why_no_warning(run, worst, found > due),
     )
+
+
+def _refuse_unasked(run: Run) -> None:
+    """Fail if it warned when nothing had arrived: after which reading one came is luck then."""
+    refuse_unasked(run.recording.phase(STILL).logs(level=WARN), 'WARN line')
 
 
 def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
@@ -213,6 +225,7 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
 
 def stays_quiet_otherwise(run: Run) -> None:
     """It logs no warning for any other reading: 30.0 °C exactly is not above 30 °C."""
+    _refuse_unasked(run)
     groups = cool_groups(run)
     for group in groups:
         if group.count(WARN):
@@ -275,6 +288,7 @@ def _why_false_alarm(group: Sent) -> Cause | None:
 
 def converts_fahrenheit(run: Run) -> None:
     """It understands readings in Fahrenheit: 86 °F is 30 °C."""
+    _refuse_unasked(run)
     groups = [
         group for group in sent(run) if any(one.unit == 'Fahrenheit' for one in group.readings)
     ]
@@ -307,6 +321,7 @@ def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
 
 def reports_an_unknown_unit(run: Run) -> None:
     """An unknown unit gives one ERROR line, a known unit none; no warning, and it goes on."""
+    _refuse_unasked(run)
     groups = [group for group in sent(run) if group.readings[0].celsius is None]
     for group in groups:
         if group.count(WARN) or group.count(ERROR) != 1:
@@ -341,6 +356,7 @@ def _why_unknown_unit(run: Run, group: Sent) -> Cause | None:
 
 def does_not_warn_about_nan(run: Run) -> None:
     """A reading that is not a number (NaN) brings no warning, and the node goes on."""
+    _refuse_unasked(run)
     groups = [group for group in sent(run) if math.isnan(group.readings[0].value)]
     for group in groups:
         if group.count(WARN):

@@ -1,0 +1,42 @@
+import threading
+import time
+
+import rclpy
+from rclpy.node import Node
+from temp_monitor_pkg.msg import Temperature
+
+
+class TemperatureSubscriber(Node):
+
+    def __init__(self):
+        super().__init__('temperature_subscriber')
+        self.waiting = []
+        self.create_subscription(Temperature, 'temperature_topic', self.waiting.append, 10)
+        threading.Thread(target=self.work, daemon=True).start()
+
+    def listen(self, reading):
+        self.get_logger().info(f'{reading.temperature_value:.2f} {reading.unit}')
+        celsius = reading.temperature_value
+        if reading.unit == 'Fahrenheit':
+            celsius = (celsius - 32.0) * 5.0 / 9.0
+        elif reading.unit != 'Celsius':
+            self.get_logger().error(f'unknown unit {reading.unit}')
+            return
+        if celsius > 30.0:
+            self.get_logger().warning(f'{celsius:.1f} °C is too hot')
+
+    def work(self):
+        while rclpy.ok():
+            time.sleep(0.5)
+            while self.waiting:
+                self.listen(self.waiting.pop(0))
+
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    rclpy.spin(TemperatureSubscriber())
+
+
+if __name__ == '__main__':
+    main()
