@@ -264,7 +264,7 @@ def refuse_own_clock(run: Run, expected: str) -> None:
         raise Failed(expected=expected, observed=WHILE_IT_STOOD, why=why_own_time(run))
 
 
-def refuse_unasked(found: Sequence[Event], what: str) -> None:
+def refuse_unasked(run: Run, found: Sequence[Event], what: str) -> None:
     """
     Fail if something came while nothing was due, by a clock of the program's own.
 
@@ -277,7 +277,7 @@ def refuse_unasked(found: Sequence[Event], what: str) -> None:
         raise Failed(
             expected=f'no {what} when nothing has arrived',
             observed='some, when all had been answered and everything was at rest',
-            why=UNASKED,
+            why=why_silent(run) or UNASKED,
         )
 
 

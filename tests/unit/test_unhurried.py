@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from autograder.judging.checks import refuse_unasked
-from autograder.judging.exam import Failed
+from autograder.judging.exam import Failed, Run
 from autograder.judging.own_time import (
     LEARNERS_PAUSE_S,
     STAND_STILL_S,
@@ -13,6 +13,7 @@ from autograder.judging.own_time import (
     STILL_AT_FIRST,
     unhurried,
 )
+from autograder.runs.recording import header, Recording
 from autograder.runs.scenario import (
     Advance,
     Await,
@@ -110,9 +111,10 @@ def test_a_learner_waits_less():
 
 def test_what_came_unasked_fails():
     """The words tell no count: it is luck."""
-    refuse_unasked([], 'message')
+    run = Run(CLOCK, Recording(header('running_mean', 'none'), ()), {})
+    refuse_unasked(run, [], 'message')
     with pytest.raises(Failed) as caught:
-        refuse_unasked([{'event': 'message'}] * 3, 'message on mean')
+        refuse_unasked(run, [{'event': 'message'}] * 3, 'message on mean')
 
     assert caught.value.expected == 'no message on mean when nothing has arrived'
     assert not any(letter.isdigit() for letter in caught.value.observed)

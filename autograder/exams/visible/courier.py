@@ -165,7 +165,7 @@ def delivers_once(run: Run) -> None:
                 'Pass the depth 10 as quality of service.',
             ),
         )
-    refuse_unasked(run.recording.phase(STILL).messages(TOPIC, 'third'), f'parcel on {TOPIC}')
+    refuse_unasked(run, run.recording.phase(STILL).messages(TOPIC, 'third'), f'parcel on {TOPIC}')
     listeners = ('first', 'second', 'third')
     first, second, third = (len(parcels(run, listener)) for listener in listeners)
     complete = run.recording.end_reason == 'complete'

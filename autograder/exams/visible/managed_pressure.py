@@ -221,7 +221,7 @@ def _why_still_refused(run: Run, part: Recording) -> Cause:
 def warns_above_the_limit(run: Run) -> None:
     """Active, it logs exactly one WARN for each pressure strictly above the limit."""
     still = Run(run.files, run.recording.phase(STILL), run.facts)
-    refuse_unasked(own_logs(still, NODE, WARN), 'WARN line')
+    refuse_unasked(run, own_logs(still, NODE, WARN), 'WARN line')
     first, _ = inputs(run).limits
     _warns(run, 'active', inputs(run).active, first)
 

@@ -117,7 +117,7 @@ def has_a_map_from_the_start(run: Run) -> None:
 def _refuse_unasked(run: Run, *phases: str) -> None:
     """Fail if a map came in one of these phases, in which none was due."""
     for phase in phases:
-        refuse_unasked(run.recording.phase(phase).messages('/map', 'early'), 'map')
+        refuse_unasked(run, run.recording.phase(phase).messages('/map', 'early'), 'map')
 
 
 def _why_no_first_map(run: Run, found: Sequence[str]) -> Cause | None:

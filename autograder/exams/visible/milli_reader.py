@@ -56,7 +56,7 @@ def hears_and_publishes(run: Run) -> None:
 
 def answers_one_for_one(run: Run) -> None:
     """For each number it publishes exactly one reading."""
-    refuse_unasked(run.recording.phase(STILL).messages(TARGET), 'message on readings')
+    refuse_unasked(run, run.recording.phase(STILL).messages(TARGET), 'message on readings')
     singles = len(run.facts['numbers']) - run.facts['burst']
     for index in range(singles):
         found = [event for event in readings(run) if event['after_input'] == index]

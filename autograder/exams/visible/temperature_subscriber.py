@@ -185,7 +185,7 @@ def warns_when_too_hot(run: Run) -> None:
 
 def _refuse_unasked(run: Run) -> None:
     """Fail if it warned when nothing had arrived: after which reading one came is luck then."""
-    refuse_unasked(run.recording.phase(STILL).logs(level=WARN), 'WARN line')
+    refuse_unasked(run, run.recording.phase(STILL).logs(level=WARN), 'WARN line')
 
 
 def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
