@@ -27,13 +27,6 @@ from autograder.judging.untold import own_words
 from autograder.runs.recording import Event
 
 SECOND = 1_000_000_000
-UNASKED = Cause(
-    'other_clock',
-    'Your program speaks although nothing has arrived: something in it follows the clock of the '
-    'computer.',
-    'Answer in the callback, once and at once, and from nowhere else: no thread with '
-    'time.sleep(), no threading.Timer, no timer with another clock.',
-)
 WHILE_IT_STOOD = 'something came also while that clock stood still'
 OTHER_CLOCK = Cause(
     'other_clock',
@@ -262,23 +255,6 @@ def refuse_own_clock(run: Run, expected: str) -> None:
     """
     if run.recording.goes_on_alone:
         raise Failed(expected=expected, observed=WHILE_IT_STOOD, why=why_own_time(run))
-
-
-def refuse_unasked(run: Run, found: Sequence[Event], what: str) -> None:
-    """
-    Fail if something came while nothing was due, by a clock of the program's own.
-
-    How much of it came between the answers, and where, is luck, so nothing else is asked of it.
-
-    :param found: of the phase :data:`autograder.judging.own_time.STILL`, or of ``STILL_AT_FIRST``
-    :param what: they are, with the topic or the level
-    """
-    if found:
-        raise Failed(
-            expected=f'no {what} when nothing has arrived',
-            observed='some, when all had been answered and everything was at rest',
-            why=why_silent(run) or UNASKED,
-        )
 
 
 def why_own_time(run: Run) -> Cause:

@@ -10,9 +10,6 @@ A program may answer and publish from another clock all the same, such as ``thre
 How many of its messages fall into a run depends on the machine then, so one that may be such, and
 has not passed, is run again (:func:`patient`): if it publishes while the clock stands still, it is
 watched in real time too.
-
-Where only answers are asked for, no rhythm is due.  A program that may answer by another clock is
-given time for each answer, and in the end some more in which nothing is due (:func:`unhurried`).
 """
 
 from __future__ import annotations
@@ -25,18 +22,8 @@ import re
 
 from autograder.judging.learners_code import timer_periods, without_texts
 from autograder.runs.inputs import generator
-from autograder.runs.recording import PLUMBING, Recording
-from autograder.runs.scenario import (
-    Advance,
-    Await,
-    AwaitAnswer,
-    Feed,
-    Join,
-    Mark,
-    Offer,
-    Scenario,
-    Step,
-)
+from autograder.runs.recording import Recording
+from autograder.runs.scenario import Advance, Feed, Join, Scenario
 
 SHORTEST_S, LONGEST_S = 6.5, 9.5
 SLOWEST, FASTEST = 1.5, 0.65
@@ -56,12 +43,7 @@ _ANY_CLOCK = re.compile(
     r'|\bargs\s*=\s*[\[(]|\binit\(\s*[\[(]'
 )
 STAND_STILL_S = 2.5
-"""Longer than any period that an exam asks for, and than a usual pause."""
-LEARNERS_PAUSE_S = 1.2
-"""Longer than what most wait, and short enough for an answer within five seconds."""
-STILL, STILL_AT_FIRST = 'nothing is due', 'nothing is due yet'
-"""Phases of a run: in the end, and before the first input if somebody has joined."""
-_MORE_THAN_COME = 100_000
+"""Longer than any period that an exam asks for."""
 
 
 def watched_longer(exam: str, scenario: Scenario) -> Scenario:
@@ -113,9 +95,8 @@ def patient(scenario: Scenario, files: Mapping[str, str], recording: Recording) 
     """
     Return how to run a program again that has not passed and may keep its own time.
 
-    It is asked of the code, and generously: it decides only whether somebody looks.  Only an exam
-    whose programs publish of their own accord is such: what answers to an input, or to a listener
-    that joins, is silent when nothing happens.
+    Only an exam whose programs publish of their own accord is such: for one that asks for answers
+    see :mod:`autograder.judging.late_answers`.
 
     :param files: relative path to text
     :param recording: of the run before
@@ -129,69 +110,20 @@ def patient(scenario: Scenario, files: Mapping[str, str], recording: Recording) 
         or recording.end_reason != 'complete'
     ):
         return None
-    if not _may_have_a_clock(files):
+    if not may_have_a_clock(files):
         return None
     return replace(scenario, stand_still_s=STAND_STILL_S)
 
 
-def _may_have_a_clock(files: Mapping[str, str]) -> bool:
-    """Tell it of the code, and generously: it decides only whether somebody looks."""
-    return any(_ANY_CLOCK.search(without_texts(text)) for text in files.values())
-
-
-def unhurried(scenario: Scenario, files: Mapping[str, str], hidden: bool) -> Scenario:
+def may_have_a_clock(files: Mapping[str, str]) -> bool:
     """
-    Return how to run a program that may answer, or speak unasked, by a clock of its own.
+    Tell whether code names anything that waits or paces, and generously.
 
-    A thread that looks every second answers, too: the next input waits for it.  In the end nothing
-    is sent for longer than any usual pause, and checks refuse what comes then
-    (:func:`autograder.judging.checks.refuse_unasked`).  Where we make offers of our own, deadlines
-    speak in wall time, and it stays as it is.
+    It decides only whether somebody looks.
 
     :param files: relative path to text
-    :param hidden: wait as long as it takes; else a learner waits for it
-    :returns: the scenario itself, if no answers are asked for or the code names no clock
     """
-    kinds = {type(step) for step in scenario.steps}
-    if scenario.program == 'build' or not kinds & {Feed, Join} or Offer in kinds:
-        return scenario
-    if not _may_have_a_clock(files):
-        return scenario
-    pause_s = STAND_STILL_S if hidden else LEARNERS_PAUSE_S
-    by_log = all(topic.endswith(PLUMBING) for topic in scenario.watch)
-    joined, fed = False, False
-    steps: list[Step] = []
-    for step in scenario.steps:
-        if isinstance(step, Feed):
-            if joined and not fed:
-                steps += [*_still(STILL_AT_FIRST, pause_s), Mark('inputs')]
-            steps += _with_time_to_answer(step, by_log, pause_s)
-            fed = True
-        elif isinstance(step, Join) and not joined:
-            steps += [step, AwaitAnswer(messages=1, seconds=pause_s)]
-            joined = True
-        else:
-            steps.append(step)
-    return replace(scenario, steps=(*steps, *_still(STILL, pause_s)))
-
-
-def _with_time_to_answer(feed: Feed, by_log: bool, pause_s: float) -> list[Step]:
-    """
-    Return the steps that send the same, and wait for as many answers each time.
-
-    :param by_log: answers are log lines and not messages
-    """
-    parts = [feed] if feed.burst else [replace(feed, messages=[one]) for one in feed.messages]
-    steps: list[Step] = []
-    for part in parts:
-        due = len(part.messages)
-        logs, messages = (due, 0) if by_log else (0, due)
-        steps += [part, AwaitAnswer(logs, messages, pause_s)]
-    return steps
-
-
-def _still(name: str, pause_s: float) -> list[Step]:
-    return [Mark(name), Await(messages=_MORE_THAN_COME, seconds=pause_s)]
+    return any(_ANY_CLOCK.search(without_texts(text)) for text in files.values())
 
 
 def names_another_clock(files: Mapping[str, str]) -> bool:

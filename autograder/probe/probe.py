@@ -128,7 +128,6 @@ class Probe:
         self.seen = Graph(self.node)
         self.imitated = False
         self.own_time = False
-        self.answers_late: bool | None = None  # None is not known yet
         self.heard_from: set[str] = set()
 
     def _watch_topics(self) -> None:
@@ -373,7 +372,7 @@ class Probe:
             started = True
             lockstep = len(self.unreachable) < len(self.student_nodes())
             for number, step in enumerate(self.scenario['steps'], 1):
-                if step['do'] not in ('await', 'await_answer', 'mark', 'look'):
+                if step['do'] not in ('await', 'mark', 'look'):
                     self.before_step = (self.logs, self.messages)
                 take(self, number, step, lockstep and not self.own_time)
         except Stop as stop:

@@ -254,29 +254,14 @@ def look(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
 
 def await_(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
     """Wait for what wall time brings."""
-    enough = probe.wait_until(lambda: _enough(probe, step), step['seconds'])
-    probe.emit('awaited', enough=enough)
+    logs = probe.before_step[0] + step['logs']
+    messages = probe.before_step[1] + step['messages']
+
+    def enough() -> bool:
+        return bool(probe.logs >= logs and probe.messages >= messages)
+
+    probe.emit('awaited', enough=probe.wait_until(enough, step['seconds']))
     _let_it_react(probe, lockstep)
-
-
-def await_answer(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
-    """Wait for an answer by another clock, unless no such wait has ever helped."""
-    if probe.answers_late is False:
-        return
-    before = _heard(probe)
-    await_(probe, step, lockstep)
-    if _heard(probe) > before:
-        probe.answers_late = True
-    elif probe.answers_late is None and not _enough(probe, step):
-        probe.answers_late = False
-
-
-def _enough(probe: Any, step: dict[str, Any]) -> bool:
-    """Tell whether as much has come as the step before should cause."""
-    logs, messages = probe.before_step
-    return bool(
-        probe.logs >= logs + step['logs'] and probe.messages >= messages + step['messages']
-    )
 
 
 def _meet(probe: Any, met: Callable[[], bool], lockstep: bool) -> None:
@@ -311,7 +296,6 @@ STEPS: dict[str, Callable[[Any, dict[str, Any], bool], None]] = {
     'mark': mark,
     'look': look,
     'await': await_,
-    'await_answer': await_answer,
 }
 
 

@@ -256,20 +256,6 @@ class Await:
         return {'do': 'await', **asdict(self)}
 
 
-@dataclass(frozen=True)
-class AwaitAnswer(Await):
-    """
-    Wait for what a program may answer by a clock of its own.
-
-    Once nothing has come in a whole such wait, and in none before, there are no more of them: what
-    answers nothing is not waited for at each input.
-    """
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it."""
-        return {**super().to_json(), 'do': 'await_answer'}
-
-
 Step = Advance | Feed | Call | Join | Offer | Leave | Mark | Look | Await
 
 

@@ -23,9 +23,12 @@ from environment.ros import FILE_NAME
 
 AROUND = (
     'fastdds.xml',
+    'judging/late_answers.py',
+    'judging/learners_code.py',
     'judging/own_time.py',
     'runs/examine.py',
     'runs/observe.py',
+    'runs/scenario.py',
     'sandboxes/confined.py',
     'sandboxes/landlock.py',
     'sandboxes/processes.py',

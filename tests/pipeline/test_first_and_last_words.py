@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from autograder.runs.scenario import Advance, AwaitAnswer, Feed
+from autograder.runs.scenario import Advance
 from autograder.sandboxes.sandbox import HERE
 
 INT = 'std_msgs/msg/Int32'
@@ -141,55 +141,6 @@ class TestStandingStill:
         assert not seen.goes_on_alone
         assert len(seen.messages('/out')) == (2 if '/out' in watch else 0)
         assert seen.end_reason == 'follows_the_clock'
-
-
-LATE = """
-import threading
-
-
-def make():
-    node = Node('late')
-    publisher = node.create_publisher(Int32, '/out', 10)
-
-    def answer(message):
-        if message.data > 0:
-            threading.Timer(0.4, publisher.publish, [message]).start()
-
-    node.create_subscription(Int32, '/in', answer, 10)
-    return node
-"""
-
-
-def fed(*numbers: int) -> list[Feed | AwaitAnswer]:
-    """Return steps that feed some numbers, each with time for an answer."""
-    pairs = [(Feed('/in', [{'data': one}]), AwaitAnswer(messages=1)) for one in numbers]
-    return [step for pair in pairs for step in pair]
-
-
-class TestLateAnswers:
-    """Who answers by another clock is waited for, and who answers nothing is not."""
-
-    def test_each_answer_comes_before_the_next_input(self, run):
-        """An input that is owed none is waited for in vain, and all later ones still are."""
-        seen = run(LATE, *fed(1, -1, 2, 3), watch={'/out': INT}, feed={'/in': INT}, first_log_s=0)
-
-        assert [event['after_input'] for event in seen.messages('/out')] == [0, 2, 3]
-        assert [event['enough'] for event in seen.of('awaited')] == [True, False, True, True]
-
-    def test_after_one_wait_in_vain_there_are_no_more(self, run):
-        """A node that answers nothing would cost seconds for each input."""
-        seen = run(LATE, *fed(-1, -2, 3), watch={'/out': INT}, feed={'/in': INT}, first_log_s=0)
-
-        assert [event['enough'] for event in seen.of('awaited')] == [False]
-
-    def test_an_answer_at_once_is_not_waited_for_and_tells_nothing(self, run):
-        """What came with the input itself is enough."""
-        at_once = LATE.replace('threading.Timer(0.4, publisher.publish, [message]).start()', '{}')
-        at_once = at_once.format('publisher.publish(message)')
-
-        seen = run(at_once, *fed(1, -1, -2), watch={'/out': INT}, feed={'/in': INT}, first_log_s=0)
-
-        assert [event['enough'] for event in seen.of('awaited')] == [True, False]
 
 
 LAST_WORDS = """

@@ -1,17 +1,19 @@
-"""Who has not passed and may keep its own time is run again, with a clock that stands still."""
+"""Who has not passed and may keep its own time is run again: a clock stands still, or we wait."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from autograder.errors import GraderError
 from autograder.judging.exam import Exam, Failed
+from autograder.judging.late_answers import GRADED
 from autograder.runs import examine as module
 from autograder.runs.examine import examine
 from autograder.runs.recording import header, Recording
-from autograder.runs.scenario import Advance, Scenario
+from autograder.runs.scenario import Advance, Await, Feed, Scenario
 
 SANDBOX = SimpleNamespace(mode='bwrap-user', keeps_secrets=True, ros=SimpleNamespace(python=''))
 CLOCK, NO_CLOCK = {'talker.py': 'import threading'}, {'talker.py': 'self.create_timer(1, f)'}
@@ -104,6 +106,26 @@ def test_a_learner_does_not_wait_for_it(graded):
     graded(course, CLOCK)
 
     assert course.runs == [0.0]
+
+
+def test_who_answers_late_is_given_time(graded, monkeypatch):
+    """The second run counts: in the first, luck decided which input an answer came after."""
+    course, waits = Course(passes=False), []
+    steps = (Feed('/in', [{}]),)
+    course.exam.scenario = Scenario(file='talker.py', feed={'/in': 'a/msg/B'}, steps=steps)
+
+    def observe(_name, scenario, *_):
+        waits.append([step.seconds for step in scenario.steps if isinstance(step, Await)])
+        late = len(waits) == 2
+        course.own_time = late
+        return Course.observe(course, _name, replace(scenario, stand_still_s=float(late)))
+
+    monkeypatch.setattr(course, 'observe', observe)
+
+    result = graded(course, CLOCK)
+
+    assert waits == [[GRADED.still_s], [GRADED.answer_s, GRADED.still_s]]
+    assert result.points == 1
 
 
 def test_a_kept_recording_is_not_run_again(graded, tmp_path):

@@ -14,7 +14,6 @@ import re
 
 from autograder.judging.causes import why_no_message, why_silent
 from autograder.judging.checks import (
-    refuse_unasked,
     require_endpoint,
     require_field,
     require_node,
@@ -22,7 +21,7 @@ from autograder.judging.checks import (
     SECOND,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.own_time import STILL
+from autograder.judging.late_answers import refuse_unasked, STILL
 from autograder.runs.recording import Event
 from autograder.runs.scenario import Advance, Await, Join, Leave, Mark, Scenario, Step
 
@@ -34,6 +33,10 @@ AFTER_S = 3.0  # simulated time for a node that looks around with a timer [s]
 ALONE_S = 2.0  # and for one that notices that everybody has left [s]
 LATEST_S = 2.5  # who looks around every two seconds is not late yet [s]
 EXERCISE = 'Exercise 2: the courier who waits'
+REMEMBER = 'Remember that it was delivered: cancel the timer, or set a flag and look at it.'
+AGAIN = Cause(
+    'repeats', 'A parcel is published although nobody has come: again and again.', REMEMBER
+)
 
 
 def parcels(run: Run, listener: str) -> list[Event]:
@@ -165,7 +168,8 @@ def delivers_once(run: Run) -> None:
                 'Pass the depth 10 as quality of service.',
             ),
         )
-    refuse_unasked(run, run.recording.phase(STILL).messages(TOPIC, 'third'), f'parcel on {TOPIC}')
+    again = run.recording.phase(STILL).messages(TOPIC, 'third')
+    refuse_unasked(run, again, f'parcel on {TOPIC}', AGAIN, rest='changes')
     listeners = ('first', 'second', 'third')
     first, second, third = (len(parcels(run, listener)) for listener in listeners)
     complete = run.recording.end_reason == 'complete'
@@ -182,7 +186,6 @@ def delivers_once(run: Run) -> None:
 
 def _why_again(run: Run, first: int, second: int, third: int) -> Cause | None:
     """Explain more than one delivery, or a node that does not live on."""
-    remember = 'Remember that it was delivered: cancel the timer, or set a flag and look at it.'
     if _gone(run):
         return Cause(
             'exited_early',
@@ -192,15 +195,15 @@ def _why_again(run: Run, first: int, second: int, third: int) -> Cause | None:
     if why := why_silent(run):
         return why
     if first > 2 or (first > 1 and not second):
-        return Cause('repeats', 'The parcel is published again and again.', remember)
+        return Cause('repeats', 'The parcel is published again and again.', REMEMBER)
     if run.recording.phase('second').messages(TOPIC, 'second'):
-        return Cause('repeats', 'Who comes second receives a parcel too.', remember)
+        return Cause('repeats', 'Who comes second receives a parcel too.', REMEMBER)
     if second or third:
         return Cause(
             'delivers_again',
             'When somebody leaves, a parcel is delivered again. How many are connected now does '
             'not tell who was there before.',
-            remember,
+            REMEMBER,
         )
     return None
 

@@ -19,11 +19,11 @@ from autograder.judging.causes import why_no_endpoint, why_silent
 from autograder.judging.checks import (
     field_of,
     own_logs,
-    refuse_unasked,
     require_answers,
     require_node,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
+from autograder.judging.late_answers import refuse_unasked, STILL
 from autograder.judging.lifecycle_causes import (
     died_in_vain,
     EARLY_LIMIT,
@@ -40,7 +40,6 @@ from autograder.judging.lifecycle_causes import (
     without_its_end,
     WRONG_DEFAULT,
 )
-from autograder.judging.own_time import STILL
 from autograder.judging.unlogged import why_not_logged
 from autograder.runs.recording import ERROR, Event, Recording, WARN
 from autograder.runs.scenario import (

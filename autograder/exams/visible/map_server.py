@@ -14,14 +14,13 @@ from itertools import groupby
 
 from autograder.judging.causes import why_no_endpoint, why_silent
 from autograder.judging.checks import (
-    refuse_unasked,
     require_endpoint,
     require_node,
     require_qos,
     SECOND,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.own_time import STILL, STILL_AT_FIRST
+from autograder.judging.late_answers import refuse_unasked, STILL, STILL_AT_FIRST
 from autograder.judging.untold import own_words
 from autograder.runs.scenario import Advance, Feed, FeedTopic, Join, Look, Qos, Scenario
 

@@ -15,7 +15,6 @@ import math
 from autograder.judging.causes import why_silent
 from autograder.judging.checks import (
     field_of,
-    refuse_unasked,
     require_endpoint,
     require_field,
     require_node,
@@ -23,7 +22,7 @@ from autograder.judging.checks import (
     SECOND,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.own_time import STILL
+from autograder.judging.late_answers import refuse_unasked, STILL
 from autograder.judging.untold import own_words
 from autograder.runs.recording import Event
 from autograder.runs.scenario import Advance, Feed, Look, Scenario, Step
@@ -170,7 +169,8 @@ def stamps_with_its_own_clock(run: Run) -> None:
             continue
         sec, nanosec = (field_of(event, f'timestamp.{part}') for part in ('sec', 'nanosec'))
         clock = event['clock_ns'] / SECOND
-        if abs(sec + nanosec / SECOND - clock) > CLOSE_S:
+        # Between the number and a late answer to it, time may have passed.
+        if not _sent_s(run, event) - CLOSE_S <= sec + nanosec / SECOND <= clock + CLOSE_S:
             raise Failed(
                 expected='the time on the ROS clock when the number came, as timestamp'
                 if run.secret
@@ -178,6 +178,12 @@ def stamps_with_its_own_clock(run: Run) -> None:
                 observed=_shown_stamp(run, sec, nanosec),
                 why=_why_stamp(run, sec, nanosec, clock),
             )
+
+
+def _sent_s(run: Run, reading: Event) -> float:
+    """Return the time on the ROS clock when the number before a reading was sent [s]."""
+    sent = run.recording.of('input', index=reading['after_input'])
+    return float((sent[0] if sent else reading)['clock_ns'] or 0) / SECOND
 
 
 def _shown_stamp(run: Run, sec: int, nanosec: int) -> str:

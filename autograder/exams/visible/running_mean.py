@@ -14,13 +14,12 @@ import math
 
 from autograder.judging.causes import why_silent
 from autograder.judging.checks import (
-    refuse_unasked,
     require_endpoint,
     require_node,
     require_partner,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.own_time import STILL
+from autograder.judging.late_answers import refuse_unasked, STILL
 from autograder.runs.scenario import Feed, Scenario
 
 NODE = '/running_mean'

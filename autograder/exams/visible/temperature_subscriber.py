@@ -14,13 +14,12 @@ import math
 
 from autograder.judging.causes import why_silent
 from autograder.judging.checks import (
-    refuse_unasked,
     require_endpoint,
     require_node,
     require_partner,
 )
 from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.own_time import STILL
+from autograder.judging.late_answers import refuse_unasked, STILL
 from autograder.judging.reading_errors import (
     LOGGED_TWICE,
     NEEDLESS_ERROR,
@@ -183,9 +182,11 @@ def warns_when_too_hot(run: Run) -> None:
     )
 
 
-def _refuse_unasked(run: Run) -> None:
+def _refuse_unasked(run: Run, *levels: int) -> None:
     """Fail if it warned when nothing had arrived: after which reading one came is luck then."""
-    refuse_unasked(run, run.recording.phase(STILL).logs(level=WARN), 'WARN line')
+    for level in (WARN, *levels):
+        found = run.recording.phase(STILL).logs(level=level)
+        refuse_unasked(run, found, f'{LEVELS[level]} line')
 
 
 def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
@@ -321,7 +322,7 @@ def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
 
 def reports_an_unknown_unit(run: Run) -> None:
     """An unknown unit gives one ERROR line, a known unit none; no warning, and it goes on."""
-    _refuse_unasked(run)
+    _refuse_unasked(run, ERROR)
     groups = [group for group in sent(run) if group.readings[0].celsius is None]
     for group in groups:
         if group.count(WARN) or group.count(ERROR) != 1:
