@@ -59,7 +59,7 @@ def first_run(scenario: Scenario, files: Mapping[str, str], hidden: bool) -> Sce
     Return how to run a program at first: as the exam says, and in the end it must be silent.
 
     Where others join and nothing is fed, it is the slow run at once: who sends blindly after some
-    seconds would else meet or miss them by luck.
+    seconds would else meet or miss them by luck.  A learner does not wait for that.
 
     :param files: relative path to text
     :returns: the scenario itself, if no answers are asked for or the code names no clock
@@ -71,8 +71,8 @@ def first_run(scenario: Scenario, files: Mapping[str, str], hidden: bool) -> Sce
     if not may_have_a_clock(files):
         return scenario
     pauses = GRADED if hidden else CHECKED
-    if Feed not in kinds:
-        return _slowly(scenario, pauses, hidden)
+    if _is_slow_at_once(scenario, hidden):
+        return _slowly(scenario, pauses)
     steps: list[Step] = []
     for step in scenario.steps:
         steps += [*_before_first_input(steps, step, pauses), step]
@@ -91,12 +91,16 @@ def second_run(
     """
     if recording.end_reason != 'complete' or recording.in_wall_time:
         return None
-    if first_run(scenario, files, hidden) is scenario or not _is_fed(scenario.steps):
+    if first_run(scenario, files, hidden) is scenario or _is_slow_at_once(scenario, hidden):
         return None
     pauses = GRADED if hidden else CHECKED
     if not hidden and not _spoke_in_the_end(recording):
         pauses = replace(pauses, answer_s=SOON_S)
-    return _slowly(scenario, pauses, hidden)
+    return _slowly(scenario, pauses)
+
+
+def _is_slow_at_once(scenario: Scenario, hidden: bool) -> bool:
+    return hidden and not _is_fed(scenario.steps)
 
 
 def _spoke_in_the_end(recording: Recording) -> bool:
@@ -104,7 +108,7 @@ def _spoke_in_the_end(recording: Recording) -> bool:
     return any(phase.of('message') or phase.of('log') for phase in phases)
 
 
-def _slowly(scenario: Scenario, pauses: Pauses, hidden: bool) -> Scenario:
+def _slowly(scenario: Scenario, pauses: Pauses) -> Scenario:
     fed, joined = _is_fed(scenario.steps), False
     steps: list[Step] = []
     for step, after in zip(scenario.steps, (*scenario.steps[1:], None), strict=True):
@@ -116,7 +120,7 @@ def _slowly(scenario: Scenario, pauses: Pauses, hidden: bool) -> Scenario:
                 steps.append(_pause(pauses.answer_s * len(part)))
             continue
         if isinstance(step, Join) and not fed and not joined:
-            steps.append(_pause(_watch_s(scenario) if hidden else pauses.still_s))
+            steps.append(_pause(_watch_s(scenario)))
         joined = joined or isinstance(step, Join)
         steps.append(step)
         if isinstance(step, (Join, Leave)) and not isinstance(after, Leave):
@@ -129,7 +133,8 @@ def _before_first_input(before: Sequence[Step], step: Step, pauses: Pauses) -> l
     joined = any(isinstance(one, Join) for one in before)
     if not isinstance(step, Feed) or not joined or _is_fed(before):
         return []
-    return [*_still(STILL_AT_FIRST, pauses), Mark('inputs')]
+    phases = [one.name for one in before if isinstance(one, Mark)]
+    return [*_still(STILL_AT_FIRST, pauses), Mark(phases[-1] if phases else 'inputs')]
 
 
 def _is_fed(steps: Sequence[Step]) -> bool:
@@ -137,8 +142,9 @@ def _is_fed(steps: Sequence[Step]) -> bool:
 
 
 def _watch_s(scenario: Scenario) -> float:
-    """Return the time of a hidden exam that nobody can know, see ``own_time.watched_longer``."""
-    return max(step.watch_s for step in scenario.steps if isinstance(step, Advance))
+    """Return a time that in a hidden exam nobody can know, see ``own_time.watched_longer``."""
+    times = [step.watch_s for step in scenario.steps if isinstance(step, Advance)]
+    return max(times, default=Advance.watch_s)
 
 
 def _still(name: str, pauses: Pauses) -> list[Step]:
