@@ -112,7 +112,7 @@ _WORDS: dict[str, Callable[[Event], str]] = {
     'offered': _met,
     'left': lambda event: f'{event["name"]} left',
     'mark': lambda event: f'-- {event["name"]} --',
-    'awaited': lambda event: f'waited: {"enough came" if event["enough"] else "too little came"}',
+    'awaited': lambda event: 'waited: enough came' if event['enough'] else 'waited to the end',
     'other_clock': lambda event: f'{", ".join(event["sources"])}: while the clock stood still',
     'foreign_clock': lambda _: "a /clock that is not the grader's",
     'imitated': lambda _: "a node with the name of the grader's own",

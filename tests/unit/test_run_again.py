@@ -11,7 +11,7 @@ from autograder.errors import GraderError
 from autograder.judging.exam import Exam, Failed
 from autograder.judging.late_answers import GRADED
 from autograder.runs import examine as module
-from autograder.runs.examine import examine
+from autograder.runs.examine import AGAIN, examine
 from autograder.runs.recording import header, Recording
 from autograder.runs.scenario import Advance, Await, Feed, Scenario
 
@@ -126,6 +126,15 @@ def test_who_answers_late_is_given_time(graded, monkeypatch):
 
     assert waits == [[GRADED.still_s], [GRADED.answer_s, GRADED.still_s]]
     assert result.points == 1
+
+
+def test_who_watches_is_told_of_the_second_run(graded):
+    """Else nothing would be seen for as long as it takes."""
+    seen = []
+
+    graded(Course(passes=False), CLOCK, told=seen.append)
+
+    assert [event['name'] for event in seen] == [AGAIN]
 
 
 def test_a_kept_recording_is_not_run_again(graded, tmp_path):
