@@ -5,17 +5,20 @@ A thread that sleeps, a ``threading.Timer`` or a steady timer are not led by the
 How much of what they send falls between two inputs depends on the machine, and so would points.
 For a program whose code names any clock, an exam with a ``Feed`` or a ``Join`` therefore ends with
 a phase in which nothing is due: checks refuse what comes then (:func:`refuse_unasked`).  One that
-has not passed is run again slowly, with time for an answer after each input: to be late is no
-mistake.  The pauses are longer than usual ones, and named in the threat model.
+has not passed, and can put things off, is run again slowly, with time for an answer after each
+input: to be late is no mistake.  The pauses are longer than usual ones, and named in the threat
+model.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+import re
 
 from autograder.judging.causes import why_silent
 from autograder.judging.exam import Cause, Failed, Run
+from autograder.judging.learners_code import without_texts
 from autograder.judging.own_time import may_have_a_clock
 from autograder.runs.recording import Event, Recording
 from autograder.runs.scenario import Advance, Await, Feed, Join, Leave, Mark, Offer, Scenario, Step
@@ -24,8 +27,15 @@ STILL, STILL_AT_FIRST = 'nothing is due', 'nothing is due yet'
 """Phases of a run: in the end, and before the first input if somebody has joined."""
 MORE_THAN_COME = 100_000
 """So that a whole pause is waited for, whatever comes."""
+LONGEST_S = 55.0
+"""Of all pauses after inputs together: a run has 75 s."""
+_DEFERS = re.compile(
+    r'\b(\w*[tT]hread\w*|Timer|asyncio|sched|signal|concurrent|multiprocessing|subprocess|ctypes'
+    r'|\w*sleep|spin_once|spin_until\w*|Clock|ClockType|use_sim_time|use_global_arguments)\b'
+    r'|\bargs\s*=\s*[\[(]|\binit\(\s*[\[(]'
+)
 UNASKED = Cause(
-    'other_clock',
+    'speaks_unasked',
     'Something comes when nothing is due: a part of your program follows the clock of the '
     'computer, and answers late or speaks unasked.',
     'Answer in the callback, once and at once, and from nowhere else: no thread with '
@@ -47,7 +57,7 @@ class Pauses:
 
 
 GRADED = Pauses(answer_s=2.2, still_s=2.5)
-"""Longer than those of who looks, or repeats something, every two seconds."""
+"""Long enough for a program that looks, or repeats something, every two seconds."""
 CHECKED = Pauses(answer_s=1.0, still_s=1.2)
 """For a learner, who waits for it."""
 SOON_S = 0.2
@@ -85,6 +95,9 @@ def second_run(
     """
     Return how to run a program that has not passed, with time for an answer after each input.
 
+    Only one that can put an answer off is such: to forgive a node that drops what comes quickly,
+    the name of a clock is not enough.
+
     :param scenario: of the exam
     :param recording: of the first run
     :returns: None if that tells nothing new
@@ -93,8 +106,10 @@ def second_run(
         return None
     if first_run(scenario, files, hidden) is scenario or _is_slow_at_once(scenario, hidden):
         return None
+    if not any(_DEFERS.search(without_texts(text)) for text in files.values()):
+        return None
     pauses = GRADED if hidden else CHECKED
-    if not hidden and not _spoke_in_the_end(recording):
+    if not hidden and not _spoke_unasked(recording):
         pauses = replace(pauses, answer_s=SOON_S)
     return _slowly(scenario, pauses)
 
@@ -103,29 +118,39 @@ def _is_slow_at_once(scenario: Scenario, hidden: bool) -> bool:
     return hidden and not _is_fed(scenario.steps)
 
 
-def _spoke_in_the_end(recording: Recording) -> bool:
+def _spoke_unasked(recording: Recording) -> bool:
     phases = [recording.phase(name) for name in (STILL_AT_FIRST, STILL)]
     return any(phase.of('message') or phase.of('log') for phase in phases)
 
 
 def _slowly(scenario: Scenario, pauses: Pauses) -> Scenario:
     fed, joined = _is_fed(scenario.steps), False
+    inputs = sum(len(step.messages) for step in scenario.steps if isinstance(step, Feed))
+    answer_s = min(pauses.answer_s, LONGEST_S / max(inputs, 1))
     steps: list[Step] = []
+    before: Step | None = None
     for step, after in zip(scenario.steps, (*scenario.steps[1:], None), strict=True):
         steps += _before_first_input(steps, step, pauses)
         if isinstance(step, Feed):
-            parts = [[one] for one in step.messages] if not step.burst else [step.messages]
-            for part in parts:
-                steps.append(replace(step, messages=part))
-                steps.append(_pause(pauses.answer_s * len(part)))
-            continue
-        if isinstance(step, Join) and not fed and not joined:
-            steps.append(_pause(_watch_s(scenario)))
-        joined = joined or isinstance(step, Join)
-        steps.append(step)
-        if isinstance(step, (Join, Leave)) and not isinstance(after, Leave):
-            steps.append(_pause(pauses.answer_s))
+            steps += _one_by_one(step, answer_s)
+        elif not (isinstance(step, Await) and isinstance(before, Feed)):  # it has been waited for
+            if isinstance(step, Join) and not fed and not joined:
+                steps.append(_pause(_watch_s(scenario)))
+            steps.append(step)
+            left = isinstance(step, Leave) and not isinstance(after, Leave)
+            if isinstance(step, Join) or left:
+                steps.append(_pause(answer_s))
+        joined, before = joined or isinstance(step, Join), step
     return replace(scenario, steps=(*steps, *_still(STILL, pauses)))
+
+
+def _one_by_one(feed: Feed, answer_s: float) -> list[Step]:
+    """Return the steps that send the same, each with time for its answer; a burst stays one."""
+    single = not feed.burst and len(feed.messages) > 1
+    steps: list[Step] = []
+    for part in [[one] for one in feed.messages] if single else [feed.messages]:
+        steps += [replace(feed, messages=part), _pause(answer_s * len(part))]
+    return steps
 
 
 def _before_first_input(before: Sequence[Step], step: Step, pauses: Pauses) -> list[Step]:

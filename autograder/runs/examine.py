@@ -192,7 +192,7 @@ def _run(
         run_s = timing.get('run_s', 0.0) + more.get('run_s', 0.0)
         timing = {**more, **timing, 'run_s': run_s}  # either may have been repeated
         # A slow run may hit a limit of time that the first did not.
-        if other.in_wall_time or (not rhythm and other.end_reason == 'complete'):
+        if other.in_wall_time if rhythm else other.end_reason == 'complete':
             recording = other
     about = {
         'scenario': exam.scenario_digest()[:32],

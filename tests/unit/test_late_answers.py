@@ -90,7 +90,7 @@ class TestFirstRun:
 
         time = pause(GRADED.answer_s)
         assert found.steps == (
-            *(Advance(4, watch_s=7.5), pause(7.5), EARLY, time, Advance(3), LATE),
+            *(Advance(4, watch_s=7.5), pause(7.5), EARLY, time, Advance(3), LATE, time),
             *(Leave('early'), Leave('late'), time, Advance(3), Mark(STILL), pause(GRADED.still_s)),
         )
 
@@ -131,6 +131,42 @@ class TestSecondRun:
 
         assert second_run(fed(), CLOCK, seen, hidden=True) is None
 
+    def test_not_for_a_clock_in_a_formula(self):
+        """Who drops what comes quickly is not forgiven for the name of a clock."""
+        files = {'node.py': 'import time\nnow = time.time()'}
+
+        assert first_run(fed(), files, hidden=True) is not fed()
+        assert second_run(fed(), files, recorded(), hidden=True) is None
+
+    def test_who_leaves_is_noticed_before_another_joins(self):
+        """Each change of who is there is followed by time."""
+        steps = (EARLY, SINGLES, Leave('early'), LATE)
+
+        found = second_run(fed(*steps), CLOCK, recorded(), hidden=True)
+
+        time = pause(GRADED.answer_s)
+        assert found.steps[-6:-2] == (Leave('early'), time, LATE, time)
+
+    def test_what_the_exam_awaits_after_a_feed_has_been_waited_for(self):
+        """It would ask for the answers to all inputs after the last."""
+        found = second_run(fed(SINGLES, Await(logs=2)), CLOCK, recorded(), hidden=True)
+
+        assert Await(logs=2) not in found.steps
+
+    def test_many_inputs_share_the_time_of_a_run(self):
+        """A run that hits the limit of time tells nothing."""
+        many = Feed('/in', [ONE] * 110)
+
+        found = second_run(fed(many), CLOCK, recorded(), hidden=True)
+
+        assert found.steps[1] == pause(0.5)
+
+    def test_a_feed_of_nothing_stays(self):
+        """It still finds out whether somebody listens."""
+        found = second_run(fed(Feed('/in', [])), CLOCK, recorded(), hidden=True)
+
+        assert found.steps[0] == Feed('/in', [])
+
     def test_not_if_the_first_was_slow(self):
         """Without inputs there is no other way to run it."""
         assert second_run(Scenario(steps=(Advance(1), EARLY)), CLOCK, recorded(), True) is None
@@ -158,4 +194,4 @@ def test_what_came_unasked_fails():
 
     assert caught.value.expected == 'no message on mean when nothing arrives'
     assert not any(letter.isdigit() for letter in caught.value.observed)
-    assert caught.value.why.cause_id == 'other_clock'
+    assert caught.value.why.cause_id == 'speaks_unasked'

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -40,7 +39,7 @@ class Course:
         @self.exam.check(points=1)
         def is_right(run):
             """It is right."""
-            if not passes and not run.recording.in_wall_time:
+            if not passes and not run.recording.in_wall_time and not run.recording.of('message'):
                 raise Failed(expected='simulated time', observed='luck')
 
     def observe(self, _name, scenario, *_):
@@ -108,24 +107,28 @@ def test_a_learner_does_not_wait_for_it(graded):
     assert course.runs == [0.0]
 
 
-def test_who_answers_late_is_given_time(graded, monkeypatch):
-    """The second run counts: in the first, luck decided which input an answer came after."""
+@pytest.mark.parametrize(('reason', 'points'), [('complete', 1), ('wall_time_limit', 0)])
+def test_who_answers_late_is_given_time(graded, monkeypatch, reason, points):
+    """The second run counts, if it is whole: in the first, luck had a part."""
     course, waits = Course(passes=False), []
     steps = (Feed('/in', [{}]),)
     course.exam.scenario = Scenario(file='talker.py', feed={'/in': 'a/msg/B'}, steps=steps)
 
     def observe(_name, scenario, *_):
         waits.append([step.seconds for step in scenario.steps if isinstance(step, Await)])
-        late = len(waits) == 2
-        course.own_time = late
-        return Course.observe(course, _name, replace(scenario, stand_still_s=float(late)))
+        whole, timing = Course.observe(course, _name, scenario)
+        if len(waits) == 1:
+            return whole, timing
+        end = {'event': 'end', 'clock_ns': None, 'reason': reason}
+        came = {'event': 'message', 'clock_ns': None, 'topic': '/out'}
+        return Recording(whole.header, (came, end, *whole.events[1:])), timing
 
     monkeypatch.setattr(course, 'observe', observe)
 
     result = graded(course, CLOCK)
 
     assert waits == [[GRADED.still_s], [GRADED.answer_s, GRADED.still_s]]
-    assert result.points == 1
+    assert result.points == points
 
 
 def test_who_watches_is_told_of_the_second_run(graded):

@@ -16,12 +16,7 @@ import re
 from typing import Any
 
 from autograder.judging.causes import why_no_endpoint, why_silent
-from autograder.judging.checks import (
-    field_of,
-    own_logs,
-    require_answers,
-    require_node,
-)
+from autograder.judging.checks import field_of, own_logs, require_answers, require_node
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.late_answers import refuse_unasked, STILL
 from autograder.judging.lifecycle_causes import (
@@ -136,6 +131,8 @@ def _require(
 def tells_why(run: Run) -> None:
     """Each refusal is one ERROR line with the limit in it."""
     refused = inputs(run).refused
+    still = Run(run.files, run.recording.phase(STILL), run.facts)
+    refuse_unasked(run, own_logs(still, NODE, ERROR), 'ERROR line')
     found = own_logs(Run(run.files, run.recording.phase('refused'), run.facts), NODE, ERROR)
     if len(found) == len(refused) and all(map(_shows, found, refused)):
         return

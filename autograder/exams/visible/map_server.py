@@ -13,12 +13,7 @@ from collections.abc import Sequence
 from itertools import groupby
 
 from autograder.judging.causes import why_no_endpoint, why_silent
-from autograder.judging.checks import (
-    require_endpoint,
-    require_node,
-    require_qos,
-    SECOND,
-)
+from autograder.judging.checks import require_endpoint, require_node, require_qos, SECOND
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.late_answers import refuse_unasked, STILL, STILL_AT_FIRST
 from autograder.judging.untold import own_words
@@ -45,6 +40,11 @@ ASKS_TOO_MUCH = Cause(
     "Subscribe with the plain number: create_subscription(String, 'survey', self.take, 10).",
 )
 AGAIN = 'again and again'
+FIRST_AGAIN = Cause(
+    'repeats',
+    'The first map is published again after the surveys, so it is the newest one.',
+    'Publish it once, at the end of __init__, and not in a timer.',
+)
 EXERCISE = 'Exercise 1: a map server'
 
 
@@ -239,6 +239,7 @@ def keeps_only_the_newest(run: Run) -> None:
             why=why_silent(run)
             or _why_unmatched(run, 'late')
             or _why_many(run, found)
+            or (FIRST_AGAIN if found == [FIRST] and new_maps(run) else None)
             or _why_other_maps(run, new_maps(run), run.facts['surveys']),
         )
 

@@ -13,11 +13,7 @@ from collections.abc import Sequence
 import math
 
 from autograder.judging.causes import why_silent
-from autograder.judging.checks import (
-    require_endpoint,
-    require_node,
-    require_partner,
-)
+from autograder.judging.checks import require_endpoint, require_node, require_partner
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.late_answers import refuse_unasked, STILL
 from autograder.judging.reading_errors import (
