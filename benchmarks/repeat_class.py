@@ -81,12 +81,14 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
+BURN = 'import os\nparent = os.getppid()\nwhile os.getppid() == parent: pass'
+"""A benchmark that is killed leaves none of these behind."""
+
+
 @contextmanager
 def busy(count: int) -> Iterator[None]:
-    """Keep some processors busy."""
-    burners = [
-        subprocess.Popen([sys.executable, '-S', '-c', 'while True: pass']) for _ in range(count)
-    ]
+    """Keep some processors busy, for as long as this process lives."""
+    burners = [subprocess.Popen([sys.executable, '-S', '-c', BURN]) for _ in range(count)]
     try:
         yield
     finally:
