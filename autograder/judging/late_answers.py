@@ -19,7 +19,7 @@ import re
 from autograder.judging.causes import why_silent
 from autograder.judging.exam import Cause, Failed, Run
 from autograder.judging.learners_code import without_texts
-from autograder.judging.own_time import may_have_a_clock
+from autograder.judging.own_time import may_have_a_clock, STAND_STILL_S
 from autograder.runs.recording import Event, Recording
 from autograder.runs.scenario import Advance, Await, Feed, Join, Leave, Mark, Offer, Scenario, Step
 
@@ -56,7 +56,7 @@ class Pauses:
     still_s: float
 
 
-GRADED = Pauses(answer_s=2.2, still_s=2.5)
+GRADED = Pauses(answer_s=2.2, still_s=STAND_STILL_S)
 """Long enough for a program that looks, or repeats something, every two seconds."""
 CHECKED = Pauses(answer_s=1.0, still_s=1.2)
 """For a learner, who waits for it."""
@@ -124,23 +124,26 @@ def _spoke_unasked(recording: Recording) -> bool:
 
 
 def _slowly(scenario: Scenario, pauses: Pauses) -> Scenario:
-    fed, joined = _is_fed(scenario.steps), False
     inputs = sum(len(step.messages) for step in scenario.steps if isinstance(step, Feed))
     answer_s = min(pauses.answer_s, LONGEST_S / max(inputs, 1))
+    first_join = next((step for step in scenario.steps if isinstance(step, Join)), None)
     steps: list[Step] = []
-    before: Step | None = None
-    for step, after in zip(scenario.steps, (*scenario.steps[1:], None), strict=True):
+    around = zip(
+        (None, *scenario.steps), scenario.steps, (*scenario.steps[1:], None), strict=False
+    )
+    for before, step, after in around:
         steps += _before_first_input(steps, step, pauses)
         if isinstance(step, Feed):
             steps += _one_by_one(step, answer_s)
-        elif not (isinstance(step, Await) and isinstance(before, Feed)):  # it has been waited for
-            if isinstance(step, Join) and not fed and not joined:
-                steps.append(_pause(_watch_s(scenario)))
-            steps.append(step)
-            left = isinstance(step, Leave) and not isinstance(after, Leave)
-            if isinstance(step, Join) or left:
-                steps.append(_pause(answer_s))
-        joined, before = joined or isinstance(step, Join), step
+            continue
+        if isinstance(step, Await) and isinstance(before, Feed):
+            continue  # it has been waited for
+        if step is first_join and not _is_fed(scenario.steps):
+            steps.append(_pause(_watch_s(scenario)))
+        steps.append(step)
+        left = isinstance(step, Leave) and not isinstance(after, Leave)
+        if isinstance(step, Join) or left:
+            steps.append(_pause(answer_s))
     return replace(scenario, steps=(*steps, *_still(STILL, pauses)))
 
 

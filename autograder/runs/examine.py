@@ -183,7 +183,7 @@ def _run(
 ) -> Outcome:
     """Run once, and again in another way if a clock of the program's own may have decided."""
     recording, timing = _once_or_twice(first_run(exam.scenario, files, exam.hidden), once)
-    # A learner who checks waits for an answer, and the cause is the same.
+    # A learner who checks a rhythm does not wait for that: the cause is the same.
     rhythm = patient(exam.scenario, files, recording) if exam.hidden else None
     again = rhythm or second_run(exam.scenario, files, recording, exam.hidden)
     if again and not _passes(exam, files, recording):

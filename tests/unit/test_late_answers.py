@@ -135,8 +135,10 @@ class TestSecondRun:
         """Who drops what comes quickly is not forgiven for the name of a clock."""
         files = {'node.py': 'import time\nnow = time.time()'}
 
-        assert first_run(fed(), files, hidden=True) is not fed()
-        assert second_run(fed(), files, recorded(), hidden=True) is None
+        scenario = fed()
+
+        assert first_run(scenario, files, hidden=True) is not scenario
+        assert second_run(scenario, files, recorded(), hidden=True) is None
 
     def test_who_leaves_is_noticed_before_another_joins(self):
         """Each change of who is there is followed by time."""

@@ -35,7 +35,7 @@ from autograder.judging.lifecycle_causes import (
     without_its_end,
     WRONG_DEFAULT,
 )
-from autograder.judging.unlogged import why_not_logged
+from autograder.judging.unlogged import LEVELS, why_not_logged
 from autograder.runs.recording import ERROR, Event, Recording, WARN
 from autograder.runs.scenario import (
     Await,
@@ -131,8 +131,7 @@ def _require(
 def tells_why(run: Run) -> None:
     """Each refusal is one ERROR line with the limit in it."""
     refused = inputs(run).refused
-    still = Run(run.files, run.recording.phase(STILL), run.facts)
-    refuse_unasked(run, own_logs(still, NODE, ERROR), 'ERROR line')
+    _refuse_unasked(run, ERROR)
     found = own_logs(Run(run.files, run.recording.phase('refused'), run.facts), NODE, ERROR)
     if len(found) == len(refused) and all(map(_shows, found, refused)):
         return
@@ -141,6 +140,12 @@ def tells_why(run: Run) -> None:
         observed=f'{len(found) or "no"} ERROR line{"" if len(found) == 1 else "s"}',
         why=_why_untold(run, found, refused),
     )
+
+
+def _refuse_unasked(run: Run, level: int) -> None:
+    """Fail if the node logged at a level when nothing was due."""
+    still = Run(run.files, run.recording.phase(STILL), run.facts)
+    refuse_unasked(run, own_logs(still, NODE, level), f'{LEVELS[level]} line')
 
 
 def _why_untold(run: Run, found: Sequence[Event], refused: Sequence[float]) -> Cause | None:
@@ -216,8 +221,7 @@ def _why_still_refused(run: Run, part: Recording) -> Cause:
 
 def warns_above_the_limit(run: Run) -> None:
     """Active, it logs exactly one WARN for each pressure strictly above the limit."""
-    still = Run(run.files, run.recording.phase(STILL), run.facts)
-    refuse_unasked(run, own_logs(still, NODE, WARN), 'WARN line')
+    _refuse_unasked(run, WARN)
     first, _ = inputs(run).limits
     _warns(run, 'active', inputs(run).active, first)
 

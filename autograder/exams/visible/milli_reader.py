@@ -45,13 +45,13 @@ def readings(run: Run) -> list[Event]:
     numbers, if each has its reading.
     """
     found = [event for event in run.recording.messages(TARGET) if 'data' in event]
-    burst = int(run.facts['burst'])
-    names = list(run.facts['names'])[-burst:] if burst else []
-    by_name = {field_of(event, 'sensor_id'): event for event in found[-len(names) :]}
-    complete = len(found) == len(run.facts['names']) and len(by_name) == burst
-    if not burst or not complete or set(by_name) != set(names):
+    names, burst = run.facts['names'], int(run.facts['burst'])
+    if not burst or len(found) != len(names):
         return found
-    return [*found[: len(found) - burst], *(by_name[name] for name in names)]
+    by_name = {field_of(event, 'sensor_id'): event for event in found[-burst:]}
+    if len(by_name) != burst or set(by_name) != set(names[-burst:]):
+        return found
+    return [*found[:-burst], *(by_name[name] for name in names[-burst:])]
 
 
 def starts_its_node(run: Run) -> None:
