@@ -20,7 +20,7 @@ from typing import Any
 from autograder.judging.causes import why_no_endpoint, why_no_message, why_no_node, why_silent
 from autograder.judging.exam import Cause, Failed, Run
 from autograder.judging.learners_code import without_texts
-from autograder.judging.own_time import is_regular, names_another_clock
+from autograder.judging.own_time import is_flood, is_regular, names_another_clock
 from autograder.judging.stalled import why_it_sleeps
 from autograder.judging.unlogged import LEVELS, why_left_out, why_not_logged
 from autograder.judging.untold import own_words
@@ -284,9 +284,12 @@ def _why_other_rhythm(
         )
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
     if len(gaps) > 1 and all(abs(gap - mean_s) <= step_s for gap in gaps):
+        # A timer that is shorter than a clock step fires once a step.
+        flood = mean_s > 0 and is_flood(period_s / mean_s, 1.0)
+        often = 'far too often' if flood else f'about once every {mean_s:.2g} s'
         return Cause(
             'wrong_rate',
-            f'Your node publishes about once every {mean_s:.2g} s.',
+            f'Your node publishes {often}.',
             f'The first argument of create_timer() is the period in seconds: {period_s:g}.',
         )
     return None

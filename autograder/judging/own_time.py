@@ -158,6 +158,6 @@ def keeps_its_timer(files: Mapping[str, str], times_s: Sequence[float], step_s: 
     )
 
 
-def is_flood(count: int, due: float) -> bool:
+def is_flood(count: float, due: float) -> bool:
     """Tell whether so many are far more than were due, so that no text should tell the count."""
     return count > FLOOD * max(due, 1.0)

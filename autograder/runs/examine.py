@@ -26,6 +26,7 @@ from autograder.errors import (
     TooBusy,
 )
 from autograder.explaining.picture_data import pictures
+from autograder.judging.clock_steps import stepped
 from autograder.judging.exam import Exam, Run, Scenario
 from autograder.judging.flags import flags_of
 from autograder.judging.judge import judge, worth_running
@@ -78,6 +79,7 @@ def examine(
 
     def run() -> Outcome:
         def once(scenario: Scenario) -> Outcome:
+            scenario = stepped(scenario, files)
             if place is None:
                 return observe(exam.name, scenario, files, sandbox, told)
             task = task_of(exam.name, scenario.to_json(), files, sandbox.mode)

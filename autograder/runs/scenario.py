@@ -62,9 +62,10 @@ class Advance:
     Move simulated time forward in equal steps.
 
     The step must be at most a quarter of the period that is examined: a timer that is stepped by
-    whole periods fires once a step whatever its period.  ``phase_s`` puts the ticks off whole
-    seconds, so that truncated or invented stamps show.  A later ``Advance`` with a phase of one
-    step goes on with the ticks of the one before.
+    whole periods fires once a step whatever its period.  For a program whose own timers ask for
+    it, :mod:`autograder.judging.clock_steps` takes finer or longer steps.  ``phase_s`` puts the
+    ticks off whole seconds, so that truncated or invented stamps show.  A later ``Advance`` with a
+    phase of one step goes on with the ticks of the one before.
 
     :param seconds: simulated seconds
     :param step_s: length of one step [s]
@@ -77,11 +78,16 @@ class Advance:
     phase_s: float = 0.1
     watch_s: float = 3.0
 
+    @property
+    def count(self) -> int:
+        """Return how many times the clock moves."""
+        return round(self.seconds / self.step_s)
+
     def to_json(self) -> dict[str, Any]:
         """Return the step as the probe reads it, in whole nanoseconds."""
         return {
             'do': 'advance',
-            'steps': round(self.seconds / self.step_s),
+            'steps': self.count,
             'step_ns': round(self.step_s * 1e9),
             'first_ns': round(self.phase_s * 1e9),
             'watch_s': self.watch_s,

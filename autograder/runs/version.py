@@ -23,6 +23,7 @@ from environment.ros import FILE_NAME
 
 AROUND = (
     'fastdds.xml',
+    'judging/clock_steps.py',
     'judging/late_answers.py',
     'judging/learners_code.py',
     'judging/own_time.py',

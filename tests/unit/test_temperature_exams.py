@@ -11,6 +11,7 @@ from autograder.exams.visible import temperature_subscriber as subscriber
 from autograder.judging.exam import Failed, Run
 from autograder.judging.readings import Reading, share_of
 from autograder.runs.recording import ERROR, INFO, Recording, WARN
+from autograder.runs.scenario import Advance
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})
 STEADY = 'clock = Clock(clock_type=ClockType.STEADY_TIME)'
@@ -41,7 +42,7 @@ def published(moments_s, code='', stamp_s=0.0):
         }
         for moment in moments_s
     ]
-    facts = {'simulated_s': 10, 'step_ns': 250_000_000, 'phase_ns': 100_000_000}
+    facts = {'simulated_s': 10, 'minute': Advance(10.5, phase_s=0.1)}
     return Run({'temp_publisher.py': code}, Recording({}, (*events, *ENDS)), facts)
 
 

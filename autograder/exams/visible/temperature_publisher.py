@@ -21,6 +21,7 @@ from autograder.judging.checks import (
     require_node,
     SECOND,
 )
+from autograder.judging.clock_steps import stepped
 from autograder.judging.code_places import seed_in_callback
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.learners_code import FieldUse, use_of_field
@@ -143,7 +144,7 @@ def _keeps_the_clock(run: Run, clocks_ns: list[int]) -> bool:
     """Tell whether the node's clock paces the messages, so that their number is no luck."""
     if not names_another_clock(run.files):
         return True
-    step_s = int(run.facts['step_ns']) / SECOND
+    step_s = _ticks(run)[1] / SECOND
     return keeps_its_timer(run.files, [clock / SECOND for clock in clocks_ns], step_s)
 
 
@@ -162,9 +163,11 @@ def _why_wrong_rhythm(run: Run, clocks_ns: list[int], seconds: int) -> Cause | N
         )
     rate = len(clocks_ns) / seconds
     if abs(rate - 1.0) > 0.01:
+        # A timer that is shorter than a clock step fires once a step.
+        often = 'far more than once' if is_flood(rate, 1.0) else f'about {rate:.3g} times'
         return Cause(
             'wrong_rate',
-            f'Your node publishes about {rate:.3g} times a second.',
+            f'Your node publishes {often} a second.',
             'The first argument of create_timer() is the period in seconds: 1.0.',
         )
     return None
@@ -174,8 +177,8 @@ def _first_wrong_second(clocks_ns: list[int], seconds: int) -> int | None:
     """
     Return the first second without exactly one message, from 1, or None.
 
-    The timer fires on the first clock step at or after each whole second; a step is a quarter
-    second, and a message may be taken one step late.
+    The timer fires on the first clock step at or after each whole second: half a second later at
+    most, see :mod:`autograder.judging.clock_steps`.
     """
     nearest = _seconds_of(clocks_ns)
     for second in range(1, seconds + 1):
@@ -261,12 +264,18 @@ def _is_a_tick(run: Run, stamp_ns: int, clock_ns: int) -> bool:
     """
     if run.recording.in_wall_time:
         return bool(0 <= clock_ns - stamp_ns <= 0.3 * SECOND)
-    step_ns = int(run.facts['step_ns'])
-    first_ns = int(run.facts['phase_ns'])
+    first_ns, step_ns = _ticks(run)
     if stamp_ns == 0:  # what the clock showed before its first tick
         return clock_ns <= first_ns
     on_grid = (stamp_ns - first_ns) % step_ns == 0
     return on_grid and 0 <= clock_ns - stamp_ns <= step_ns
+
+
+def _ticks(run: Run) -> tuple[int, int]:
+    """Return the first tick of the clock in this run, and the step to the next [ns]."""
+    (minute,) = stepped(Scenario(steps=(run.facts['minute'],)), run.files).steps
+    ticks = minute.to_json()
+    return int(ticks['first_ns']), int(ticks['step_ns'])
 
 
 def _wanted_stamp(run: Run, seconds: float, clock: float) -> str:
@@ -403,11 +412,7 @@ def build(seconds: int, phase_s: float) -> Exam:
             steps=(minute,),
         ),
         read='Part 2: The publisher',
-        facts={
-            'simulated_s': seconds,
-            'step_ns': minute.to_json()['step_ns'],
-            'phase_ns': minute.to_json()['first_ns'],
-        },
+        facts={'simulated_s': seconds, 'minute': minute},
     )
     exam.check(points=2, read=EXERCISE)(starts_its_node)
     exam.check(points=2)(publishes_readings)

@@ -1,0 +1,144 @@
+"""How finely the clock moves for a program, by the periods that its code names."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import pairwise
+
+import pytest
+
+from autograder import exams
+from autograder.judging.clock_steps import divided, stepped
+from autograder.runs.scenario import Advance, Await, Call, Feed, Look, Scenario
+
+MINUTE = Advance(60.5, phase_s=0.23)
+
+
+def code(body):
+    """Return a student's files."""
+    return {'node.py': body}
+
+
+def moments(advance):
+    """Return when the clock ticks in a stretch of time [ns]."""
+    ticks = advance.to_json()
+    return [ticks['first_ns'] + number * ticks['step_ns'] for number in range(ticks['steps'])]
+
+
+@pytest.mark.parametrize(
+    ('body', 'parts'),
+    [
+        ('self.create_timer(1.0, self.tick)', Fraction(1, 2)),
+        ('PERIOD = 2\nself.create_timer(PERIOD, self.tick)', Fraction(1, 2)),
+        ('self.create_timer(timer_period_sec=1.5, callback=tick)', Fraction(1, 2)),
+        # Two longer steps a period are not enough, or the period is no whole number of them.
+        ('self.create_timer(0.5, self.tick)', 1),
+        ('self.create_timer(1.2, self.tick)', 1),
+        ('create_timer(1.0, a)\ncreate_timer(0.75, b)', 1),
+        ('self.create_timer(0.25, self.tick)', 1),
+        # Shorter than a step.
+        ('self.create_timer(0.2, self.tick)', 2),
+        ('self.create_timer(0.1, self.tick)', 5),
+        ('self.create_timer(1 / 10, self.tick)', 5),
+        ('RATE = 20\nself.create_timer(1.0 / RATE, self.tick)', 5),
+        ('self.create_timer(0.02, self.tick)', 25),
+        ('self.create_timer(0.001, self.tick)', 25),
+        ('create_timer(1.0, a)\ncreate_timer(0.1, b)', 5),
+        ('rate = node.create_rate(10)', 5),
+        ('self.get_clock().sleep_for(Duration(seconds=0.2))', 2),
+        ('self.get_clock().sleep_for(Duration(nanoseconds=100_000_000))', 5),
+    ],
+)
+def test_shortest_period_decides(body, parts):
+    """Each timer has a step of its own at least, and two of a longer one."""
+    assert divided(code(body), 0.25) == parts
+
+
+@pytest.mark.parametrize(
+    ('body', 'parts'),
+    [
+        ("self.declare_parameter('p', 0.1)\nself.create_timer(self.p(), self.tick)", 5),
+        ("self.declare_parameter('p', 1.0)\nself.create_timer(self.p(), self.tick)", 1),
+        ('def make(period=0.1):\n    create_timer(period, tick)', 5),
+        ('hertz = read()\nrate = 10.0\nself.create_timer(1.0 / hertz, self.tick)', 5),
+        # Numbers that are no period: without a division ten is the depth of a queue.
+        ('self.create_timer(self.p, self.tick)\npublisher(String, "x", 10)', 1),
+        ('self.create_timer(self.p, self.tick)\nvalue = gauss(20, 0.001)', 1),
+        ('make = self.create_timer\nmake(0.1, self.tick)', 5),
+        ('period = 1.0\nperiod = 0.1\nself.create_timer(period, self.tick)', 5),
+        ('period = 1.0\nperiod /= 10\nself.create_timer(period, self.tick)', 5),
+    ],
+)
+def test_where_a_period_is_not_readable_the_numbers_of_the_code_are_taken(body, parts):
+    """The name of a function, a parameter or a name with two values may hide a short one."""
+    assert divided(code(body), 0.25) == parts
+
+
+@pytest.mark.parametrize(
+    'body',
+    [
+        'import time\ncreate_timer(1.0, tick)',
+        'executor = MultiThreadedExecutor()\ncreate_timer(1.0, tick)',
+        'async def tick(): pass\ncreate_timer(1.0, tick)',
+        'threads = 2\ncreate_timer(1.0, tick)',
+        'rate = create_rate(1)',
+        'def broken(',
+        '',
+    ],
+)
+def test_longer_steps_are_for_timers_and_nothing_else(body):
+    """What another thread or clock may do is looked at as often as the exam says."""
+    assert divided(code(body), 0.25) == 1
+
+
+@pytest.mark.parametrize('period', ['1.0', '0.25', '0.2', '0.1', '0.01'])
+@pytest.mark.parametrize('phase_s', [0.02, 0.1, 0.23, 0.25])
+@pytest.mark.parametrize('seconds', [0.25, 1.5, 60.5])
+def test_stretch_ends_at_the_same_moment(period, phase_s, seconds):
+    """Finer steps meet each of the exam's, longer ones each second of them."""
+    advance = Advance(seconds, phase_s=phase_s)
+    (changed,) = stepped(Scenario(steps=(advance,)), code(f'create_timer({period}, f)')).steps
+
+    old, new = moments(advance), moments(changed)
+
+    assert new[-1] == old[-1]
+    assert set(old[::-1][::2] if period == '1.0' else old) <= set(new)
+    assert new[0] > 0
+    gaps = {later - earlier for earlier, later in pairwise(new)}
+    assert new[0] <= 500_000_000
+    assert len(gaps) <= 1
+
+
+def test_run_does_not_grow_without_end():
+    """A whole hour is not cut into hundredths of a second."""
+    hour = Scenario(steps=(Advance(900, step_s=0.25),))
+
+    (changed,) = stepped(hour, code('create_timer(0.01, f)')).steps
+
+    assert changed.count == 3600
+
+
+@pytest.mark.parametrize('name', ['courier', 'milli_reader', 'map_server', 'running_mean'])
+def test_who_is_asked_for_answers_may_look_as_often_as_it_likes(name):
+    """Where an exam feeds or joins, no rhythm is asked for."""
+    scenario = exams.load(name).scenario
+
+    assert stepped(scenario, code('create_timer(0.01, f)')) is scenario
+
+
+def test_longer_steps_only_where_nobody_is_called():
+    """A managed node is looked at as before; finer steps it gets."""
+    steps = (Call('/n', 'get_state', 'lifecycle_msgs/srv/GetState'), Look('now'), MINUTE)
+    scenario = Scenario(steps=steps)
+
+    assert stepped(scenario, code('create_timer(1.0, f)')).steps == steps
+    assert stepped(scenario, code('create_timer(0.1, f)')).steps[2].count > MINUTE.count
+
+
+def test_other_steps_stay():
+    """Only the clock moves in another way."""
+    wait = Await(logs=1)
+    scenario = Scenario(steps=(MINUTE, wait, MINUTE))
+
+    assert stepped(scenario, code('create_timer(1.0, f)')).steps[1] is wait
+    assert stepped(Scenario(steps=(Feed('/a', ()),)), code('create_timer(1.0, f)')).steps
