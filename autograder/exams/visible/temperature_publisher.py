@@ -237,13 +237,15 @@ def _all_equal(run: Run, field: str, wanted: str) -> None:
 
 def stamps_follow_the_clock(run: Run) -> None:
     """The timestamp of every reading is the node's own clock at that moment."""
+    ticks = _ticks(run)
     for event in enough_readings(run):
         if event['clock_ns'] is None:
             continue  # sent before the clock started, by a loop of its own
         stamp = event['data']['timestamp']
         seconds = stamp['sec'] + stamp['nanosec'] / SECOND
         clock = event['clock_ns'] / SECOND
-        if not _is_a_tick(run, stamp['sec'] * SECOND + stamp['nanosec'], event['clock_ns']):
+        stamp_ns = stamp['sec'] * SECOND + stamp['nanosec']
+        if not _is_a_tick(run, ticks, stamp_ns, event['clock_ns']):
             raise Failed(
                 expected=_wanted_stamp(run, seconds, clock),
                 observed=_describe_stamp(run, seconds, clock),
@@ -255,16 +257,18 @@ def stamps_follow_the_clock(run: Run) -> None:
             )
 
 
-def _is_a_tick(run: Run, stamp_ns: int, clock_ns: int) -> bool:
+def _is_a_tick(run: Run, ticks: tuple[int, int], stamp_ns: int, clock_ns: int) -> bool:
     """
     Tell whether a stamp is what the node's clock showed when the reading was taken.
 
     The clock shows nothing between two ticks, so the stamp is a tick to the nanosecond: the last
     one, or the one before if the message came just after the next.
+
+    :param ticks: from :func:`_ticks`
     """
     if run.recording.in_wall_time:
         return bool(0 <= clock_ns - stamp_ns <= 0.3 * SECOND)
-    first_ns, step_ns = _ticks(run)
+    first_ns, step_ns = ticks
     if stamp_ns == 0:  # what the clock showed before its first tick
         return clock_ns <= first_ns
     on_grid = (stamp_ns - first_ns) % step_ns == 0
