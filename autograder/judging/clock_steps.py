@@ -36,7 +36,8 @@ SHORTEST_GUESS_S = 0.05
 """Numbers below this are taken for periods only where a timer gets them."""
 COARSER = Fraction(1, 2)
 _AT_ONCE = re.compile(
-    r'\b((?!SingleThreadedExecutor\b)\w*Executor|async|await|\w*[tT]hread(s|ing)?|create_rate|Rate)\b'
+    r'\b((?!SingleThreadedExecutor\b)\w*Executor|async|await|\w*[tT]hread(s|ing)?'
+    r'|create_rate|Rate|timer_period_ns)\b'
 )
 
 
