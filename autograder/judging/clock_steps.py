@@ -41,26 +41,32 @@ _AT_ONCE = re.compile(
 )
 
 
-def stepped(scenario: Scenario, files: Mapping[str, str]) -> Scenario:
+def parts_of(scenario: Scenario, files: Mapping[str, str]) -> Fraction:
     """
-    Return a scenario whose clock moves as finely as a program needs it.
-
-    All moments at which the exam's own steps end stay what they are.
+    Return into how many parts each clock step of a scenario is divided for a program.
 
     :param files: relative path to text
+    :returns: 1/2 joins two steps
     """
     advances = [step for step in scenario.steps if isinstance(step, Advance)]
     kinds = {type(step) for step in scenario.steps}
     if not advances or kinds & {Feed, Join, Offer}:  # answers are asked for, whenever they come
-        return scenario
+        return Fraction(1)
     most = MOST_STEPS // sum(step.count for step in advances)
-    steps = list(scenario.steps)
-    for number, step in enumerate(steps):
-        if isinstance(step, Advance):
-            parts = divided(files, step.step_s, most)
-            # Who is also asked or called is looked at as often as the exam says.
-            if parts > 1 or kinds <= {Advance, Await, Mark}:
-                steps[number] = _in_parts(step, parts)
+    parts = divided(files, max(step.step_s for step in advances), most)
+    # Who is also asked or called is looked at as often as the exam says.
+    return parts if kinds <= {Advance, Await, Mark} else max(parts, Fraction(1))
+
+
+def stepped(scenario: Scenario, parts: Fraction) -> Scenario:
+    """
+    Return a scenario whose clock moves in parts of its steps.
+
+    All moments at which the exam's own steps end stay what they are.
+
+    :param parts: from :func:`parts_of`
+    """
+    steps = [in_parts(one, parts) if isinstance(one, Advance) else one for one in scenario.steps]
     return replace(scenario, steps=tuple(steps))
 
 
@@ -80,8 +86,14 @@ def divided(files: Mapping[str, str], step_s: float, most: int = FINER[-1]) -> F
     return Fraction(min(enough, default=allowed[-1]))
 
 
-def _in_parts(advance: Advance, parts: Fraction) -> Advance:
-    """Return the same stretch of time in other steps; it ends at the same moment."""
+def in_parts(advance: Advance, parts: Fraction) -> Advance:
+    """
+    Return the same stretch of time in other steps; it ends at the same moment.
+
+    :param parts: of each step, from :func:`parts_of`
+    """
+    if parts == 1:
+        return advance
     step_s = advance.step_s / parts
     if parts < 1:
         alone = (advance.count - 1) % 2  # a step of the exam before the first pair

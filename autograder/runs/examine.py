@@ -26,7 +26,7 @@ from autograder.errors import (
     TooBusy,
 )
 from autograder.explaining.picture_data import pictures
-from autograder.judging.clock_steps import stepped
+from autograder.judging.clock_steps import parts_of, stepped
 from autograder.judging.exam import Exam, Run, Scenario
 from autograder.judging.flags import flags_of
 from autograder.judging.judge import judge, worth_running
@@ -78,8 +78,10 @@ def examine(
         return result
 
     def run() -> Outcome:
+        parts = parts_of(exam.scenario, files)
+
         def once(scenario: Scenario) -> Outcome:
-            scenario = stepped(scenario, files)
+            scenario = stepped(scenario, parts)
             if place is None:
                 return observe(exam.name, scenario, files, sandbox, told)
             task = task_of(exam.name, scenario.to_json(), files, sandbox.mode)
@@ -200,6 +202,7 @@ def _run(
         'scenario': exam.scenario_digest()[:32],
         'files': files_digest(files),
         'environment': environment_digest(sandbox.ros.python),
+        'divided': float(parts_of(exam.scenario, files)),
     }
     return Recording({**recording.header, **about}, recording.events), timing
 

@@ -3,7 +3,8 @@ The recording of one run: what the probe received, one JSON event a line.  Kept,
 
 The first line is the header ``{"format": "ros2-course-recording", "version": 1, "exam": ...,
 "mode": ...}``, with digests of the ``scenario``, the ``files`` and the ``environment`` that it was
-made of, and the ``seal`` of the rest, by which a file that was cut off is noticed.  For people,
+made of, into how many parts each clock step was ``divided`` for this program, and the ``seal`` of
+the rest, by which a file that was cut off is noticed.  For people,
 and never for a verdict, it also says how long the run took (``run_s``, seconds of wall time) and
 ``made_with`` which versions, by name (older recordings have neither), and ``repeated`` if it was
 run a second time because something but the program may have ended the first.  Then, in order of
@@ -58,6 +59,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 import fcntl
+from fractions import Fraction
 from functools import cached_property
 import json
 import os
@@ -90,6 +92,11 @@ class Recording:
 
     header: Mapping[str, Any]
     events: Sequence[Event]
+
+    @property
+    def divided(self) -> Fraction:
+        """Return into how many parts the exam's clock steps were divided; 1/2 joins two."""
+        return Fraction(self.header.get('divided', 1)).limit_denominator(2)
 
     def of(self, kind: str, **where: Any) -> list[Event]:
         """

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from autograder.errors import RecordingInvalid
+from autograder.judging.clock_steps import parts_of
 from autograder.judging.exam import Exam
 from autograder.judging.results import ExamResult
 from autograder.runs.examine import examine, files_digest, judged
@@ -44,7 +45,8 @@ def run_all(
     before = {} if fresh else _recorded({exam.name for exam, _ in work})
 
     def one(exam: Exam, files: Mapping[str, str]) -> ExamResult:
-        path = before.get((exam.name, exam.scenario_digest()[:32], files_digest(files)))
+        parts = float(parts_of(exam.scenario, files))
+        path = before.get((exam.name, exam.scenario_digest()[:32], files_digest(files), parts))
         if path is not None:
             with suppress(RecordingInvalid):  # an older format, or damaged: it is made again
                 return judged(exam, files, Recording.load(path))
@@ -56,8 +58,8 @@ def run_all(
     return [task.result() for task in tasks]
 
 
-def _recorded(names: Iterable[str]) -> dict[tuple[str, str, str], Path]:
-    """Return the newest recording of each exam, scenario and files."""
+def _recorded(names: Iterable[str]) -> dict[tuple[str, str, str, float], Path]:
+    """Return the newest recording of each exam, scenario, files and clock steps."""
     found = {}
     for name in names:
         paths = sorted(
@@ -66,7 +68,8 @@ def _recorded(names: Iterable[str]) -> dict[tuple[str, str, str], Path]:
         for path in paths:
             with path.open(encoding='utf-8') as lines:
                 about = json.loads(lines.readline())
-            found[name, about.get('scenario', ''), about.get('files', '')] = path
+            scenario, files = about.get('scenario', ''), about.get('files', '')
+            found[name, scenario, files, about.get('divided', 1.0)] = path
     return found
 
 

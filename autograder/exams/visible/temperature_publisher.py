@@ -21,7 +21,7 @@ from autograder.judging.checks import (
     require_node,
     SECOND,
 )
-from autograder.judging.clock_steps import stepped
+from autograder.judging.clock_steps import in_parts
 from autograder.judging.code_places import seed_in_callback
 from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.learners_code import FieldUse, use_of_field
@@ -277,8 +277,7 @@ def _is_a_tick(run: Run, ticks: tuple[int, int], stamp_ns: int, clock_ns: int) -
 
 def _ticks(run: Run) -> tuple[int, int]:
     """Return the first tick of the clock in this run, and the step to the next [ns]."""
-    (minute,) = stepped(Scenario(steps=(run.facts['minute'],)), run.files).steps
-    ticks = minute.to_json()
+    ticks = in_parts(run.facts['minute'], run.recording.divided).to_json()
     return int(ticks['first_ns']), int(ticks['step_ns'])
 
 
