@@ -12,19 +12,14 @@ What cannot be read, may be short: then numbers that stand in the code are taken
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 import math
 import re
 
-from autograder.judging.learners_code import (
-    last_name,
-    RATES,
-    trees,
-    without_texts,
-    written_periods,
-)
+from autograder.judging.code_periods import FOR_EVER_S, written_periods
+from autograder.judging.learners_code import trees, without_texts
 from autograder.judging.own_time import may_have_a_clock
 from autograder.runs.scenario import Advance, Await, Feed, Join, Mark, Offer, Scenario
 
@@ -78,12 +73,39 @@ def divided(files: Mapping[str, str], step_s: float, most: int = FINER[-1]) -> F
     :param step_s: of the exam [s]
     :param most: into so many at most
     """
-    if _are_long(files, 2 * step_s):
+    periods = written_periods(files)
+    known = {period for period in periods if period is not None}
+    if periods and None not in periods and _are_long(known, 2 * step_s) and not _may_pause(files):
         return COARSER
-    shortest_s = min(_short_periods(files, step_s), default=step_s)
+    if None in periods:
+        known.update(guess for guess in _guesses(files) if guess >= SHORTEST_GUESS_S)
+    short = [period for period in known if period < step_s]
     allowed = [parts for parts in FINER if parts <= max(most, 1)]
-    enough = [parts for parts in allowed if step_s / parts <= shortest_s * (1 + 1e-9)]
-    return Fraction(min(enough, default=allowed[-1]))
+    enough = [parts for parts in allowed if all(_fits(one, step_s / parts) for one in short)]
+    parts = min(enough, default=allowed[-1])
+    # Who makes a timer anew in its callback rounds it up to a step each time.
+    exact = [one for one in allowed if one >= parts and _are_whole(known, step_s / one)]
+    return Fraction(min(exact, default=parts))
+
+
+def _fits(period_s: float, step_s: float) -> bool:
+    return step_s <= period_s * (1 + 1e-9)
+
+
+def _are_whole(periods_s: Collection[float], step_s: float) -> bool:
+    """Tell whether each period takes whole steps."""
+    return all(abs(one / step_s - round(one / step_s)) < 1e-6 for one in periods_s)
+
+
+def _are_long(periods_s: Collection[float], step_s: float) -> bool:
+    """Tell whether each period takes two whole steps or more."""
+    return all(_fits(one, 2 * step_s) for one in periods_s) and _are_whole(periods_s, step_s)
+
+
+def _may_pause(files: Mapping[str, str]) -> bool:
+    """Tell whether anything but the timers of one thread may pace what a program does."""
+    texts = map(without_texts, files.values())
+    return may_have_a_clock(files) or any(_AT_ONCE.search(text) for text in texts)
 
 
 def in_parts(advance: Advance, parts: Fraction) -> Advance:
@@ -105,49 +127,34 @@ def in_parts(advance: Advance, parts: Fraction) -> Advance:
     return replace(advance, step_s=float(step_s), phase_s=first_s, seconds=count * step_s)
 
 
-def _are_long(files: Mapping[str, str], least_s: float) -> bool:
-    """
-    Tell whether timers pace all that a program does, and each takes so many steps exactly.
-
-    :param least_s: two steps of the exam [s]; a timer has two of those at least
-    """
-    periods = written_periods(files)
-    if not periods or None in periods or may_have_a_clock(files):
-        return False
-    if any(_AT_ONCE.search(without_texts(text)) for text in files.values()):
-        return False
-    known = [period for period in periods if period is not None]
-    return all(
-        period >= 2 * least_s and abs(period / least_s - round(period / least_s)) < 1e-6
-        for period in known
-    )
-
-
-def _short_periods(files: Mapping[str, str], step_s: float) -> Iterator[float]:
-    """Yield the periods below a step that a program has, or may have where one is not readable."""
-    periods = written_periods(files)
-    yield from (period for period in periods if period is not None and 0 < period < step_s)
-    if None in periods:
-        for guess in _guesses(files):
-            if SHORTEST_GUESS_S <= guess < step_s:
-                yield guess
-
-
 def _guesses(files: Mapping[str, str]) -> Iterator[float]:
-    """Yield the numbers of a program, and one by each of them where it divides or has a rate."""
-    for tree in trees(files):
-        nodes = list(ast.walk(tree))
-        rates = any(_is_rate(node) for node in nodes)
-        for node in nodes:
-            if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
-                number = float(node.value) if abs(node.value) < 1e9 else 0.0
-                if number > 0:
-                    yield number
-                if number > 1 and rates:
-                    yield 1 / number
+    """
+    Yield the numbers of a program, and where it computes, one by each of them, and a short one.
+
+    What is computed from numbers that come from elsewhere may be anything.
+    """
+    nodes = [node for tree in trees(files) for node in ast.walk(tree)]
+    computes = any(_computes(node) for node in nodes)
+    if computes:
+        yield SHORTEST_GUESS_S
+    for node in nodes:
+        number = _number(node)
+        if number is not None and 0 < number < FOR_EVER_S:
+            yield number
 
 
-def _is_rate(node: ast.AST) -> bool:
-    if isinstance(node, (ast.BinOp, ast.AugAssign)):
-        return isinstance(node.op, ast.Div)
-    return isinstance(node, ast.Call) and last_name(node.func) in RATES
+def _computes(node: ast.AST) -> bool:
+    """Tell whether units are changed, or a rate is made a period: x / 1000, x * 1e-3, 1 / x."""
+    if not isinstance(node, (ast.BinOp, ast.AugAssign)):
+        return False
+    left, right = (node.left, node.right) if isinstance(node, ast.BinOp) else (None, node.value)
+    if isinstance(node.op, ast.Div):
+        return _number(left) == 1 or (_number(right) or 0) >= 10
+    if isinstance(node.op, ast.Mult):
+        return any(0 < (_number(one) or 0) <= 0.1 for one in (left, right))
+    return False
+
+
+def _number(node: ast.AST | None) -> float | None:
+    value = node.value if isinstance(node, ast.Constant) else None
+    return value if isinstance(value, (int, float)) else None

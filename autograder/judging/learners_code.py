@@ -7,7 +7,7 @@ Comments and texts are no code: a clock that is named in a comment drives nothin
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 import io
 import re
@@ -22,15 +22,6 @@ _CALLBACKS = {'create_timer': 1, 'create_subscription': 2, 'create_service': 2}
 """At which place the functions of rclpy take a callback."""
 SHORT_S = 0.1
 """A pause [s] that nobody notices."""
-RATES = ('create_rate', 'Rate')
-"""What gets a frequency."""
-PACES = ('create_timer', *RATES, 'sleep_for', 'sleep_until')
-"""What gives a rhythm by the clock of a node."""
-_PERIOD_WORDS = ('timer_period_sec', 'frequency', 'rel_time')
-_UNITS = {'seconds': 1.0, 'nanoseconds': 1e-9}
-"""Of a duration."""
-FOR_EVER_S = 1e9
-"""Longer than any period [s]; a whole number may be too large for a float."""
 
 
 def without_texts(code: str) -> str:
@@ -39,7 +30,9 @@ def without_texts(code: str) -> str:
 
     The name of the parameter ``use_sim_time`` stays, although it is a text: it chooses a clock.
     """
-    lines = list(io.StringIO(code))
+    texts = list(io.StringIO(code))
+    # Characters, as a line may have thousands of texts.
+    lines = [list(text) for text in texts]
     try:
         with warnings.catch_warnings():
             warnings.simplefilter('ignore')  # about odd escapes in a learner's text
@@ -53,11 +46,10 @@ def without_texts(code: str) -> str:
         # Before Python 3.12, an f-string is one token, the code in its braces included.
         parts = iter(_blanked(token.string).splitlines())
         for number in range(first - 1, min(last, len(lines))):
-            line = lines[number]
             left = begin if number == first - 1 else 0
-            right = end if number == last - 1 else len(line.rstrip('\r\n'))
-            lines[number] = line[:left] + next(parts, '').ljust(right - left) + line[right:]
-    return ''.join(lines)
+            right = end if number == last - 1 else len(texts[number].rstrip('\r\n'))
+            lines[number][left:right] = next(parts, '').ljust(right - left)
+    return ''.join(char for line in lines for char in line)
 
 
 def _blanked(text: str) -> str:
@@ -181,82 +173,6 @@ def _is_empty_time(value: ast.AST | None) -> bool:
     if not isinstance(value, ast.Call):
         return False
     return last_name(value.func) == 'Time' and not value.args and not value.keywords
-
-
-# -- timers ---------------------------------------------------------------------------------
-
-
-def timer_periods(files: Mapping[str, str]) -> set[float]:
-    """Return the periods [s] that timers get, as far as they are numbers or names of numbers."""
-    found = written_periods(files, ('create_timer',))
-    return {period for period in found if period is not None}
-
-
-def written_periods(
-    files: Mapping[str, str], paces: Collection[str] = PACES
-) -> list[float | None]:
-    """
-    Return the period [s] of each timer, rate and sleep of a node's clock in code.
-
-    It is None where it is neither a number nor the name of one, or where the function is named
-    and not called.
-
-    :param paces: names of the functions that give a rhythm
-    """
-    nodes = [node for tree in trees(files) for node in ast.walk(tree)]
-    known = _numbers_by_name(nodes)
-    calls_ = [node for node in nodes if isinstance(node, ast.Call)]
-    called = {id(call.func) for call in calls_}
-    found = [_period_of(call, known) for call in calls_ if last_name(call.func) in paces]
-    found += [None for node in nodes if last_name(node) in paces and id(node) not in called]
-    return [None if period is None or period <= 0 else period for period in found]
-
-
-def _numbers_by_name(nodes: Sequence[ast.AST]) -> dict[str, float]:
-    """Return what is assigned to each name that only ever gets one number."""
-    given: dict[str, set[float | None]] = {}
-    for node in nodes:
-        if isinstance(node, ast.Assign):
-            number = _number(node.value, {})
-            for target in node.targets:
-                given.setdefault(last_name(target), set()).add(number)
-        elif isinstance(node, (ast.AnnAssign, ast.AugAssign)) and node.value is not None:
-            number = _number(node.value, {}) if isinstance(node, ast.AnnAssign) else None
-            given.setdefault(last_name(node.target), set()).add(number)
-        elif isinstance(node, ast.arg):  # whatever its default is, a caller may give another
-            given.setdefault(node.arg, set()).add(None)
-    only = {name: next(iter(numbers)) for name, numbers in given.items() if len(numbers) == 1}
-    return {name: number for name, number in only.items() if name and number is not None}
-
-
-def _period_of(call: ast.Call, known: Mapping[str, float]) -> float | None:
-    named = [one.value for one in call.keywords if one.arg in _PERIOD_WORDS]
-    written = next(iter([*named, *call.args[:1]]), None)
-    if isinstance(written, ast.Call) and last_name(written.func) == 'Duration':
-        parts = {one.arg: _number(one.value, known) for one in written.keywords}
-        if written.args or None in parts.values() or not set(parts) <= set(_UNITS):
-            return None
-        return sum(_UNITS[str(name)] * (number or 0.0) for name, number in parts.items())
-    number = _number(written, known) if written is not None else None
-    if number and last_name(call.func) in RATES:
-        return 1 / number
-    return number
-
-
-def _number(node: ast.AST, known: Mapping[str, float]) -> float | None:
-    """Return the number that an expression is: 0.5, PERIOD_S, 1 / 2, 1.0 / self.rate."""
-    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
-        above, below = (_plain_number(part, known) for part in (node.left, node.right))
-        return above / below if above is not None and below else None
-    return _plain_number(node, known)
-
-
-def _plain_number(node: ast.AST, known: Mapping[str, float]) -> float | None:
-    if not isinstance(node, ast.Constant):
-        return known.get(last_name(node))
-    if isinstance(node.value, (int, float)) and abs(node.value) < FOR_EVER_S:
-        return float(node.value)
-    return None
 
 
 # -- queues ---------------------------------------------------------------------------------

@@ -20,7 +20,8 @@ from itertools import pairwise
 import math
 import re
 
-from autograder.judging.learners_code import timer_periods, without_texts
+from autograder.judging.code_periods import timer_periods
+from autograder.judging.learners_code import without_texts
 from autograder.runs.inputs import generator
 from autograder.runs.recording import Recording
 from autograder.runs.scenario import Advance, Feed, Join, Scenario

@@ -87,7 +87,9 @@ def examine(
             task = task_of(exam.name, scenario.to_json(), files, sandbox.mode)
             return outcome_of(place.run(task))
 
-        return _run(exam, files, sandbox, once, told or (lambda _: None))
+        recording, timing = _run(exam, files, sandbox, once, told or (lambda _: None))
+        steps = {'divided': float(parts)}
+        return Recording({**recording.header, **steps}, recording.events), timing
 
     if recordings is None:
         return judged(exam, files, *run())
@@ -202,7 +204,6 @@ def _run(
         'scenario': exam.scenario_digest()[:32],
         'files': files_digest(files),
         'environment': environment_digest(sandbox.ros.python),
-        'divided': float(parts_of(exam.scenario, files)),
     }
     return Recording({**recording.header, **about}, recording.events), timing
 

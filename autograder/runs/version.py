@@ -24,6 +24,7 @@ from environment.ros import FILE_NAME
 AROUND = (
     'fastdds.xml',
     'judging/clock_steps.py',
+    'judging/code_periods.py',
     'judging/late_answers.py',
     'judging/learners_code.py',
     'judging/own_time.py',

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import pairwise
+import time
 
 import pytest
 
@@ -38,19 +39,35 @@ def moments(advance):
         ('self.create_timer(timer_period_sec=1.5, callback=tick)', Fraction(1, 2)),
         # Two longer steps a period are not enough, or the period is no whole number of them.
         ('self.create_timer(0.5, self.tick)', 1),
-        ('self.create_timer(1.2, self.tick)', 1),
+        ('self.create_timer(0.75, self.tick)', 1),
+        # Made anew in its callback, it would be rounded up to whole steps.
+        ('self.create_timer(1.2, self.tick)', 5),
+        ('self.create_timer(0.8, self.tick)', 5),
+        ('self.create_timer(1.02, self.tick)', 25),
+        ('self.create_timer(1 / 3, self.tick)', 1),
         ('create_timer(1.0, a)\ncreate_timer(0.75, b)', 1),
         ('self.create_timer(0.25, self.tick)', 1),
         # Shorter than a step.
-        ('self.create_timer(0.2, self.tick)', 2),
+        ('self.create_timer(0.125, self.tick)', 2),
         ('self.create_timer(0.1, self.tick)', 5),
         ('self.create_timer(1 / 10, self.tick)', 5),
         ('RATE = 20\nself.create_timer(1.0 / RATE, self.tick)', 5),
         ('self.create_timer(0.02, self.tick)', 25),
         ('self.create_timer(0.001, self.tick)', 25),
+        ('RATE = 50\nPERIOD = 1.0 / RATE\nself.create_timer(PERIOD, self.tick)', 25),
+        (
+            'period = 0.02\nself.slow = period\ncreate_timer(self.slow)',
+            25,
+        ),
+        ('TICK_MS = 100\nself.create_timer(TICK_MS * 1e-3, self.tick)', 5),
+        ('self.create_timer(1e8 / 1e9, self.tick)', 5),
+        ('HZ = 10\nself.create_timer(HZ ** -1, self.tick)', 5),
+        ('self.create_timer(float(0.1), self.tick)', 5),
+        ('self.period, self.every = 0.1, 5\ncreate_timer(self.period, self.tick)', 5),
+        ('class C:\n    period: float = 0.1\ncreate_timer(C.period, tick)', 5),
         ('create_timer(1.0, a)\ncreate_timer(0.1, b)', 5),
         ('rate = node.create_rate(10)', 5),
-        ('self.get_clock().sleep_for(Duration(seconds=0.2))', 2),
+        ('self.get_clock().sleep_for(Duration(seconds=0.125))', 2),
         ('self.get_clock().sleep_for(Duration(nanoseconds=100_000_000))', 5),
     ],
 )
@@ -70,6 +87,16 @@ def test_shortest_period_decides(body, parts):
         ('self.create_timer(self.p, self.tick)\npublisher(String, "x", 10)', 1),
         ('self.create_timer(self.p, self.tick)\nvalue = gauss(20, 0.001)', 1),
         ('make = self.create_timer\nmake(0.1, self.tick)', 5),
+        ("getattr(self, 'create_timer')(0.1, self.tick)", 5),
+        ('def __init__(self, period=0.02):\n    create_timer(period, tick)', 25),
+        ("self.declare_parameter('ms', 100)\nself.create_timer(self.p() / 1000.0, self.tick)", 5),
+        # What is given in more ways than one.
+        ('period = 1.0\nperiod, every = 0.1, 2\ncreate_timer(period, tick)', 5),
+        ('period = 1.0\nfor period in (0.1, 2): pass\ncreate_timer(period, tick)', 5),
+        ('period = 1.0\nif (period := 0.1): pass\ncreate_timer(period, tick)', 5),
+        ('class C:\n    period: float = 1.0\nc = C(period=0.1)\ncreate_timer(c.period, tick)', 5),
+        ('period = 1.0\nsetattr(self, "period", 0.1)\ncreate_timer(self.period, tick)', 5),
+        ('value = 1.0\nclass P(Enum):\n    FAST = 0.1\ncreate_timer(P.FAST.value, tick)', 5),
         ('period = 1.0\nperiod = 0.1\nself.create_timer(period, self.tick)', 5),
         ('period = 1.0\nperiod /= 10\nself.create_timer(period, self.tick)', 5),
     ],
@@ -139,6 +166,47 @@ def test_longer_steps_only_where_nobody_is_called():
 
     assert run(scenario, 'create_timer(1.0, f)').steps == steps
     assert run(scenario, 'create_timer(0.1, f)').steps[2].count > MINUTE.count
+
+
+@pytest.mark.parametrize(
+    'body',
+    [
+        'create_timer(1e8 / 1e-308, f)',
+        'X = 1e8 / 1e-308\ncreate_timer(X, f)',
+        'create_timer(Duration(seconds=1, nanoseconds=1e8 / 1e-308), f)',
+        'create_timer(1e999, f)',
+        f'create_timer({"9" * 4000}, f)',
+        'create_timer(10 ** 10 ** 10, f)',
+        'create_timer(1 / 0, f)',
+        'create_timer((-1) ** 0.5, f)',
+        'create_timer(1j, f)',
+        'create_timer(True, f)',
+        'create_timer(-1.0, f)',
+        f'create_timer({"-" * 500}1.0, f)',
+        f'create_timer({"1 + " * 2000}1.0, f)',
+        'create_timer(int("x"), f)',
+        'create_timer(int(1e999), f)',
+        'create_timer()',
+        'a = b\nb = a\ncreate_timer(a, f)',
+    ],
+)
+def test_odd_numbers_are_no_periods(body):
+    """The grader reads them in its own process, whatever they are."""
+    assert divided(code(body), 0.25) in (1, 5)
+
+
+def test_thousands_of_texts_in_a_line_are_read_at_once():
+    """Work grows with the length of a text, and not with its square."""
+
+    def seconds(count):
+        began = time.process_time()
+        divided(code('create_timer(1.0, f)\n' + 'f""' * count), 0.25)
+        return time.process_time() - began
+
+    seconds(500)  # whatever is imported late
+    short, long = (min(seconds(count) for _ in range(3)) for count in (5000, 20000))
+
+    assert long < 10 * short, 'four times the text takes four times as long, not sixteen times'
 
 
 def test_other_steps_stay():

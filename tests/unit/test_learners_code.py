@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from autograder.judging import learners_code
+from autograder.judging.code_periods import timer_periods
 from autograder.judging.learners_code import (
     calls,
     FieldUse,
     Pause,
     pause_in_callback,
     texts_in,
-    timer_periods,
     use_of_field,
     without_texts,
 )

@@ -14,8 +14,8 @@ import re
 
 from autograder.judging.causes import why_it_ended, why_no_node, why_silent
 from autograder.judging.checks import OTHER_CLOCK, own_logs, SECOND, why_own_time
+from autograder.judging.code_periods import timer_periods
 from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.learners_code import timer_periods
 from autograder.judging.own_time import names_another_clock
 from autograder.judging.unlogged import debug_level, why_left_out, why_not_logged
 from autograder.runs.recording import Event, INFO

@@ -19,8 +19,8 @@ from autograder.exams.visible.harbour import (
 )
 from autograder.judging.causes import why_silent
 from autograder.judging.checks import own_logs, require_node, require_ros_clock
+from autograder.judging.code_periods import timer_periods
 from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.learners_code import timer_periods
 from autograder.judging.own_time import is_flood
 from autograder.judging.results import shortened
 from autograder.judging.unlogged import LEVELS, why_left_out, why_not_logged
