@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 import io
 import re
 import tokenize
@@ -24,6 +25,7 @@ SHORT_S = 0.1
 """A pause [s] that nobody notices."""
 
 
+@lru_cache(maxsize=64)  # Python needs a second for a line with thousands of f-strings
 def without_texts(code: str) -> str:
     """
     Return code with blanks for its comments and texts; lines and columns stay.
