@@ -77,9 +77,9 @@ def divided(files: Mapping[str, str], step_s: float, most: int = FINER[-1]) -> F
     known = {period for period in periods if period is not None}
     if periods and None not in periods and _are_long(known, 2 * step_s) and not _may_pause(files):
         return COARSER
-    if None in periods:
-        known.update(guess for guess in _guesses(files) if guess >= SHORTEST_GUESS_S)
-    short = [period for period in known if period < step_s]
+    guesses = _guesses(files) if None in periods else ()
+    short = [*known, *(guess for guess in guesses if guess >= SHORTEST_GUESS_S)]
+    short = [period for period in short if period < step_s]
     allowed = [parts for parts in FINER if parts <= max(most, 1)]
     enough = [parts for parts in allowed if all(_fits(one, step_s / parts) for one in short)]
     parts = min(enough, default=allowed[-1])

@@ -89,6 +89,7 @@ def test_shortest_period_decides(body, parts):
         ("getattr(self, 'create_timer')(0.1, self.tick)", 5),
         ('def __init__(self, period=0.02):\n    create_timer(period, tick)', 25),
         ("self.declare_parameter('ms', 100)\nself.create_timer(self.p() / 1000.0, self.tick)", 5),
+        ('self.create_timer(self.p, self.tick)\nvalue = gauss(20, 18.3)', 1),
         # What is given in more ways than one.
         ('period = 1.0\nperiod, every = 0.1, 2\ncreate_timer(period, tick)', 5),
         ('period = 1.0\nfor period in (0.1, 2): pass\ncreate_timer(period, tick)', 5),
