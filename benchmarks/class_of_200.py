@@ -4,18 +4,23 @@ A class of two hundred, each with ten checks: processor time, memory, and what t
 No two submissions have the same files, so nothing is shared between them.  Half are right and half
 are wrong in different ways.  Processor time is that of a control group, in which the kernel counts
 everything that the command starts, sandboxes included.
+
+What two workers can give at most is measured beside it, before and after: two processes that only
+count, against the same work one after the other.  Virtual processors may share one of metal.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import partial
 import json
 import os
 from pathlib import Path
 import re
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -32,6 +37,7 @@ from benchmarks.submissions import publishers, REFERENCE
 
 FULL_SIZE = 200
 SECONDS = 60
+COUNT, COUNTED = 5_000_000, 10
 CONTROLLED = ('/sys/fs/cgroup', '/sys/fs/cgroup/unified', '/sys/fs/cgroup/cpuacct')
 SAMPLES = (
     REFERENCE,
@@ -73,6 +79,7 @@ def main() -> None:
     chosen = parser.parse_args()
     size, seconds = chosen.size, chosen.seconds
     facts = report.machine()
+    counting = [_two_that_count() for _ in range(COUNTED)]
     with tempfile.TemporaryDirectory(prefix='benchmark_') as folder:
         answers = class_of(size)
         layout = reduced_course.build(Path(folder), answers, seconds, MORE_CHECKS, 2)
@@ -80,11 +87,31 @@ def main() -> None:
         graded = [_grade(layout, jobs, anew=True) for jobs in (2, 1, 2)]
         again = _grade(layout, 2, anew=False)
         rejudged = _rejudge(layout)
-    figures = _figures(size, seconds, graded, again, rejudged)
+    counting += [_two_that_count() for _ in range(COUNTED)]
+    figures = {
+        **_figures(size, seconds, graded, again, rejudged),
+        'two_that_only_count_against_one': round(statistics.median(counting), 2),
+    }
     report.print_machine(facts)
     print(json.dumps(figures, indent=2))
     name = 'class_of_200' if seconds == SECONDS else f'class_of_200_{seconds}_s'
     report.save(name, facts, figures, full=size >= FULL_SIZE)
+
+
+def _two_that_count() -> float:
+    """Return how many times faster two processes count than one does it twice."""
+    with ProcessPoolExecutor(2) as pool:
+        list(pool.map(_count, (1, 1)))  # until both are there
+        began = time.monotonic()
+        list(pool.map(_count, (COUNT,)))
+        list(pool.map(_count, (COUNT,)))
+        between = time.monotonic()
+        list(pool.map(_count, (COUNT, COUNT)))
+        return (between - began) / (time.monotonic() - between)
+
+
+def _count(number: int) -> int:
+    return sum(one * one % 7 for one in range(number))
 
 
 def class_of(size: int) -> dict[str, str]:
