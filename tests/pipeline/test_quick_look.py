@@ -284,7 +284,7 @@ class TestRuns:
         assert 'Together 15 of 15 points; visible checks; isolation: ' in said.out
         times = [line for line in said.err.splitlines() if '/temperature_topic: ' in line]
         assert len(times) == 10
-        assert times[0].strip().startswith('1.100s  /temperature_topic: temperature_value: 21.0')
+        assert times[0].strip().startswith('1.350s  /temperature_topic: temperature_value: 21.0')
 
     def test_a_notebook_is_one_too_and_json_has_all(self, tmp_path, capsys):
         """What a student of a class handed in, looked at alone."""

@@ -252,7 +252,7 @@ class TestExplain:
         text = evidence_text(found)
         (marked,) = [line for line in text.splitlines() if line.startswith('>')]
 
-        assert '1.100s  /temperature_topic: ' in marked
+        assert '1.350s  /temperature_topic: ' in marked
         assert 'timestamp: 1.000000000' in marked
         assert found['check']['verdict'] == 'FAILED'
         assert found['now'] == 'judged again now from the recording: the same'
