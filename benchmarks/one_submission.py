@@ -18,6 +18,7 @@ import time
 from typing import Any
 
 from autograder import exams
+from autograder.judging.clock_steps import parts_of, stepped
 from autograder.judging.exam import Advance, Exam, Scenario
 from autograder.runs import observe as observing
 from autograder.runs.examine import examine
@@ -171,7 +172,9 @@ def _figures(exam: Exam, whole: Sequence[Marks], floor: Sequence[Marks]) -> dict
     whole_s = report.spread([marks['judged'] for marks in whole])
     first_s = report.spread([marks['first message'] for marks in floor])
     closed_s = report.spread([marks['closed'] for marks in floor])
-    steps = sum(advance.to_json()['steps'] for advance in exam.scenario.steps)
+    parts = parts_of(exam.scenario, {FILE: publishers([REFERENCE])[REFERENCE]})
+    taken = stepped(exam.scenario, parts).steps
+    steps = sum(one.count for one in taken if isinstance(one, Advance))
     stepping_s = statistics.median(marks['end'] - marks['barrier'] for marks in whole)
     return {
         'exam': f'{exam.facts["simulated_s"]} simulated seconds, {len(exam.checks)} checks',
