@@ -129,13 +129,12 @@ def in_parts(advance: Advance, parts: Fraction) -> Advance:
 
 def _guesses(files: Mapping[str, str]) -> Iterator[float]:
     """
-    Yield the numbers of a program, and where it computes, one by each of them, and a short one.
+    Yield the numbers of a program, and a short one where it computes.
 
     What is computed from numbers that come from elsewhere may be anything.
     """
     nodes = [node for tree in trees(files) for node in ast.walk(tree)]
-    computes = any(_computes(node) for node in nodes)
-    if computes:
+    if any(_computes(node) for node in nodes):
         yield SHORTEST_GUESS_S
     for node in nodes:
         number = _number(node)

@@ -132,12 +132,12 @@ def _paired(target: ast.AST, value: ast.AST) -> Iterator[tuple[str, ast.AST | No
 
 def _targets_read(node: ast.AST) -> Iterator[ast.AST]:
     """Yield the targets of which :func:`_given_in` tells."""
-    targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, 'target', node)]
-    if isinstance(node, (ast.Assign, ast.AnnAssign, ast.AugAssign)):
-        for target in targets:
-            yield target
-            if isinstance(target, (ast.Tuple, ast.List)):
-                yield from target.elts
+    if isinstance(node, (ast.AnnAssign, ast.AugAssign)):
+        yield node.target
+    for target in node.targets if isinstance(node, ast.Assign) else ():
+        yield target
+        if isinstance(target, (ast.Tuple, ast.List)):
+            yield from target.elts
 
 
 def _periods_of(call: ast.Call, given: Mapping[str, Numbers]) -> Numbers:
@@ -145,7 +145,7 @@ def _periods_of(call: ast.Call, given: Mapping[str, Numbers]) -> Numbers:
     written = next(iter([*named, *call.args[:1]]), None)
     numbers = UNKNOWN if written is None else _numbers(written, given)
     if last_name(call.func) in RATES:
-        return frozenset(1 / one if one else None for one in numbers)
+        return _bounded([1 / one if one else None for one in numbers])
     return numbers
 
 

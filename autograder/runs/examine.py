@@ -78,18 +78,13 @@ def examine(
         return result
 
     def run() -> Outcome:
-        parts = parts_of(exam.scenario, files)
-
         def once(scenario: Scenario) -> Outcome:
-            scenario = stepped(scenario, parts)
             if place is None:
                 return observe(exam.name, scenario, files, sandbox, told)
             task = task_of(exam.name, scenario.to_json(), files, sandbox.mode)
             return outcome_of(place.run(task))
 
-        recording, timing = _run(exam, files, sandbox, once, told or (lambda _: None))
-        steps = {'divided': float(parts)}
-        return Recording({**recording.header, **steps}, recording.events), timing
+        return _run(exam, files, sandbox, once, told or (lambda _: None))
 
     if recordings is None:
         return judged(exam, files, *run())
@@ -188,13 +183,15 @@ def _run(
     told: Callable[[Event], None],
 ) -> Outcome:
     """Run once, and again in another way if a clock of the program's own may have decided."""
-    recording, timing = _once_or_twice(first_run(exam.scenario, files, exam.hidden), once)
+    parts = parts_of(exam.scenario, files)
+    first = first_run(exam.scenario, files, exam.hidden)
+    recording, timing = _once_or_twice(stepped(first, parts), once)
     # A learner who checks a rhythm does not wait for that: the cause is the same.
     rhythm = patient(exam.scenario, files, recording) if exam.hidden else None
     again = rhythm or second_run(exam.scenario, files, recording, exam.hidden)
     if again and not _passes(exam, files, recording):
         told({'event': 'mark', 'clock_ns': None, 'name': AGAIN})
-        other, more = _once_or_twice(again, once)
+        other, more = _once_or_twice(stepped(again, parts), once)
         run_s = timing.get('run_s', 0.0) + more.get('run_s', 0.0)
         timing = {**more, **timing, 'run_s': run_s}  # either may have been repeated
         # A slow run may hit a limit of time that the first did not.
@@ -204,6 +201,7 @@ def _run(
         'scenario': exam.scenario_digest()[:32],
         'files': files_digest(files),
         'environment': environment_digest(sandbox.ros.python),
+        'divided': float(parts),
     }
     return Recording({**recording.header, **about}, recording.events), timing
 

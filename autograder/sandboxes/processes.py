@@ -73,7 +73,7 @@ class Threads:
                 self.files[process, task] = os.open(path, os.O_RDONLY)
 
     def run(self) -> bool:
-        """Tell whether a thread runs, or waits for a processor or for a disk: proc(5)."""
+        """Tell whether a thread runs, waits for a processor or a disk, or has ended: proc(5)."""
         for file in self.files.values():
             try:
                 if os.pread(file, 64, 0).rpartition(b')')[2][1:2] in (b'R', b'D'):

@@ -175,6 +175,8 @@ def test_longer_steps_only_where_nobody_is_called():
         'X = 1e8 / 1e-308\ncreate_timer(X, f)',
         'create_timer(Duration(seconds=1, nanoseconds=1e8 / 1e-308), f)',
         'create_timer(1e999, f)',
+        'create_rate(5e-324)',
+        'create_rate(1e-308)',
         f'create_timer({"9" * 4000}, f)',
         'create_timer(10 ** 10 ** 10, f)',
         'create_timer(1 / 0, f)',

@@ -99,7 +99,7 @@ def second_of(entry: Event) -> int:
     """
     Return the second of simulated time to which a log line belongs; 0 for one of the start.
 
-    A timer fires on the first clock step at or after its time, and is seen one step later.
+    A timer fires on the first clock step at or after its time: half a second later at most.
     """
     return round((entry['clock_ns'] or 0) / SECOND - STEP_S)
 
