@@ -39,6 +39,7 @@ lean()  # before anything of ROS
 
 from builtin_interfaces.msg import Time
 from probe_graph import Graph  # type: ignore[import-not-found]  # beside this file
+import probe_loopback  # type: ignore[import-not-found]
 from probe_round_trips import RoundTrips  # type: ignore[import-not-found]
 from probe_steps import Stop, take  # type: ignore[import-not-found]
 from probe_wire import load_type, qos_profile, to_json  # type: ignore[import-not-found]
@@ -416,6 +417,7 @@ class Probe:
 
 def main() -> None:
     """Read the scenario, say that we are ready, run, and leave without a long good-bye."""
+    probe_loopback.wait()
     # Unbuffered: later words are waited for on the descriptor itself; some may be there already.
     heard = b''
     while b'\n' not in heard:

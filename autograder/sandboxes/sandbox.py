@@ -309,6 +309,7 @@ class Sandbox:
 PROBE = (
     'probe/probe.py',
     'probe/probe_graph.py',
+    'probe/probe_loopback.py',
     'probe/probe_round_trips.py',
     'probe/probe_steps.py',
     'probe/probe_wire.py',

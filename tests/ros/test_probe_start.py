@@ -1,19 +1,26 @@
-"""The probe understands its first order however slowly it starts."""
+"""The probe understands its first order however slowly it starts, and waits for its network."""
 
 from __future__ import annotations
 
 import json
 import os
 from pathlib import Path
+import select
 import subprocess
 import sys
+import time
 
 import pytest
 
 from autograder import exams
+from autograder.runs.examine import examine
 from autograder.runs.observe import HERE, TICK
+from autograder.sandboxes.confined import Confined
+from autograder.sandboxes.sandbox import Sandbox, strongest
 
 pytestmark = [pytest.mark.ros]
+
+ANSWER = Path('tests/submissions/03_topics/pass__functions_style/talker.py')
 
 
 @pytest.mark.parametrize('said_meanwhile', [b'', TICK * 3])
@@ -32,3 +39,94 @@ def test_words_that_follow_the_order_at_once_do_not_hide_it(said_meanwhile: byte
             assert json.loads(probe.stdout.readline()) == {'event': 'ready'}
         finally:
             probe.kill()
+
+
+# In a network of its own, whose loopback interface is off at first, as in a sandbox that is made.
+LATE = f"""
+import fcntl, socket, sys, threading
+sys.path.insert(0, {str(HERE / 'probe')!r})
+import probe_loopback
+from probe_loopback import IFF_UP, IFREQ, INTERFACE
+
+SIOCSIFFLAGS = 0x8914
+asked, works = threading.Event(), probe_loopback.works
+
+def works_and_tells():
+    found = works()
+    asked.set()
+    return found
+
+probe_loopback.works = works_and_tells
+print(works())
+waiting = threading.Thread(target=probe_loopback.wait)
+waiting.start()
+asked.wait()
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
+    fcntl.ioctl(any_socket, SIOCSIFFLAGS, IFREQ.pack(INTERFACE, IFF_UP))
+waiting.join()
+print(works())
+"""
+
+
+def test_it_waits_until_the_sandbox_has_switched_its_network_on():
+    """A participant that is made before hears nobody for the whole run."""
+    own_network = ['unshare', '--net', *(() if os.geteuid() == 0 else ('--map-root-user',))]
+    ran = subprocess.run(
+        [*own_network, sys.executable, '-c', LATE],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+
+    assert ran.stdout.split() == ['False', 'True']
+
+
+SWITCH = f"""
+import fcntl, socket, sys
+sys.path.insert(0, {str(HERE / 'probe')!r})
+from probe_loopback import IFF_UP, IFREQ, INTERFACE, wait
+
+on = sys.argv[1] == 'on'
+if not on:
+    wait()  # bubblewrap switches it on once
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
+    fcntl.ioctl(any_socket, 0x8914, IFREQ.pack(INTERFACE, IFF_UP if on else 0))
+"""
+
+
+def switch(student: Confined, to: str) -> None:
+    """Switch the network of a sandbox on or off."""
+    files = student.namespaces
+    into = [f'--{name}=/proc/self/fd/{file}' for name, file in files.items()]
+    into += ['--preserve-credentials'] if 'user' in files else []
+    argv = ['nsenter', *into, sys.executable, '-c', SWITCH, to]
+    subprocess.run(argv, check=True, timeout=60, pass_fds=files.values())
+
+
+def listens(student: Confined) -> bool:
+    """Tell whether somebody in a sandbox's network waits for news of interfaces."""
+    sockets = Path(f'/proc/{student.pid}/net/netlink').read_text('ascii').splitlines()[1:]
+    return any(int(one.split()[3], 16) for one in sockets)
+
+
+def test_a_node_is_seen_however_late_its_network_is(monkeypatch):
+    """No learner pays for a machine on which the sandbox is not ready when the probe is."""
+    start_probe = Sandbox.start_probe
+
+    def start_first(sandbox: Sandbox, student: Confined, home: Path) -> subprocess.Popen[bytes]:
+        switch(student, 'off')
+        probe = start_probe(sandbox, student, home)
+        deadline = time.monotonic() + 60
+        while not listens(student):
+            assert time.monotonic() < deadline, 'the probe does not wait for its network'
+            select.select((), (), (), 0.01)
+        switch(student, 'on')
+        return probe
+
+    monkeypatch.setattr(Sandbox, 'start_probe', start_first)
+    exam = exams.load('talker')
+
+    result = examine(exam, {'talker.py': ANSWER.read_text('utf-8')}, sandbox=strongest())
+
+    assert result.points == exam.max_points

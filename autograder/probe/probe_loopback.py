@@ -1,0 +1,44 @@
+"""
+Wait for the network of the student's sandbox.
+
+Bubblewrap says which process is the sandbox's before that one has switched the loopback interface
+on, and on a busy machine a probe can get there first.  Fast DDS looks for its interfaces once: a
+participant that is made too early is deaf for ever, and it would seem that there is no node.
+
+This file imports nothing of this project: only its text enters the probe's sandbox.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import socket
+import struct
+
+ADDRESS, INTERFACE = '127.0.0.1', b'lo'
+SIOCGIFFLAGS, IFF_UP = 0x8913, 0x1  # netdevice(7)
+IFREQ = struct.Struct('16sh22x')
+# News of interfaces, their addresses and routes, as one group each: rtnetlink(7).
+RTMGRP_LINK, RTMGRP_IPV4_IFADDR, RTMGRP_IPV4_ROUTE = 0x1, 0x10, 0x40
+NEWS = RTMGRP_LINK | RTMGRP_IPV4_IFADDR | RTMGRP_IPV4_ROUTE
+
+
+def works() -> bool:
+    """Tell whether the loopback interface has its address, and is on: it gets that first."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as datagrams:
+        try:
+            datagrams.bind((ADDRESS, 0))
+            asked = IFREQ.pack(INTERFACE, 0)
+            _, flags = IFREQ.unpack(fcntl.ioctl(datagrams, SIOCGIFFLAGS, asked))
+        except OSError:
+            return False
+    return bool(flags & IFF_UP)
+
+
+def wait() -> None:
+    """Wait until the loopback interface is there; the grader bounds the wait."""
+    if works():
+        return
+    with socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, socket.NETLINK_ROUTE) as news:
+        news.bind((0, NEWS))
+        while not works():  # asked after each piece of news, and once it would be heard
+            news.recv(1 << 16)
