@@ -18,11 +18,11 @@ from contextlib import AbstractContextManager, nullcontext
 import fcntl
 import functools
 from glob import glob
-import itertools
 import json
 import os
 from pathlib import Path
 import platform
+import secrets
 import shutil
 import subprocess
 import sys
@@ -38,8 +38,7 @@ from environment.ros import ros_environment, RosEnvironment
 
 HERE = Path(__file__).parents[1]
 NS_GET_USERNS = 0xB701  # ioctl_ns(2)
-# A throw-away uid for each sandbox and probe of each grader: limits on processes are per uid.
-_uids = itertools.count(1_000_000_000 + os.getpid() % 100_000 * 10_000)
+FIRST_UID, UIDS = 1_000_000_000, 1_000_000_000
 
 
 class Sandbox:
@@ -127,7 +126,7 @@ class Sandbox:
         """Return what bubblewrap starts: the program behind its limits and, as root, its uid."""
         drop = []
         if self.mode == 'bwrap-root':
-            uid = str(next(_uids))
+            uid = str(_throw_away_uid())
             drop = ['setpriv', '--reuid', uid, '--regid', uid, '--clear-groups']
             drop += ['--inh-caps=-all', '--ambient-caps=-all', '--bounding-set=-all']
             drop += ['--no-new-privs', '--']
@@ -250,7 +249,7 @@ class Sandbox:
 
     def _confine(self, program: Program, home: Path) -> list[str]:
         """Return the launcher that puts a program behind Landlock."""
-        uid = next(_uids) if self.mode == 'landlock-uid' else 0
+        uid = _throw_away_uid() if self.mode == 'landlock-uid' else 0
         if uid:
             os.chown(home, uid, uid)
         read, names = landlock.readable(self.ros, program.course_messages)
@@ -329,6 +328,15 @@ def _of_probe(folder: Path, domain: int) -> dict[str, str]:
         'FASTRTPS_DEFAULT_PROFILES_FILE': str(folder / 'probe.xml'),
         'UNICAST_PORT': str(first_port(domain)),
     }
+
+
+def _throw_away_uid() -> int:
+    """
+    Return a uid for one sandbox or probe; limits on processes are per uid.
+
+    At random: graders in two containers have the same pids, and share the kernel that counts.
+    """
+    return FIRST_UID + secrets.randbelow(UIDS)
 
 
 BARE = {'PATH': '/usr/bin:/bin'}
