@@ -19,6 +19,8 @@ from tests.judgement.references import exercises
 from tests.judgement.samples import counted, expected_verdicts, samples, verdicts_of
 
 LAYOUT = Layout.here()
+_FOLDER = tempfile.TemporaryDirectory(prefix='class-')  # removed when Python ends
+WORKING = Layout(Path(_FOLDER.name))
 EXAMINED = [name for name in LAYOUT.assignments() if exams.for_assignment(name)]
 SAMPLES = [
     pytest.param(assignment, path.name, id=f'{assignment}-{path.name}')
@@ -38,16 +40,24 @@ pytestmark = [
 @cache
 def graded(assignment: str) -> dict[str, SubmissionResult]:
     """Return the results of a lesson's samples by name, from one run of them all."""
-    with tempfile.TemporaryDirectory(prefix='class-') as folder:
-        engine = grading_engine(Layout(Path(folder)))
-        lesson = load_lesson(LAYOUT, assignment, engine)
-        class_ = [
-            Submission(path.name, path, sample_class.compose(LAYOUT, assignment, path))
-            for path in sample_class.samples(LAYOUT, assignment, everything=True)
-        ]
-        # More than there are processors: much of the time, a program is watched and sleeps.
-        done = grade_class(class_, lesson, engine, jobs=4)
+    engine = grading_engine(WORKING)
+    lesson = load_lesson(LAYOUT, assignment, engine)
+    class_ = [
+        Submission(path.name, path, sample_class.compose(LAYOUT, assignment, path))
+        for path in sample_class.samples(LAYOUT, assignment, everything=True)
+    ]
+    # More than there are processors: much of the time, a program is watched and sleeps.
+    done = grade_class(class_, lesson, engine, jobs=4)
     return {one.result.student: one.result for one in done}
+
+
+def seen(result: SubmissionResult) -> str:
+    """Return how the runs of a submission began and ended, for whom has to find out."""
+    kept = [one for one in result.exams if one.recording]
+    texts = [(WORKING.recordings / one.exam / one.recording).read_text('utf-8') for one in kept]
+    return '\n'.join(
+        text if len(text) < 4000 else f'{text[:2000]}\n...\n{text[-2000:]}' for text in texts
+    )
 
 
 @pytest.mark.parametrize('assignment', EXAMINED)
@@ -88,7 +98,7 @@ def test_verdicts_and_causes_and_points_are_those_expected(assignment, name):
     }
 
     assert result.fault == ''
-    assert verdicts == wanted
+    assert verdicts == wanted, seen(result)
     assert {exam.exam: round(exam.points, 3) for exam in result.exams} == expected['points']
     if name.startswith('pass__'):
         assert result.points == result.max_points
