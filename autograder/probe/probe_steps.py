@@ -26,9 +26,14 @@ from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallba
 NANOSECONDS = 1_000_000_000
 CONNECT_S = 1.0
 TICK_EVERY_S = 0.01
+# Of a clock that waits for the program: the longest step, and how much slower than real time.
+LONGEST_TICK_S, SLOWEST_CLOCK = 0.1, 2
 # What is watched in real time is judged by real pauses: from a third of a period on, a pause of
 # ours would be taken for one of the program's.
 MOST_STALLED_S = 0.3
+# The same of the program: how long it may want a processor and get none. It is told in steps of
+# a tenth of a second, and a busy machine of two processors and eight programs takes up to 0.27 s.
+MOST_STARVED_S = 0.4
 DEAF_S = 0.5  # how long a program is watched that has not even taken the first request
 STILL_S = 0.2  # how long a graph must stay as it is; news of an endpoint takes a millisecond
 MOST_SOURCES = 50
@@ -46,16 +51,23 @@ def advance(probe: Any, step: dict[str, Any], lockstep: bool) -> None:
         _stand_still(probe)
         if step is _last_advance(probe) and not probe.own_time:
             raise Stop('follows_the_clock')  # all that was to be found out
-    if not lockstep or probe.own_time:
-        _advance_in_wall_time(probe, now, DEAF_S if probe.deaf else step['watch_s'])
+    if probe.own_time or not lockstep:
+        seconds = DEAF_S if probe.deaf else step['watch_s']
+        probe.emit('wall_time', seconds=seconds)
+        watch = _advance_in_both_times if probe.own_time else _advance_in_wall_time
+        watch(probe, now, seconds)
         return
     for number in range(step['steps']):
         probe.tick(now + step['first_ns'] + number * step['step_ns'])
-        probe.barrier(2)
-        # A rate in a thread of its own is woken by the tick, and must be asleep again
-        # before the next one.
-        probe.wait_until_quiet()
-        probe.drain()
+        _let_it_take_the_tick(probe)
+
+
+def _let_it_take_the_tick(probe: Any) -> None:
+    probe.barrier(2)
+    # A rate in a thread of its own is woken by the tick, and must be asleep again before the
+    # next one.
+    probe.wait_until_quiet()
+    probe.drain()
 
 
 def _stand_still(probe: Any) -> None:
@@ -78,21 +90,50 @@ def _last_advance(probe: Any) -> dict[str, Any]:
     return [step for step in steps if step['do'] == 'advance'][-1]
 
 
+def _advance_in_both_times(probe: Any, start_ns: int, seconds: float) -> None:
+    """
+    Watch a program of which only some part keeps its own time.
+
+    The clock goes as fast as real time where the program keeps up, and slower where it does not:
+    what follows the clock stands at its tick, however late a busy machine lets it run.
+    """
+    clock_ns, end_ns = start_ns, start_ns + int(seconds * NANOSECONDS)
+    until, seen = probe.patience_s + SLOWEST_CLOCK * seconds, time.monotonic()
+    while clock_ns < end_ns and probe.patience_s < until:
+        now = time.monotonic()
+        clock_ns += int(min(now - seen, LONGEST_TICK_S) * NANOSECONDS)
+        seen = now
+        probe.tick(clock_ns)
+        _let_it_take_the_tick(probe)
+        _pass_time(probe, now + TICK_EVERY_S)
+
+
 def _advance_in_wall_time(probe: Any, start_ns: int, seconds: float) -> None:
     # Code that never answers the barrier keeps its own time; it is watched in ours.
-    probe.emit('wall_time', seconds=seconds)
-    began = time.monotonic()
+    began = had_time = time.monotonic()
+    patience_s = probe.patience_s
     while (elapsed := time.monotonic() - began) < seconds:
         probe.tick(start_ns + int(elapsed * NANOSECONDS))
-        # We hear our own tick, so one look is no pause: without one, it would be thousands a
-        # second, and the probe would need more of the processor than what it watches.
         until = time.monotonic() + TICK_EVERY_S
-        while (left := until - time.monotonic()) > 0:
-            if probe.student_exited:
-                raise Stop('student_exited')
-            probe.spin(left)
-        if time.monotonic() - until > MOST_STALLED_S:
+        _pass_time(probe, until)
+        now = time.monotonic()
+        if probe.patience_s > patience_s:
+            patience_s, had_time = probe.patience_s, now
+        if now - until > MOST_STALLED_S or now - had_time > MOST_STARVED_S:
             raise Stop('too_busy')
+
+
+def _pass_time(probe: Any, until: float) -> None:
+    """
+    Handle what arrives until some moment.
+
+    We hear our own tick, so one look is no pause: without one, there would be thousands a second,
+    and the probe would need more of the processor than what it watches.
+    """
+    while (left := until - time.monotonic()) > 0:
+        if probe.student_exited:
+            raise Stop('student_exited')
+        probe.spin(left)
 
 
 def feed(probe: Any, step: dict[str, Any], lockstep: bool) -> None:

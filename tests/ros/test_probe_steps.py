@@ -11,31 +11,121 @@ from autograder.runs.observe import HERE
 
 pytestmark = [pytest.mark.ros]
 
-# The probe hears its own tick, so that waiting for news returns at once; here it always does.
-PROGRAM = f"""
+# A clock of its own: what each of the probe's acts takes is given, so the machine decides nothing.
+STEPPING = f"""
 import sys
+from types import SimpleNamespace
 sys.path[:0] = [{str(HERE / 'probe')!r}, {str(HERE / 'inside')!r}]
-from probe_steps import advance
+import probe_steps
 
 class Probe:
-    clock_ns, deaf, student_exited, ticks = None, set(), False, 0
+    clock_ns, deaf, student_exited, own_time = None, set(), False, False
+    now = patience_s = 0.0
+    look_s, answer_s, starved = 0.0, 0.0, False
+    def __init__(self, **facts):
+        self.__dict__.update(facts)
+        self.ticks, self.looks = [], 0
+        probe_steps.time = SimpleNamespace(monotonic=lambda: self.now)
+    def pass_time(self, seconds):
+        self.now += seconds
+        self.patience_s += 0.0 if self.starved else seconds
     def emit(self, *_, **__): pass
-    def spin(self, seconds): pass
-    def tick(self, nanoseconds): self.ticks += 1
+    def drain(self): pass
+    def wait_until_quiet(self): pass
+    def tick(self, nanoseconds):
+        self.pass_time(0.0001)
+        self.ticks.append(nanoseconds / 1e9)
+    def barrier(self, rounds): self.pass_time(self.answer_s)
+    def spin(self, seconds):
+        self.looks += 1
+        # The probe hears its own tick, so that waiting for news returns at once.
+        self.pass_time(min(self.look_s or seconds, seconds))
 
-probe = Probe()
-advance(probe, {{'watch_s': 0.5}}, False)
-print(probe.ticks)
+def advance(watch_s, **facts):
+    probe = Probe(**facts)
+    try:
+        probe_steps.advance(probe, {{'watch_s': watch_s}}, False)
+    except probe_steps.Stop as stop:
+        print(stop)
+    return probe
+
+def longest(probe):
+    ticks = probe.ticks
+    return max(later - earlier for earlier, later in zip([0.0, *ticks], ticks))
 """
 
 
-def test_a_program_that_keeps_its_own_time_hears_a_hundred_ticks_a_second_at_most():
-    """Thousands would cost more of the processor than what is watched."""
+def stepping(program: str) -> list[str]:
+    """Return what a program with steps prints, line by line."""
     ran = subprocess.run(
-        [sys.executable, '-c', PROGRAM], capture_output=True, text=True, check=True, timeout=60
+        [sys.executable, '-c', STEPPING + program],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
     )
+    return ran.stdout.split('\n')[:-1]
 
-    assert 1 <= int(ran.stdout) <= 50
+
+class TestWatchedInRealTime:
+    """Programs that keep their own time, or whose nodes do in part."""
+
+    def test_hears_a_hundred_ticks_a_second_at_most(self):
+        """Thousands would cost more of the processor than what is watched."""
+        (said,) = stepping('probe = advance(0.5, look_s=0.001); print(len(probe.ticks))')
+
+        assert 45 <= int(said) <= 50
+
+    @pytest.mark.parametrize(
+        ('late', 'said'),
+        [
+            ('advance(5.0, starved=True)', ['too_busy']),
+            ('Probe.spin = lambda self, _: self.pass_time(0.35); advance(5.0)', ['too_busy']),
+            ('Probe.spin = lambda self, _: self.pass_time(0.25); advance(5.0)', []),
+        ],
+    )
+    def test_a_starved_program_and_a_stalled_probe_give_no_evidence(self, late, said):
+        """Their pauses would be taken for pauses that the program makes."""
+        assert stepping(late) == said
+
+    def test_nodes_that_follow_the_clock_are_never_late(self):
+        """The next tick waits for the answer to the last one, and is a short one."""
+        slow, end = map(
+            float,
+            stepping(
+                'probe = advance(3.0, own_time=True, answer_s=0.15)\n'
+                'print(longest(probe)); print(probe.ticks[-1])'
+            ),
+        )
+
+        assert slow <= 0.1 + 1e-6
+        assert 3.0 <= end < 3.2
+
+    def test_the_clock_keeps_real_time_where_they_keep_up(self):
+        """A node with a clock of its own beside them then seems neither fast nor slow."""
+        behind, end = map(
+            float,
+            stepping(
+                'probe = advance(3.0, own_time=True, answer_s=0.004)\n'
+                'print(probe.now - probe.ticks[-1]); print(probe.ticks[-1])'
+            ),
+        )
+
+        assert abs(behind) < 0.05
+        assert 3.0 <= end < 3.1
+
+    def test_one_that_takes_seconds_to_answer_is_not_waited_for_without_end(self):
+        """Twice the time that it was to be watched, in its own time."""
+        took, end = map(
+            float,
+            stepping(
+                'probe = advance(3.0, own_time=True, answer_s=1.0)\n'
+                'print(probe.now); print(probe.ticks[-1])'
+            ),
+        )
+
+        assert 6.0 <= took < 7.1
+        assert end < 1.0
 
 
 # A tick of our own makes no event; a topic that is written faster than read never ends.

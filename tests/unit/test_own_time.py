@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from autograder import exams
+from autograder.exams.visible.harbour import lookout_reports_every_second
 from autograder.judging import own_time
+from autograder.judging.exam import Failed, Run
 from autograder.judging.own_time import (
     is_flood,
     is_regular,
@@ -200,3 +203,35 @@ class TestWhoIsRunAgain:
     def test_nothing_to_find_out(self, scenario, run):
         """Then once is enough."""
         assert patient(scenario, {'a.py': 'import time'}, run) is None
+
+
+class TestTwoNodesAndTwoClocks:
+    """One node of a program follows the clock, and another one does not."""
+
+    @staticmethod
+    def lookout_passes(lines: int, clock_s: float) -> bool:
+        """Tell whether the lookout passes with so many lines when the clock showed so much."""
+        exam = exams.load('harbour')
+        log = {'event': 'log', 'name': 'harbour.lookout', 'level': 20, 'text': 'Sea.'}
+        events = (
+            {'event': 'other_clock', 'clock_ns': None, 'sources': ['harbour.keeper']},
+            {'event': 'wall_time', 'clock_ns': None, 'seconds': 8.0},
+            *({**log, 'clock_ns': second * 10**9} for second in range(1, lines + 1)),
+            {'event': 'end', 'clock_ns': int(clock_s * 1e9), 'reason': 'complete'},
+        )
+        run = Run({'harbour.py': ''}, Recording(header('harbour', 'none'), events), exam.facts)
+        try:
+            lookout_reports_every_second(run)
+        except Failed:
+            return False
+        return True
+
+    @pytest.mark.parametrize(('lines', 'clock_s'), [(10, 10.3), (11, 11.0), (10, 11.0)])
+    def test_who_follows_the_clock_is_judged_by_it(self, lines, clock_s):
+        """The last line may be one that is just due."""
+        assert self.lookout_passes(lines, clock_s)
+
+    @pytest.mark.parametrize(('lines', 'clock_s'), [(0, 0.9), (2, 2.1), (9, 11.0), (12, 11.0)])
+    def test_who_holds_up_the_clock_has_to_show_as_much(self, lines, clock_s):
+        """The clock waits for answers: slow ones are no way to get by with little."""
+        assert not self.lookout_passes(lines, clock_s)

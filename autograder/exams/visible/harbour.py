@@ -16,7 +16,7 @@ from autograder.judging.causes import why_it_ended, why_no_node, why_silent
 from autograder.judging.checks import OTHER_CLOCK, own_logs, SECOND, why_own_time
 from autograder.judging.code_periods import timer_periods
 from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.own_time import names_another_clock
+from autograder.judging.own_time import names_another_clock, SHORTEST_S
 from autograder.judging.unlogged import debug_level, why_left_out, why_not_logged
 from autograder.runs.recording import Event, INFO
 from autograder.runs.scenario import Advance, Await, Scenario
@@ -105,8 +105,10 @@ def second_of(entry: Event) -> int:
 
 
 def _watched_s(run: Run) -> int:
-    """Return how many seconds the clock showed when the other node's time was watched."""
-    return int((run.recording.of('end')[-1]['clock_ns'] or 0) / SECOND)
+    """Return for how many seconds of the clock lines are due where another node keeps its own."""
+    shown = (run.recording.of('end')[-1]['clock_ns'] or 0) / SECOND
+    # The clock waits for answers: who gives them slowly would have to show next to nothing.
+    return int(max(shown, SHORTEST_S))
 
 
 def require_reports(run: Run, node: str, period_s: int) -> None:
