@@ -279,7 +279,7 @@ class _Watched:
     def _ended(self, event: dict[str, Any]) -> None:
         self.done = True
         if event['reason'] == 'too_busy':
-            raise ProbeFailed('The machine was too busy: in real time, somebody got no turn.')
+            raise ProbeFailed('The machine was too busy: the probe got no turn while it watched.')
 
     def _keep_event(self, event: dict[str, Any]) -> None:
         self.events.append(event)

@@ -18,7 +18,7 @@ class TemperaturePublisher(Node):
         msg.unit = 'Celsius'
         msg.timestamp = self.get_clock().now().to_msg()
         msg.sensor_id = 'temp_sensor_01'
-        time.sleep(1.5)
+        time.sleep(2.5)
         self.publisher.publish(msg)
 
 
