@@ -24,20 +24,18 @@ class Probe:
     look_s = answer_s = 0.0
     def __init__(self, **facts):
         self.__dict__.update(facts)
-        self.ticks, self.looks = [], 0
+        self.ticks = []
         probe_steps.time = SimpleNamespace(monotonic=lambda: self.now)
     def pass_time(self, seconds):
         self.now += seconds
         self.patience_s += seconds
     def emit(self, *_, **__): pass
     def drain(self): pass
-    def wait_until_quiet(self): pass
     def tick(self, nanoseconds):
         self.pass_time(0.0001)
         self.ticks.append(nanoseconds / 1e9)
     def barrier(self, rounds): self.pass_time(self.answer_s)
     def spin(self, seconds):
-        self.looks += 1
         # The probe hears its own tick, so that waiting for news returns at once.
         self.pass_time(min(self.look_s or seconds, seconds))
 
