@@ -19,6 +19,9 @@ SIOCGIFFLAGS, IFF_UP = 0x8913, 0x1  # netdevice(7)
 IFREQ = struct.Struct('16sh22x')
 # News of interfaces, their addresses and routes, as one group each: rtnetlink(7).
 RTMGRP_LINK, RTMGRP_IPV4_IFADDR, RTMGRP_IPV4_ROUTE = 0x1, 0x10, 0x40
+# Beyond all process ids. Left to choose, Linux takes that of the process, which is 1 for the probe
+# and for bubblewrap; the second of them would not get what it expects, and bubblewrap gives up.
+PORT = 1 << 30
 NEWS = RTMGRP_LINK | RTMGRP_IPV4_IFADDR | RTMGRP_IPV4_ROUTE
 
 
@@ -39,6 +42,6 @@ def wait() -> None:
     if works():
         return
     with socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, socket.NETLINK_ROUTE) as news:
-        news.bind((0, NEWS))
+        news.bind((PORT, NEWS))
         while not works():  # asked after each piece of news, and once it would be heard
             news.recv(1 << 16)

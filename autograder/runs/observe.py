@@ -25,6 +25,7 @@ from autograder.errors import ProbeFailed, TooBusy
 from autograder.judging.exam import Scenario
 from autograder.runs.recording import header, Recording
 from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.probes import start_probe
 from autograder.sandboxes.processes import (
     oom_kills,
     other_domains,
@@ -145,7 +146,7 @@ class _Watched:
     ) -> None:
         self.student = student
         self.limits = limits
-        self.probe = sandbox.start_probe(student, home)
+        self.probe = start_probe(sandbox, student, home)
         self.threads, self.probe_threads = Threads(student.pid), Threads(self.probe.pid)
         self.scenario = scenario
         self.exam = ''
@@ -173,7 +174,7 @@ class _Watched:
             self._look_around()
             self._nobody_else_ended_it()
         finally:
-            said = self._end_probe()
+            said = self.probe.end()
             self.threads.close()
             self.probe_threads.close()
         self._read_the_rest()
@@ -181,7 +182,7 @@ class _Watched:
             if self.killed and not self.ready_s:
                 raise ProbeFailed(f'The probe was not ready in time: {self.killed}.')
             if not self.killed:
-                code = self.probe.returncode
+                code = self.probe.code
                 raise ProbeFailed(
                     f'exam {self.exam}: the probe broke off with code {code}: {said or "no word"}.'
                 )
@@ -192,8 +193,6 @@ class _Watched:
     def _loop(self) -> None:
         # A neutral name that no program can know beforehand.
         order = {**self.scenario.to_json(), 'name': f'n{secrets.token_hex(6)}'}
-        assert self.probe.stdin is not None
-        assert self.probe.stdout is not None
         self.probe.stdin.write(json.dumps(order).encode() + b'\n')
         self.probe.stdin.flush()
         with selectors.DefaultSelector() as pipes:
@@ -288,10 +287,14 @@ class _Watched:
 
     def _student_ended(self) -> None:
         self.exit = self.student.process.wait()
+        if self.student.held():
+            self._read_the_rest()
+            said = self.output['stderr'].decode(errors='replace').strip() or 'no word'
+            what = f'The sandbox ended with code {self.exit} before the program began'
+            raise ProbeFailed(f'{what}: {said}.')
         self._tell_probe(EXITED)
 
     def _tell_probe(self, line: bytes) -> None:
-        assert self.probe.stdin is not None
         try:
             self.probe.stdin.write(line)
             self.probe.stdin.flush()
@@ -366,17 +369,6 @@ class _Watched:
         launcher = bool(self.student.namespaces) or self.student.supervised
         running = self.exit is None
         self.left = len(self.threads.processes) > max(1, launcher + running)
-
-    def _end_probe(self) -> str:
-        """End the probe, which is done or of no more use; return its last error line."""
-        # bubblewrap's inner process waits for ever if the outer one dies before it says go on;
-        # until it has a session of its own, it is in this group.
-        try:
-            os.killpg(self.probe.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
-        _, said = self.probe.communicate()
-        return (said.decode(errors='replace').strip().splitlines() or [''])[-1]
 
     def _process_event(self) -> dict[str, Any]:
         ends = {name: data.decode(errors='replace') for name, data in self.output.items()}

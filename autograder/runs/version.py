@@ -18,7 +18,8 @@ import platform
 import subprocess
 import sys
 
-from autograder.sandboxes.sandbox import HERE, PROBE
+from autograder.sandboxes import probes
+from autograder.sandboxes.sandbox import HERE
 from environment.ros import FILE_NAME
 
 AROUND = (
@@ -33,6 +34,7 @@ AROUND = (
     'runs/scenario.py',
     'sandboxes/confined.py',
     'sandboxes/landlock.py',
+    'sandboxes/probes.py',
     'sandboxes/processes.py',
     'sandboxes/sandbox.py',
 )
@@ -124,7 +126,7 @@ def _rclpy() -> str:
 def _digest_of_grader() -> str:
     inside = sorted((HERE / 'inside').rglob('*.py'))
     filters = sorted((HERE / 'sandboxes' / 'seccomp').glob('*.bpf'))
-    files = [*(HERE / name for name in (*PROBE, *AROUND)), *inside, *filters]
+    files = [*(HERE / name for name in (*probes.FILES, *AROUND)), *inside, *filters]
     return _digest(b'\0'.join(path.name.encode() + b'\0' + path.read_bytes() for path in files))
 
 

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from array import array
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+import fcntl
 import os
 from pathlib import Path
 import select
 import signal
 import subprocess
+import termios
+from typing import IO
 
 
 @dataclass(frozen=True)
@@ -33,22 +38,27 @@ class Limits:
     inodes: int = 20_000
     output: int = 8 << 20
 
-    def argv(self, others: int = 0) -> list[str]:
+    def of_process(self, others: int = 0) -> dict[str, int]:
         """
-        Return the prlimit prefix; sums over processes are the watchdog's business.
+        Return what the kernel itself limits, by the names of setrlimit(2) in small letters.
+
+        Sums over processes are the watchdog's business.
 
         :param others: processes and threads that the same uid has already: they count
         """
-        return [
-            'prlimit',
-            f'--nproc={self.processes + others}',
-            f'--as={2 * self.memory}',
-            f'--fsize={self.folder}',
-            '--core=0',
-            '--nofile=256',
-            f'--cpu={self.cpu_s + 5}',  # the watchdog, which sums, comes first
-            '--',
-        ]
+        return {
+            'nproc': self.processes + others,
+            'as': 2 * self.memory,
+            'fsize': self.folder,
+            'core': 0,
+            'nofile': 256,
+            'cpu': self.cpu_s + 5,  # the watchdog, which sums, comes first
+        }
+
+    def argv(self, others: int = 0) -> list[str]:
+        """Return :meth:`of_process` as the prlimit prefix of a command."""
+        limits = self.of_process(others).items()
+        return ['prlimit', *(f'--{name}={value}' for name, value in limits), '--']
 
 
 @dataclass(frozen=True)
@@ -80,6 +90,7 @@ class Confined:
     :param supervised: whether :mod:`autograder.inside.confine` ends what the program started
     :param home: the folder the program may write to, None where it has a file system of its own
     :param domain: its ROS domain id
+    :param released: whether it was told to go on, and can have heard it
     """
 
     process: subprocess.Popen[bytes]
@@ -89,6 +100,7 @@ class Confined:
     supervised: bool = False
     home: Path | None = None
     domain: int = 0
+    released: bool = False
 
     def release(self) -> None:
         """
@@ -98,12 +110,17 @@ class Confined:
         runs.
         """
         assert self.process.stdin
-        try:
+        with suppress(BrokenPipeError):  # it has died already; its exit is noticed elsewhere
             self.process.stdin.write(b'x')
-            self.process.stdin.close()
-        except BrokenPipeError:
-            pass  # it has died already; its exit is noticed elsewhere
-        self.process.stdin = None
+            self.process.stdin.flush()
+            self.released = True
+
+    def held(self) -> bool:
+        """Tell whether it still waits, or has ended so: no line of a student's has been run."""
+        assert self.process.stdin
+        unread = array('i', [0])
+        fcntl.ioctl(self.process.stdin, termios.FIONREAD, unread)
+        return not self.released or unread[0] > 0
 
     def kill(self) -> None:
         """End everything inside, then the launcher: killed first, that could leave orphans."""
@@ -150,6 +167,38 @@ class Confined:
             count += found.f_files - found.f_ffree
             size += (found.f_blocks - found.f_bfree) * found.f_frsize
         return count, size
+
+
+@dataclass
+class Probe:
+    """
+    A started probe and the handles on it.
+
+    :param pid: host pid of its first process
+    :param stdin: for the scenario, and what it is told meanwhile
+    :param stdout: its events
+    :param stderr: its last words, if it has any
+    :param kill: ends it with all its processes, whether or not it has ended
+    :param wait: returns its exit code once it has ended; None if nobody knows
+    """
+
+    pid: int
+    stdin: IO[bytes]
+    stdout: IO[bytes]
+    stderr: IO[bytes]
+    kill: Callable[[], None]
+    wait: Callable[[], int | None]
+    code: int | None = None
+
+    def end(self) -> str:
+        """End it, as it is done or of no more use, and return its last words."""
+        self.kill()
+        said = self.stderr.read().decode(errors='replace').strip()
+        self.code = self.wait()
+        for stream in (self.stdin, self.stdout, self.stderr):
+            with suppress(BrokenPipeError):
+                stream.close()
+        return (said.splitlines() or [''])[-1]
 
 
 SUPERVISOR_S = 60.0  # bounds what it needs to end a sandbox's processes: milliseconds

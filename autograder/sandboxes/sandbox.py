@@ -32,7 +32,6 @@ from autograder.errors import SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
 from autograder.sandboxes.confined import Confined, Limits, Program
 from autograder.sandboxes.isolation import fix_for, System
-from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox_trial import try_out
 from environment.ros import ros_environment, RosEnvironment
 
@@ -96,7 +95,11 @@ class Sandbox:
         return '/grader/fastdds.xml' if self.isolated else str(HERE / 'fastdds.xml')
 
     def bwrap(
-        self, program: Program, limits: Limits, descriptors: Sequence[str], *, own_net: bool = True
+        self,
+        program: Program,
+        limits: Limits,
+        descriptors: Sequence[str],
+        capabilities: Sequence[str] = ('CAP_SETUID', 'CAP_SETGID', 'CAP_SETPCAP'),
     ) -> list[str]:
         """
         Return bubblewrap's options for a program.
@@ -104,14 +107,13 @@ class Sandbox:
         They are handed over through a pipe: its command line can be read inside the sandbox.
 
         :param descriptors: ``--info-fd N`` and the like
-        :param own_net: False for the probe, which is put into the student's network before
+        :param capabilities: what it starts with as root; these are there to be given up
         """
         root = self.mode == 'bwrap-root'
         argv = ['--unshare-ipc', '--unshare-pid', '--unshare-uts', '--unshare-cgroup-try']
-        argv += ['--unshare-net'] if own_net else []
-        argv += ['--cap-drop', 'ALL']
+        argv += ['--unshare-net', '--cap-drop', 'ALL']
         if root:
-            for capability in ('CAP_SETUID', 'CAP_SETGID', 'CAP_SETPCAP'):
+            for capability in capabilities:
                 argv += ['--cap-add', capability]
         else:
             argv += ['--unshare-user', '--disable-userns']
@@ -126,7 +128,7 @@ class Sandbox:
         """Return what bubblewrap starts: the program behind its limits and, as root, its uid."""
         drop = []
         if self.mode == 'bwrap-root':
-            uid = str(_throw_away_uid())
+            uid = str(throw_away_uid())
             drop = ['setpriv', '--reuid', uid, '--regid', uid, '--clear-groups']
             drop += ['--inh-caps=-all', '--ambient-caps=-all', '--bounding-set=-all']
             drop += ['--no-new-privs', '--']
@@ -196,7 +198,7 @@ class Sandbox:
         descriptors = ['--info-fd', str(info_write), '--seccomp', str(rules)]
         try:
             options = self.bwrap(program, limits, descriptors)
-            process = _popen([], options, self.command(program, limits), (info_write, rules))
+            process = popen(options, self.command(program, limits), (info_write, rules))
         except OSError as error:
             os.close(info_read)
             raise SandboxUnavailable(
@@ -226,15 +228,15 @@ class Sandbox:
 
     def _start_weak(self, program: Program, limits: Limits, home: Path) -> Confined:
         domain = landlock.free_domain()
-        argv, variables = self._outside(program, limits, home, domain)
+        argv, variables = self.outside(program, limits, home, domain)
         if self.mode != 'none':
-            argv = [*self._confine(program, home), *argv]
-        process = subprocess.Popen(argv, env=variables, cwd=home, **_PIPES)
+            argv = [*self.behind_landlock(program, home), *argv]
+        process = subprocess.Popen(argv, env=variables, cwd=home, **PIPES)
         confined = Confined(process, process.pid, os.pidfd_open(process.pid), home=home)
         confined.supervised, confined.domain = self.mode != 'none', domain
         return confined
 
-    def _outside(
+    def outside(
         self, program: Program, limits: Limits, home: Path, domain: int
     ) -> tuple[list[str], dict[str, str]]:
         """Return a program's command line behind its limits, and variables, in host paths."""
@@ -247,9 +249,9 @@ class Sandbox:
         argv = [*prefix, *(_outside(word, inside) for word in program.argv)]
         return argv, {**variables, 'TMPDIR': str(home)}
 
-    def _confine(self, program: Program, home: Path) -> list[str]:
+    def behind_landlock(self, program: Program, home: Path) -> list[str]:
         """Return the launcher that puts a program behind Landlock."""
-        uid = _throw_away_uid() if self.mode == 'landlock-uid' else 0
+        uid = throw_away_uid() if self.mode == 'landlock-uid' else 0
         if uid:
             os.chown(home, uid, uid)
         read, names = landlock.readable(self.ros, program.course_messages)
@@ -263,74 +265,8 @@ class Sandbox:
         launcher = str(HERE / 'inside' / 'confine.py')
         return [self.ros.python, '-I', '-S', launcher, json.dumps(rules)]
 
-    def start_probe(self, student: Confined, home: Path) -> subprocess.Popen[bytes]:
-        """
-        Start the probe in the student's network, apart from the student.
 
-        As root it is confined by a sandbox of its own.  A plain user's probe joins the user
-        namespace, in which no further one can be made; there, Landlock confines it where the
-        kernel has it, and limits and a bare environment are all it has where not.
-
-        :param student: the held program
-        :param home: the student's; the probe's is made beside it
-        """
-        # It works for as long as the program is watched, so the wall clock's limit comes first.
-        limits = Limits(cpu_s=120)
-        argv = (self.ros.python, '/grader/probe.py')
-        fds = tuple(student.namespaces.values())
-        if self.mode == 'bwrap-root':
-            enter = ['nsenter', f'--net=/proc/self/fd/{student.namespaces["net"]}', '--']
-            program = Program(
-                argv,
-                {str(HERE / name): f'/grader/{Path(name).name}' for name in PROBE},
-                variables=_of_probe(Path('/grader'), student.domain),
-            )
-            options = self.bwrap(program, limits, (), own_net=False)
-            return _popen(enter, options, self.command(program, limits), fds)
-        own, code = home.parent / 'probe', home.parent / 'code'
-        for folder in (own, code):
-            folder.mkdir(mode=0o755)
-        for name in PROBE:  # Python lists the folder, whose neighbours are no business of it
-            shutil.copy(HERE / name, code)
-        program = Program(argv, {str(code): '/grader'}, variables=_of_probe(code, student.domain))
-        run, variables = self._outside(program, limits, own, student.domain)
-        if self.mode != 'none' and not landlock.refusal(root=os.geteuid() == 0)[0]:
-            run = [*self._confine(program, own), *run]
-        if self.mode == 'bwrap-user':
-            enter = ['nsenter', f'--net=/proc/self/fd/{student.namespaces["net"]}']
-            enter += [f'--user=/proc/self/fd/{student.namespaces["user"]}']
-            assign = [f'{name}={value}' for name, value in variables.items()]
-            run = [*enter, '--preserve-credentials', '--', 'env', '-i', *assign, *run]
-            variables = BARE
-        return subprocess.Popen(run, pass_fds=fds, env=variables, cwd=own, **_PIPES)
-
-
-PROBE = (
-    'probe/probe.py',
-    'probe/probe_graph.py',
-    'probe/probe_loopback.py',
-    'probe/probe_round_trips.py',
-    'probe/probe_steps.py',
-    'probe/probe_wire.py',
-    'probe/probe.xml',
-    'inside/lean_start.py',
-)
-"""What the probe consists of."""
-
-
-def _of_probe(folder: Path, domain: int) -> dict[str, str]:
-    """
-    Return the probe's own variables: where its profile is, and the port that it names.
-
-    :param folder: of the probe's files, as the probe sees it
-    """
-    return {
-        'FASTRTPS_DEFAULT_PROFILES_FILE': str(folder / 'probe.xml'),
-        'UNICAST_PORT': str(first_port(domain)),
-    }
-
-
-def _throw_away_uid() -> int:
+def throw_away_uid() -> int:
     """
     Return a uid for one sandbox or probe; limits on processes are per uid.
 
@@ -340,7 +276,7 @@ def _throw_away_uid() -> int:
 
 
 BARE = {'PATH': '/usr/bin:/bin'}
-_PIPES: dict[str, Any] = {
+PIPES: dict[str, Any] = {
     'stdin': subprocess.PIPE,
     'stdout': subprocess.PIPE,
     'stderr': subprocess.PIPE,
@@ -349,25 +285,22 @@ _PIPES: dict[str, Any] = {
 }
 
 
-def _popen(
-    enter: Sequence[str],
-    options: Sequence[str],
-    command: Sequence[str],
-    fds: Sequence[int],
+def popen(
+    options: Sequence[str], command: Sequence[str], fds: Sequence[int], **pipes: Any
 ) -> subprocess.Popen[bytes]:
     """
     Start bubblewrap with its options in a pipe.
 
-    :param enter: what comes before it on the command line
     :param fds: descriptors it inherits
+    :param pipes: what is to be different from :data:`PIPES`
     """
     listed, writing = os.pipe()
     try:
         # Some 8 KB; a pipe takes 64 KB without a reader.
         os.write(writing, b'\0'.join(option.encode() for option in options) + b'\0')
         os.close(writing)
-        argv = [*enter, 'bwrap', '--args', str(listed), '--', *command]
-        return subprocess.Popen(argv, pass_fds=(*fds, listed), env=BARE, **_PIPES)
+        argv = ['bwrap', '--args', str(listed), '--', *command]
+        return subprocess.Popen(argv, pass_fds=(*fds, listed), env=BARE, **{**PIPES, **pipes})
     finally:
         os.close(listed)
 

@@ -10,6 +10,7 @@ import subprocess
 import pytest
 
 from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.probes import start_probe
 from autograder.sandboxes.sandbox import strongest
 
 pytestmark = [pytest.mark.pipeline]
@@ -36,10 +37,13 @@ def test_a_probe_ends_at_whatever_moment_it_is_killed(tmp_path: Path, turn: int)
         Program((sandbox.ros.python, '-c', 'import sys; sys.stdin.read()')), Limits(), home
     )
     try:
-        probe = sandbox.start_probe(student, home)
-        os.killpg(probe.pid, signal.SIGKILL)
-        said, _ = probe.communicate(timeout=60)
+        probe = start_probe(sandbox, student, home)
+        probe.kill()
+        said = probe.stdout.read()
+        words = probe.end()
     finally:
         student.kill()
 
     assert said == b''
+    assert words == ''
+    assert probe.code == -signal.SIGKILL

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 import threading
+from typing import Any
 
 import psutil
 import pytest
@@ -16,6 +17,8 @@ from autograder.judging.results import ExamResult
 from autograder.runs import observe
 from autograder.runs.examine import examine
 from autograder.runs.recording import Event
+from autograder.sandboxes.confined import Probe
+from autograder.sandboxes.probes import start_probe
 from autograder.sandboxes.sandbox import strongest
 
 pytestmark = [pytest.mark.pipeline, pytest.mark.ros]
@@ -116,17 +119,19 @@ def test_a_machine_without_memory_makes_no_verdict(monkeypatch):
         graded(ENDS_ITSELF)
 
 
-def test_a_probe_that_gets_no_turn_while_it_watches_real_time_makes_no_verdict():
+def test_a_probe_that_gets_no_turn_while_it_watches_real_time_makes_no_verdict(monkeypatch):
     """Its own pause would be taken for one of the program's; the run is repeated, and says so."""
-    stopped = []
+    started, stopped = [], []
+
+    def start(*given: Any) -> Probe:
+        started.append(start_probe(*given))
+        return started[-1]
+
+    monkeypatch.setattr(observe, 'start_probe', start)
 
     def stall(event: Event) -> None:
         if event['event'] == 'wall_time' and not stopped:
-            (probe,) = (
-                one
-                for one in psutil.Process().children(recursive=True)
-                if any(word.endswith('/probe.py') for word in one.cmdline()[1:2])
-            )
+            probe = psutil.Process(started[-1].pid)
             probe.suspend()
             stopped.append(probe.pid)
             threading.Timer(1.0, probe.resume).start()

@@ -13,9 +13,12 @@ import time
 import pytest
 
 from autograder import exams
+from autograder.errors import ProbeFailed
+from autograder.runs import observe
 from autograder.runs.examine import examine
 from autograder.runs.observe import HERE, TICK
-from autograder.sandboxes.confined import Confined
+from autograder.sandboxes.confined import Confined, Probe
+from autograder.sandboxes.probes import start_probe
 from autograder.sandboxes.sandbox import Sandbox, strongest
 
 pytestmark = [pytest.mark.ros]
@@ -104,29 +107,45 @@ def switch(student: Confined, to: str) -> None:
     subprocess.run(argv, check=True, timeout=60, pass_fds=files.values())
 
 
-def listens(student: Confined) -> bool:
-    """Tell whether somebody in a sandbox's network waits for news of interfaces."""
+def listening(student: Confined) -> list[int]:
+    """Return the netlink ports in a sandbox's network at which somebody waits for news."""
     sockets = Path(f'/proc/{student.pid}/net/netlink').read_text('ascii').splitlines()[1:]
-    return any(int(one.split()[3], 16) for one in sockets)
+    fields = [one.split() for one in sockets]
+    return [int(port) for _, _, port, groups, *_ in fields if int(groups, 16)]
+
+
+MOST_PROCESSES = 1 << 22  # PID_MAX_LIMIT: proc(5)
 
 
 def test_a_node_is_seen_however_late_its_network_is(monkeypatch):
     """No learner pays for a machine on which the sandbox is not ready when the probe is."""
-    start_probe = Sandbox.start_probe
 
-    def start_first(sandbox: Sandbox, student: Confined, home: Path) -> subprocess.Popen[bytes]:
+    def start_first(sandbox: Sandbox, student: Confined, home: Path) -> Probe:
         switch(student, 'off')
         probe = start_probe(sandbox, student, home)
         deadline = time.monotonic() + 60
-        while not listens(student):
+        while not (ports := listening(student)):
             assert time.monotonic() < deadline, 'the probe does not wait for its network'
             select.select((), (), (), 0.01)
+        # Bubblewrap expects to be given the number of its own process there.
+        assert min(ports) > MOST_PROCESSES
         switch(student, 'on')
         return probe
 
-    monkeypatch.setattr(Sandbox, 'start_probe', start_first)
+    monkeypatch.setattr(observe, 'start_probe', start_first)
     exam = exams.load('talker')
 
     result = examine(exam, {'talker.py': ANSWER.read_text('utf-8')}, sandbox=strongest())
 
     assert result.points == exam.max_points
+
+
+def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch):
+    """However early the probe was: nobody waits for it, and nobody gets a zero."""
+    command = ['sh', '-c', 'echo no loopback >&2; exit 3']
+    monkeypatch.setattr(Sandbox, 'command', lambda *_: command)
+
+    with pytest.raises(
+        ProbeFailed, match='ended with code 3 before the program began: no loopback'
+    ):
+        examine(exams.load('talker'), {'talker.py': ''}, sandbox=strongest())
