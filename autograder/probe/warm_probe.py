@@ -39,11 +39,12 @@ from rosgraph_msgs.msg import Clock
 
 # From sched.h, sys/mount.h and linux/prctl.h.
 CLONE_NEWNS, CLONE_NEWIPC, CLONE_NEWPID, CLONE_NEWNET = 0x20000, 0x8000000, 0x20000000, 0x40000000
-MS_NOSUID, MS_NODEV, MS_NOEXEC = 2, 4, 8
+MS_RDONLY, MS_NOSUID, MS_NODEV, MS_NOEXEC, MS_REMOUNT, MS_BIND = 1, 2, 4, 8, 32, 4096
 PR_SET_PDEATHSIG, PR_CAPBSET_DROP, PR_SET_NO_NEW_PRIVS = 1, 24, 38
 CAPABILITIES_3 = 0x20080522  # their version in linux/capability.h: three sets of 64 bits
 LAST_CAPABILITY = '/proc/sys/kernel/cap_last_cap'
-WRITABLE, HOME = ('/tmp', '/dev/shm'), '/tmp/home'
+SHARED, HOME = (b'/tmp', b'/dev/shm'), b'/tmp/home'
+"""Folders that all forks would share, and the one that each gets for itself."""
 READY, BORN = b'ready', b'born'
 ORDER_BYTES = 4096
 FILES = 4  # that come with an order: the network, and the probe's input, output and errors
@@ -107,15 +108,18 @@ def wait_until_alone() -> None:
 
 
 def _runs(task: int) -> bool:
-    with open(f'/proc/self/task/{task}/stat', encoding='ascii') as file:
-        return file.read().rpartition(') ')[2][0] != 'S'
+    try:
+        with open(f'/proc/self/task/{task}/stat', encoding='ascii') as file:
+            return file.read().rpartition(') ')[2][0] != 'S'
+    except OSError:
+        return False  # it has just ended
 
 
 def become(order: dict[str, Any], grader: socket.socket, files: list[int]) -> NoReturn:
     """
     Become the probe of a run.
 
-    :param order: ``uid``; ``folder``, the size of each writable folder [bytes]; and ``limits`` by
+    :param order: ``uid``; ``folder``, the size of its own folder [bytes]; and ``limits`` by
         the names of setrlimit(2) in small letters
     :param files: descriptors of the network and of standard input, output and error
     """
@@ -147,9 +151,11 @@ def confine(order: dict[str, Any], network: int) -> None:
     _call('setns', network, CLONE_NEWNET)
     _call('unshare', CLONE_NEWNS | CLONE_NEWIPC)
     plain = MS_NOSUID | MS_NODEV | MS_NOEXEC
-    for folder in WRITABLE:
-        size = f'mode=1777,size={order["folder"]}'.encode()
-        _call('mount', b'tmpfs', folder.encode(), b'tmpfs', plain, size)
+    # Not over the shared folders themselves: Python and the course may be below one of them.
+    for folder in SHARED:
+        _call('mount', None, folder, None, MS_REMOUNT | MS_BIND | MS_RDONLY | plain, None)
+    size = f'mode=1777,size={order["folder"]}'.encode()
+    _call('mount', b'tmpfs', HOME, b'tmpfs', plain, size)
     _call('mount', b'proc', b'/proc', b'proc', plain, None)
     for name, value in order['limits'].items():
         resource.setrlimit(getattr(resource, f'RLIMIT_{name.upper()}'), (value, value))
@@ -163,8 +169,7 @@ def confine(order: dict[str, Any], network: int) -> None:
     _call('capset', struct.pack('Ii', CAPABILITIES_3, 0), bytes(24))
     _call('prctl', PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
     _call('prctl', PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)  # it ends with its maker
-    os.mkdir(HOME)
-    os.chdir(WRITABLE[0])
+    os.chdir(HOME)
 
 
 if __name__ == '__main__':

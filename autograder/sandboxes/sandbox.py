@@ -198,7 +198,7 @@ class Sandbox:
         descriptors = ['--info-fd', str(info_write), '--seccomp', str(rules)]
         try:
             options = self.bwrap(program, limits, descriptors)
-            process = popen(options, self.command(program, limits), (info_write, rules))
+            process = start_bwrap(options, self.command(program, limits), (info_write, rules))
         except OSError as error:
             os.close(info_read)
             raise SandboxUnavailable(
@@ -285,7 +285,7 @@ PIPES: dict[str, Any] = {
 }
 
 
-def popen(
+def start_bwrap(
     options: Sequence[str], command: Sequence[str], fds: Sequence[int], **pipes: Any
 ) -> subprocess.Popen[bytes]:
     """

@@ -49,7 +49,7 @@ class WarmProbes:
         options = sandbox.bwrap(program, limits, (), CAPABILITIES)
         self.channel, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs:
-            self.process = sandboxes.popen(
+            self.process = sandboxes.start_bwrap(
                 options, program.argv, (), stdin=theirs, stdout=subprocess.DEVNULL
             )
         weakref.finalize(self, _end, self.owner, self.process, self.channel)
@@ -151,11 +151,10 @@ def _kill(held: int) -> None:
 def _end(owner: int, process: subprocess.Popen[bytes], channel: socket.socket) -> None:
     """End the process with its sandbox; in a fork of its owner, only let go of it."""
     channel.close()
-    if owner == os.getpid():
+    if owner == os.getpid() and process.poll() is None:
         # bubblewrap's inner process waits for ever if the outer one dies before it says go on;
         # until it has a session of its own, it is in this group.
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
+        os.killpg(process.pid, signal.SIGKILL)
         process.wait()
     assert process.stderr
     process.stderr.close()

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
+import errno
 import os
 from pathlib import Path
 import select
@@ -15,6 +17,7 @@ import signal
 import subprocess
 import sys
 import threading
+from typing import Any
 
 import psutil
 import pytest
@@ -28,7 +31,7 @@ from autograder.sandboxes import sandbox as sandboxes
 from autograder.sandboxes.confined import Confined, Limits, Probe, Program
 from autograder.sandboxes.isolation import System
 from autograder.sandboxes.processes import ports
-from autograder.sandboxes.sandbox import strongest
+from autograder.sandboxes.sandbox import Sandbox, strongest
 from autograder.sandboxes.warm_probes import CAPABILITIES, WarmProbes
 
 pytestmark = [
@@ -88,6 +91,11 @@ def warm() -> WarmProbes:
     return warm_probes._of_thread.probes
 
 
+def forget() -> None:
+    """Have the next probe of this thread made by another process."""
+    warm_probes._of_thread.__dict__.clear()
+
+
 def maker() -> int:
     """Return the host pid of the process that is forked, the innermost of its sandbox."""
     (inner,) = psutil.Process(warm().process.pid).children()
@@ -104,6 +112,15 @@ def status(pid: int) -> dict[str, str]:
 def namespaces(pid: int) -> dict[str, str]:
     """Return the namespaces of a process."""
     return {name: os.readlink(f'/proc/{pid}/ns/{name}') for name in NAMESPACES}
+
+
+def is_closed(folder: Path) -> bool:
+    """Tell whether even root can write nothing into a folder of a sandbox."""
+    try:
+        (folder / 'left').write_text('for the next')
+    except OSError as error:
+        return error.errno == errno.EROFS
+    return False
 
 
 class TestConfinement:
@@ -165,17 +182,35 @@ class TestConfinement:
             with probe_of(student) as probe:
                 made_by = maker()
                 root = Path(f'/proc/{probe.pid}/root')
-                left = [sorted(os.listdir(root / folder)) for folder in ('tmp', 'dev/shm')]
-                (root / 'tmp' / 'left').write_text('for the next')
+                left = os.listdir(root / 'tmp' / 'home')
+                (root / 'tmp' / 'home' / 'left').write_text('for the next')
+                closed = [is_closed(root / folder) for folder in ('tmp', 'dev/shm', '')]
                 found = status(probe.pid)
                 seen.append((found['Uid'], made_by))
-            assert left == [['home'], []]
+            assert left == []
+            assert closed == [True] * 3
             assert found['NSpid'].split()[-1] == '1'
 
         (first, maker_of_first), (second, maker_of_second) = seen
         assert maker_of_first == maker_of_second
         assert first != second
-        assert not Path('/tmp/left').exists()
+
+    def test_it_sees_what_lies_below_the_folder_of_temporary_files(self, student, monkeypatch):
+        """The course and its Python may be there: a clone is often made where it is soon gone."""
+        below = '/tmp/of the course/test.py'
+        files = {__file__: below}
+        made = Sandbox.bwrap
+
+        def with_more(sandbox: Sandbox, program: Program, *given: Any) -> list[str]:
+            return made(sandbox, replace(program, binds={**program.binds, **files}), *given)
+
+        monkeypatch.setattr(Sandbox, 'bwrap', with_more)
+        forget()
+
+        with probe_of(student) as probe:
+            seen = Path(f'/proc/{probe.pid}/root{below}').read_text('utf-8')
+
+        assert seen == Path(__file__).read_text('utf-8')
 
 
 class TestEnds:
@@ -282,7 +317,7 @@ class TestRefusals:
         program.chmod(0o755)
         monkeypatch.setattr(sandboxes, 'BARE', {'PATH': f'{tmp_path}:/usr/bin:/bin'})
         monkeypatch.setattr(System, 'here', classmethod(lambda cls: System(apparmor_restricts=1)))
-        warm_probes._of_thread.__dict__.clear()
+        forget()
 
         with pytest.raises(SandboxUnavailable, match='No permissions to create') as caught:
             probes.start_probe(strongest(), student, tmp_path)
