@@ -5,6 +5,10 @@ No two submissions have the same files, so nothing is shared between them.  Half
 are wrong in different ways.  Processor time is that of a control group, in which the kernel counts
 everything that the command starts, sandboxes included.
 
+One run keeps more than one core busy: the probe and the program work side by side.  So two workers
+are compared with one twice, on the same cores, and with a core for each worker, as in a lab whose
+machines are alike.
+
 What two workers can give at most is measured beside it, before and after: two processes that only
 count, against the same work one after the other.  Virtual processors may share one of metal.
 """
@@ -85,12 +89,15 @@ def main() -> None:
         layout = reduced_course.build(Path(folder), answers, seconds, MORE_CHECKS, 2)
         # Two, one, two: a change of load in between would show.
         graded = [_grade(layout, jobs, anew=True) for jobs in (2, 1, 2)]
+        on_one_core = _grade(layout, 1, anew=True, cores='0')
         again = _grade(layout, 2, anew=False)
         rejudged = _rejudge(layout)
     counting += [_two_that_count() for _ in range(COUNTED)]
+    ratios, one_s = zip(*counting)
     figures = {
-        **_figures(size, seconds, graded, again, rejudged),
-        'two_that_only_count_against_one': round(statistics.median(counting), 2),
+        **_figures(size, seconds, graded, on_one_core, again, rejudged),
+        'two_that_only_count_against_one': round(statistics.median(ratios), 2),
+        'one_counts_ms': round(1000 * statistics.median(one_s)),
     }
     report.print_machine(facts)
     print(json.dumps(figures, indent=2))
@@ -98,8 +105,8 @@ def main() -> None:
     report.save(name, facts, figures, full=size >= FULL_SIZE)
 
 
-def _two_that_count() -> float:
-    """Return how many times faster two processes count than one does it twice."""
+def _two_that_count() -> tuple[float, float]:
+    """Return how many times faster two count than one does it twice, and the time of one [s]."""
     with ProcessPoolExecutor(2) as pool:
         list(pool.map(_count, (1, 1)))  # until both are there
         began = time.monotonic()
@@ -107,7 +114,8 @@ def _two_that_count() -> float:
         list(pool.map(_count, (COUNT,)))
         between = time.monotonic()
         list(pool.map(_count, (COUNT, COUNT)))
-        return (between - began) / (time.monotonic() - between)
+        one_s = (between - began) / 2
+        return 2 * one_s / (time.monotonic() - between), one_s
 
 
 def _count(number: int) -> int:
@@ -123,16 +131,18 @@ def class_of(size: int) -> dict[str, str]:
     }
 
 
-def _grade(layout: Layout, jobs: int, anew: bool) -> dict[str, Any]:
+def _grade(layout: Layout, jobs: int, anew: bool, cores: str = '') -> dict[str, Any]:
     """
     Grade the class with the whole command.
 
+    :param cores: the numbers of those it may use, as taskset(1) reads them; empty for all
     :raises RuntimeError: with the command's own words, if it gives no verdicts
     """
     if anew:
         subprocess.run(['rm', '-rf', str(layout.work)], check=True)
     command = [sys.executable, '-m', 'autograder', 'grade', '--json', '--jobs', str(jobs)]
     command += ['--submitted', str(reduced_course.submitted(layout))]
+    command = ['taskset', '--cpu-list', cores, *command] if cores else command
     with _counted() as (begin, used_s):
         began = time.monotonic()
         process = subprocess.Popen(
@@ -154,6 +164,7 @@ def _grade(layout: Layout, jobs: int, anew: bool) -> dict[str, Any]:
     running = re.search(r'\(([\d.]+) s of it running\)', errors)
     return {
         'jobs': jobs,
+        'cores': cores or 'all',
         'wall_s': round(wall_s, 2),
         'running_s': float(running[1]) if running else None,
         'cpu_s': cpu_s,
@@ -272,6 +283,7 @@ def _figures(
     size: int,
     seconds: int,
     graded: list[dict[str, Any]],
+    on_one_core: dict[str, Any],
     again: dict[str, Any],
     rejudged: dict[str, Any],
 ) -> dict[str, Any]:
@@ -285,12 +297,15 @@ def _figures(
         'cpu_s_a_submission': round(sum(cpu) / len(cpu) / size, 3) if cpu else None,
         'peak_memory_of_coordinator_mib': max(run['coordinator_peak_mib'] for run in graded),
         'two_workers_against_one': round(one['running_s'] / best, 2) if best else None,
-        'same_points': len({run['points'] for run in (*graded, again)}) == 1,
+        'two_on_two_cores_against_one_on_one': (
+            round(on_one_core['running_s'] / best, 2) if best else None
+        ),
+        'same_points': len({run['points'] for run in (*graded, on_one_core, again)}) == 1,
         'unchanged_ms_a_submission': round(1000 * again['running_s'] / size, 2),
         'unchanged_wall_s': again['wall_s'],
         'judged_again_ms_a_submission': round(1000 * rejudged['seconds'] / size, 2),
         'not_judged_again': rejudged['kept'],
-        'runs': [*graded, again],
+        'runs': [*graded, on_one_core, again],
     }
 
 
