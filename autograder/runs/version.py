@@ -37,6 +37,7 @@ AROUND = (
     'sandboxes/probes.py',
     'sandboxes/processes.py',
     'sandboxes/sandbox.py',
+    'sandboxes/warm_probes.py',
 )
 """What runs programs, beside what runs in the sandbox."""
 ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')
