@@ -128,7 +128,7 @@ def become(order: dict[str, Any], grader: socket.socket, files: list[int]) -> No
     try:
         for number, file in enumerate(written, 1):
             os.dup2(file, number)
-        os.setsid()  # the grader ends a probe with its process group
+        os.setsid()  # in no group with its maker
         confine(order, network)
         grader.send(BORN)  # the kernel adds the pid, as the grader sees it
         grader.detach()

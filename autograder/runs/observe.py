@@ -193,8 +193,7 @@ class _Watched:
     def _loop(self) -> None:
         # A neutral name that no program can know beforehand.
         order = {**self.scenario.to_json(), 'name': f'n{secrets.token_hex(6)}'}
-        self.probe.stdin.write(json.dumps(order).encode() + b'\n')
-        self.probe.stdin.flush()
+        self._tell_probe(json.dumps(order).encode() + b'\n')
         with selectors.DefaultSelector() as pipes:
             pipes.register(self.probe.stdout, selectors.EVENT_READ, 'probe')
             ended = os.pidfd_open(self.student.process.pid)

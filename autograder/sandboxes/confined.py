@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -118,9 +117,8 @@ class Confined:
     def held(self) -> bool:
         """Tell whether it still waits, or has ended so: no line of a student's has been run."""
         assert self.process.stdin
-        unread = array('i', [0])
-        fcntl.ioctl(self.process.stdin, termios.FIONREAD, unread)
-        return not self.released or unread[0] > 0
+        unread = fcntl.ioctl(self.process.stdin, termios.FIONREAD, bytes(4))
+        return not self.released or any(unread)
 
     def kill(self) -> None:
         """End everything inside, then the launcher: killed first, that could leave orphans."""
@@ -133,10 +131,7 @@ class Confined:
         except ProcessLookupError:
             pass
         if not self.namespaces and not self.supervised:  # the whole process group
-            try:
-                os.killpg(self.pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
+            end_group(self.process)
         self.process.kill()
         self.process.wait()
         for descriptor in (self.pidfd, *self.namespaces.values()):
@@ -199,6 +194,19 @@ class Probe:
             with suppress(BrokenPipeError):
                 stream.close()
         return (said.splitlines() or [''])[-1]
+
+
+def end_group(process: subprocess.Popen[bytes]) -> None:
+    """
+    End a program that leads a process group, with all that it is just setting up.
+
+    bubblewrap's inner process waits for ever if the outer one dies before it says go on; until it
+    has a session of its own, it is in this group.
+
+    :param process: not waited for yet, or its number may be somebody else's
+    """
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
 
 
 SUPERVISOR_S = 60.0  # bounds what it needs to end a sandbox's processes: milliseconds

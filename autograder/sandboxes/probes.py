@@ -12,17 +12,15 @@ all it has where not.  Without isolation it stands beside the student's program.
 
 from __future__ import annotations
 
-from contextlib import suppress
 from functools import partial
 import os
 from pathlib import Path
 import shutil
-import signal
 import subprocess
 
 from autograder.sandboxes import landlock
 from autograder.sandboxes import sandbox as sandboxes
-from autograder.sandboxes.confined import Confined, Limits, Probe, Program
+from autograder.sandboxes.confined import Confined, end_group, Limits, Probe, Program
 from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox import HERE, Sandbox
 from autograder.sandboxes.warm_probes import warm_probes
@@ -84,13 +82,8 @@ def start_probe(sandbox: Sandbox, student: Confined, home: Path) -> Probe:
     assert process.stdin
     assert process.stdout
     assert process.stderr
-    kill = partial(_kill, process.pid)
+    kill = partial(end_group, process)
     return Probe(process.pid, process.stdin, process.stdout, process.stderr, kill, process.wait)
-
-
-def _kill(group: int) -> None:
-    with suppress(ProcessLookupError):
-        os.killpg(group, signal.SIGKILL)
 
 
 def _variables(folder: Path, domain: int) -> dict[str, str]:

@@ -30,7 +30,7 @@ from typing import Any
 
 from autograder.errors import SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
-from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.confined import Confined, end_group, Limits, Program
 from autograder.sandboxes.isolation import fix_for, System
 from autograder.sandboxes.sandbox_trial import try_out
 from environment.ros import ros_environment, RosEnvironment
@@ -214,7 +214,7 @@ class Sandbox:
             pidfd = os.pidfd_open(pid)
             net = os.open(f'/proc/{pid}/ns/net', os.O_RDONLY)
         except (ValueError, OSError) as error:
-            process.kill()
+            end_group(process)
             _, said = process.communicate()
             what = said.decode(errors='replace').strip() or str(error)
             raise SandboxUnavailable(

@@ -22,7 +22,7 @@ import weakref
 
 from autograder.errors import ProbeFailed, SandboxUnavailable
 from autograder.sandboxes import sandbox as sandboxes
-from autograder.sandboxes.confined import Limits, Probe, Program
+from autograder.sandboxes.confined import end_group, Limits, Probe, Program
 from autograder.sandboxes.isolation import fix_for, System
 from autograder.sandboxes.sandbox import Sandbox
 
@@ -135,7 +135,7 @@ class WarmProbes:
 
     def _refused(self) -> NoReturn:
         """Say why it did not start."""
-        self.process.kill()
+        end_group(self.process)
         _, said = self.process.communicate()
         what = said.decode(errors='replace').strip() or 'no word'
         raise SandboxUnavailable(
@@ -152,9 +152,7 @@ def _end(owner: int, process: subprocess.Popen[bytes], channel: socket.socket) -
     """End the process with its sandbox; in a fork of its owner, only let go of it."""
     channel.close()
     if owner == os.getpid() and process.poll() is None:
-        # bubblewrap's inner process waits for ever if the outer one dies before it says go on;
-        # until it has a session of its own, it is in this group.
-        os.killpg(process.pid, signal.SIGKILL)
+        end_group(process)
         process.wait()
     assert process.stderr
     process.stderr.close()
