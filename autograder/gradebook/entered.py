@@ -52,8 +52,6 @@ def make_gradebook(layout: Layout) -> None:
     nbgrader makes its tables and then notes their version; killed in between, it leaves a
     gradebook that a later nbgrader cannot upgrade.
     """
-    from nbgrader.api import Gradebook
-
     path = gradebook_file(layout)
     if path is None or path.exists():
         return
@@ -61,10 +59,22 @@ def make_gradebook(layout: Layout) -> None:
     unfinished.parent.mkdir(parents=True, exist_ok=True)
     for left in (unfinished, Path(f'{unfinished}-journal')):
         left.unlink(missing_ok=True)
-    course = str(load_config(layout).CourseDirectory.course_id)
-    with Gradebook(f'sqlite:///{unfinished}', course):
-        pass
+    _make(unfinished, str(load_config(layout).CourseDirectory.course_id))
     unfinished.replace(path)
+
+
+def _make(path: Path, course: str) -> None:
+    from alembic.script import ScriptDirectory
+    from nbgrader import api
+    from nbgrader.dbutil import ALEMBIC_DIR
+
+    of_nbgrader = api.get_alembic_version  # starts a command for it, which takes a second
+    api.get_alembic_version = ScriptDirectory(ALEMBIC_DIR).get_current_head
+    try:
+        with api.Gradebook(f'sqlite:///{path}', course):
+            pass
+    finally:
+        api.get_alembic_version = of_nbgrader
 
 
 def to_enter(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> list[Graded]:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+import sys
+
 import pytest
 
 from autograder.errors import GraderError
 from autograder.gradebook.connection import connected
+from autograder.gradebook.entered import make_gradebook
 from autograder.layout import Layout
 
 
@@ -34,3 +38,20 @@ def test_a_server_that_does_not_answer_is_named_without_its_password(tmp_path):
     assert 'grader:***@127.0.0.1:1/marks: expected' in caught.value.what
     assert 'secret' not in f'{caught.value.what} {caught.value.fix}'
     assert 'Try: ' in caught.value.fix
+
+
+@pytest.mark.nbgrader
+def test_a_new_gradebook_has_the_version_that_nbgrader_gives_it(tmp_path, monkeypatch):
+    """A later nbgrader upgrades it from there; its command is not needed for that."""
+    from nbgrader.api import get_alembic_version
+
+    monkeypatch.setenv('PATH', str(Path(sys.prefix) / 'bin'))
+    version = get_alembic_version()
+    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
+    monkeypatch.setenv('PATH', '')
+    make_gradebook(layout)
+
+    with connected(layout) as gradebook:
+        assert gradebook.exec_driver_sql('select * from alembic_version').fetchall() == [
+            (version,)
+        ]
