@@ -45,6 +45,22 @@ def test_choose_incomplete_3_12_takes_complete_3_10():
     assert interpreters.choose(found).version == '3.10'
 
 
+def test_choose_distributions_3_11_before_a_3_12_built_by_hand():
+    """It is the faster one, and tested as often."""
+    by_hand = replace(GOOD, base_prefix='/home/ada/.pyenv/versions/3.12.3')
+    found = [by_hand, replace(GOOD, release='3.11.2')]
+
+    assert interpreters.choose(found).version == '3.11'
+
+
+def test_choose_a_tested_version_before_the_distributions():
+    """Speed is not all."""
+    by_hand = replace(GOOD, base_prefix='/usr/local')
+    found = [replace(GOOD, release='3.13.1'), replace(GOOD, release='3.10.1'), by_hand]
+
+    assert interpreters.choose(found) == by_hand
+
+
 def test_choose_only_incomplete_takes_it():
     """An incomplete interpreter is better than none: the set-up completes it."""
     assert interpreters.choose([replace(GOOD, has_venv=False)]).lacking() == 'venv'
@@ -95,6 +111,14 @@ def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
     found = interpreters.find({'PATH': str(shims), 'PYENV_ROOT': str(tmp_path / 'pyenv')})
 
     assert found.path == str(expected)
+
+
+def test_find_looks_beyond_a_python_built_by_hand(tmp_path):
+    """The distribution's own may be of another version."""
+    fake_python(tmp_path, 'python3.12', base_prefix=str(tmp_path))
+    expected = fake_python(tmp_path, 'python3.11', release='3.11.2')
+
+    assert interpreters.find({'PATH': str(tmp_path)}).path == str(expected)
 
 
 def test_find_request_takes_only_that(tmp_path):
