@@ -26,10 +26,19 @@ import struct
 import sys
 from typing import Any, NoReturn
 
-CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446  # the same on all processors
-ASK_VERSION, PATH_BENEATH = 1, 1
-PR_SET_PDEATHSIG, PR_SET_SECCOMP, PR_SET_CHILD_SUBREAPER, PR_SET_NO_NEW_PRIVS = 1, 22, 36, 38
-SECCOMP_MODE_FILTER = 2
+from system_calls import (  # type: ignore[import-not-found]  # beside this file
+    by_number,
+    filter_calls,
+    LANDLOCK_CREATE_RULESET,
+    landlock_version,
+    PR_SET_CHILD_SUBREAPER,
+    PR_SET_NO_NEW_PRIVS,
+    PR_SET_PDEATHSIG,
+    prctl,
+)
+
+ADD_RULE, RESTRICT_SELF = 445, 446  # the same on all processors
+PATH_BENEATH = 1
 EXECUTE, WRITE_FILE, READ_FILE, READ_DIR = 1, 2, 4, 8
 TRUNCATE, IOCTL_DEV = 1 << 14, 1 << 15
 OF_FILES = EXECUTE | WRITE_FILE | READ_FILE | TRUNCATE | IOCTL_DEV
@@ -38,31 +47,6 @@ KNOWN_RIGHTS = (13, 14, 15, 15, 16)
 TCP_FROM, SCOPE_FROM = 4, 6
 TCP, SCOPE = 0b11, 0b11  # bind and connect; abstract sockets and signals
 
-_libc = ctypes.CDLL(None, use_errno=True)
-_libc.syscall.restype = ctypes.c_long
-
-
-def _call(number: int, *arguments: Any) -> int:
-    result = int(_libc.syscall(number, *arguments))
-    if result < 0:
-        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
-    return result
-
-
-def _prctl(option: int, *arguments: Any) -> None:
-    values = [ctypes.c_ulong(value) if isinstance(value, int) else value for value in arguments]
-    if _libc.prctl(option, *values, *[ctypes.c_ulong(0)] * (4 - len(values))) != 0:
-        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
-
-
-def version() -> int:
-    """
-    Return which version of Landlock the kernel has.
-
-    :raises OSError: ENOSYS if it was built without, EOPNOTSUPP if it is switched off
-    """
-    return _call(CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint(ASK_VERSION))
-
 
 def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
     """
@@ -70,13 +54,15 @@ def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
 
     :param descriptors: the paths of the rules, opened before the uid changed
     """
-    known = version()
+    known = landlock_version()
     everything = (1 << KNOWN_RIGHTS[min(known, len(KNOWN_RIGHTS)) - 1]) - 1
     attributes = [everything]
     attributes += [TCP] if known >= TCP_FROM else []
     attributes += [SCOPE] if known >= SCOPE_FROM else []
     packed = struct.pack(f'={len(attributes)}Q', *attributes)
-    ruleset = _call(CREATE_RULESET, packed, ctypes.c_size_t(len(packed)), ctypes.c_uint(0))
+    ruleset = by_number(
+        LANDLOCK_CREATE_RULESET, packed, ctypes.c_size_t(len(packed)), ctypes.c_uint(0)
+    )
     reading = EXECUTE | READ_FILE | READ_DIR
     for name, rights in (('read', reading), ('list', READ_DIR), ('write', everything & ~EXECUTE)):
         for path in rules[name]:
@@ -86,15 +72,8 @@ def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
             wanted = rights & everything & (everything if folder else OF_FILES)
             rule = struct.pack('=Qi', wanted, descriptors[path])
             where = ctypes.c_int(ruleset), ctypes.c_int(PATH_BENEATH)
-            _call(ADD_RULE, *where, rule, ctypes.c_uint(0))
-    _call(RESTRICT_SELF, ctypes.c_int(ruleset), ctypes.c_uint(0))
-
-
-def filter_calls(code: bytes) -> None:
-    """Load the system-call filter: a sock_fprog, eight bytes an instruction."""
-    held = ctypes.create_string_buffer(code, len(code))
-    program = struct.pack('HxxxxxxP', len(code) // 8, ctypes.addressof(held))
-    _prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, ctypes.c_char_p(program))
+            by_number(ADD_RULE, *where, rule, ctypes.c_uint(0))
+    by_number(RESTRICT_SELF, ctypes.c_int(ruleset), ctypes.c_uint(0))
 
 
 def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
@@ -110,8 +89,8 @@ def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
         os.setgroups([])
         os.setresgid(rules['uid'], rules['uid'], rules['uid'])
         os.setresuid(rules['uid'], rules['uid'], rules['uid'])
-    _prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))
-    _prctl(PR_SET_NO_NEW_PRIVS, 1)
+    prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))
+    prctl(PR_SET_NO_NEW_PRIVS, 1)
     restrict(rules, descriptors)
     filter_calls(code)
     os.closerange(3, 1024)
@@ -164,8 +143,8 @@ def main() -> None:
     """Start the program and stay until it, and all it started, has ended."""
     rules, command = json.loads(sys.argv[1]), sys.argv[2:]
     grader = os.getppid()
-    _prctl(PR_SET_CHILD_SUBREAPER, 1)
-    _prctl(PR_SET_PDEATHSIG, int(signal.SIGTERM))
+    prctl(PR_SET_CHILD_SUBREAPER, 1)
+    prctl(PR_SET_PDEATHSIG, int(signal.SIGTERM))
     wanted = {signal.SIGTERM, signal.SIGCHLD}
     before = signal.pthread_sigmask(signal.SIG_BLOCK, wanted)
     if os.getppid() != grader:

@@ -7,15 +7,15 @@ once for each thread that runs submissions, before any node or participant is ma
 This process stands in a sandbox of bubblewrap's, in a network where nobody else is, and takes
 orders from the grader alone.  A fork joins the network of its run and then, before it reads a word
 that concerns the run, gives up all that this process may do: it has processes, folders and shared
-memory of its own, a uid that belongs to nobody, and no capability.  So a probe that is taken over
-by what a program sends is as alone, and as short-lived, as one in a sandbox to itself.
+memory of its own, a uid that belongs to nobody, no capability, and the system calls that are left
+to a student's program.  So a probe that is taken over by what a program sends is as alone, and as
+short-lived, as one in a sandbox to itself.
 
 This file imports nothing of this project but its neighbours: only their text enters the sandbox.
 """
 
 from __future__ import annotations
 
-import ctypes
 import gc
 import json
 import os
@@ -36,26 +36,27 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.type_support import check_for_type_support
 from rclpy.utilities import get_rmw_implementation_identifier
 from rosgraph_msgs.msg import Clock
+from system_calls import (  # type: ignore[import-not-found]
+    call,
+    filter_calls,
+    PR_CAPBSET_DROP,
+    PR_SET_NO_NEW_PRIVS,
+    PR_SET_PDEATHSIG,
+    prctl,
+)
 
-# From sched.h, sys/mount.h and linux/prctl.h.
+# From sched.h, sys/mount.h and linux/capability.h.
 CLONE_NEWNS, CLONE_NEWIPC, CLONE_NEWPID, CLONE_NEWNET = 0x20000, 0x8000000, 0x20000000, 0x40000000
 MS_RDONLY, MS_NOSUID, MS_NODEV, MS_NOEXEC, MS_REMOUNT, MS_BIND = 1, 2, 4, 8, 32, 4096
-PR_SET_PDEATHSIG, PR_CAPBSET_DROP, PR_SET_NO_NEW_PRIVS = 1, 24, 38
-CAPABILITIES_3 = 0x20080522  # their version in linux/capability.h: three sets of 64 bits
+CAPABILITIES_3 = 0x20080522  # their version: three sets of 64 bits
 LAST_CAPABILITY = '/proc/sys/kernel/cap_last_cap'
 SHARED, HOME = (b'/tmp', b'/dev/shm'), b'/tmp/home'
 """Folders that all forks would share, and the one that each gets for itself."""
+FILTER = '/grader/filter.bpf'
+"""What a student's program may not ask of the kernel, and a probe neither."""
 READY, BORN = b'ready', b'born'
 ORDER_BYTES = 4096
 FILES = 4  # that come with an order: the network, and the probe's input, output and errors
-
-_libc = ctypes.CDLL(None, use_errno=True)
-
-
-def _call(name: str, *arguments: Any) -> None:
-    if getattr(_libc, name)(*arguments) != 0:
-        number = ctypes.get_errno()
-        raise OSError(number, f'{name}: {os.strerror(number)}')
 
 
 def main() -> None:
@@ -84,11 +85,11 @@ def serve(grader: socket.socket) -> None:
         if not order:
             return
         wait_until_alone()
-        _call('unshare', CLONE_NEWPID)  # for the fork, not for this process
+        call('unshare', CLONE_NEWPID)  # for the fork, not for this process
         pid = os.fork()
         if pid == 0:
             become(json.loads(order), grader, files)
-        _call('setns', own, CLONE_NEWPID)
+        call('setns', own, CLONE_NEWPID)
         for file in files:
             os.close(file)
         _, status = os.waitpid(pid, 0)
@@ -123,9 +124,9 @@ def become(order: dict[str, Any], grader: socket.socket, files: list[int]) -> No
         the names of setrlimit(2) in small letters
     :param files: descriptors of the network and of standard input, output and error
     """
-    network, given, *written = files
     code = 1
     try:
+        network, given, *written = files
         for number, file in enumerate(written, 1):
             os.dup2(file, number)
         os.setsid()  # in no group with its maker
@@ -148,28 +149,30 @@ def confine(order: dict[str, Any], network: int) -> None:
 
     :raises OSError: if the kernel refuses, with the name of the call
     """
-    _call('setns', network, CLONE_NEWNET)
-    _call('unshare', CLONE_NEWNS | CLONE_NEWIPC)
+    call('setns', network, CLONE_NEWNET)
+    call('unshare', CLONE_NEWNS | CLONE_NEWIPC)
     plain = MS_NOSUID | MS_NODEV | MS_NOEXEC
     # Not over the shared folders themselves: Python and the course may be below one of them.
     for folder in SHARED:
-        _call('mount', None, folder, None, MS_REMOUNT | MS_BIND | MS_RDONLY | plain, None)
+        call('mount', None, folder, None, MS_REMOUNT | MS_BIND | MS_RDONLY | plain, None)
     size = f'mode=1777,size={order["folder"]}'.encode()
-    _call('mount', b'tmpfs', HOME, b'tmpfs', plain, size)
-    _call('mount', b'proc', b'/proc', b'proc', plain, None)
+    call('mount', b'tmpfs', HOME, b'tmpfs', plain, size)
+    call('mount', b'proc', b'/proc', b'proc', plain, None)
     for name, value in order['limits'].items():
         resource.setrlimit(getattr(resource, f'RLIMIT_{name.upper()}'), (value, value))
     with open(LAST_CAPABILITY, encoding='ascii') as file:
         for number in range(int(file.read()) + 1):
-            _call('prctl', PR_CAPBSET_DROP, number, 0, 0, 0)
+            prctl(PR_CAPBSET_DROP, number)
     uid = order['uid']
     os.setgroups([])
     os.setresgid(uid, uid, uid)
     os.setresuid(uid, uid, uid)  # what it may do goes with it, what it could pass on does not
-    _call('capset', struct.pack('Ii', CAPABILITIES_3, 0), bytes(24))
-    _call('prctl', PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
-    _call('prctl', PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)  # it ends with its maker
+    call('capset', struct.pack('Ii', CAPABILITIES_3, 0), bytes(24))
+    prctl(PR_SET_NO_NEW_PRIVS, 1)
+    prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))  # it ends with its maker
     os.chdir(HOME)
+    with open(FILTER, 'rb') as code:
+        filter_calls(code.read())
 
 
 if __name__ == '__main__':

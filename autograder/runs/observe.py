@@ -187,6 +187,9 @@ class _Watched:
                     f'exam {self.exam}: the probe broke off with code {code}: {said or "no word"}.'
                 )
             self._keep_event({'event': 'end', 'clock_ns': None, 'reason': self.killed})
+        if self.student.held():
+            why = self.events[-1]['reason']
+            raise ProbeFailed(f'The program had not begun when the run ended: {why}.')
         self._keep_event(self._process_event())
         return self.events
 

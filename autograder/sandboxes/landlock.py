@@ -18,7 +18,7 @@ import platform
 import secrets
 
 from autograder.errors import SandboxUnavailable
-from autograder.inside import confine
+from autograder.inside import system_calls
 from environment.ros import RosEnvironment
 
 SYSTEM = ('/usr', '/bin', '/sbin', '/lib', '/lib64', '/etc/ld.so.cache', '/etc/alternatives')
@@ -35,7 +35,7 @@ def refusal(root: bool) -> tuple[str, str]:
     :returns: why it cannot be used, and what to do; twice empty if it can
     """
     try:
-        found = confine.version()
+        found = system_calls.landlock_version()
     except OSError as error:
         what = f'This kernel has no Landlock ({error.strerror}).'
         fix = 'Add landlock to the kernel parameter lsm=..., or use a kernel from 6.2 on.'

@@ -35,6 +35,7 @@ FILES = (
     'probe/probe.xml',
     'probe/warm_probe.py',
     'inside/lean_start.py',
+    'inside/system_calls.py',
 )
 """What the probe consists of."""
 # It works for as long as the program is watched, so the wall clock's limit comes first.
@@ -50,9 +51,10 @@ def start_probe(sandbox: Sandbox, student: Confined, home: Path) -> Probe:
     :raises ProbeFailed: if it cannot be started
     """
     if sandbox.mode == 'bwrap-root':
+        binds = {str(HERE / name): f'/grader/{Path(name).name}' for name in FILES}
         program = Program(
             (sandbox.ros.python, '/grader/warm_probe.py'),
-            {str(HERE / name): f'/grader/{Path(name).name}' for name in FILES},
+            {**binds, str(landlock.filter_file()): '/grader/filter.bpf'},
             variables=_variables(Path('/grader'), student.domain),
         )
         return warm_probes(sandbox, program, LIMITS).make(student.namespaces['net'])

@@ -263,7 +263,8 @@ class Sandbox:
             'filter': str(landlock.filter_file()),
         }
         launcher = str(HERE / 'inside' / 'confine.py')
-        return [self.ros.python, '-I', '-S', launcher, json.dumps(rules)]
+        # Not -I: what lies beside the launcher is to be found.
+        return [self.ros.python, '-E', '-s', '-S', launcher, json.dumps(rules)]
 
 
 def throw_away_uid() -> int:

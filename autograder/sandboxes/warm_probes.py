@@ -73,7 +73,7 @@ class WarmProbes:
         Make a probe, which waits for its scenario.
 
         :param network: descriptor of the network to be in
-        :raises ProbeFailed: if it could not confine itself
+        :raises ProbeFailed: if it could not confine itself, or did not live
         """
         self.busy = True
         pipes = [os.pipe() for _ in range(3)]
@@ -86,7 +86,7 @@ class WarmProbes:
             if said != BORN:
                 why = stderr.read().decode(errors='replace').strip()
                 raise ProbeFailed(f'The probe could not be confined: {why or "no word"}.')
-            held = os.pidfd_open(pid)
+            held = _open(pid)
         except BaseException:
             for stream in (stdin, stdout, stderr):
                 stream.close()
@@ -136,11 +136,21 @@ class WarmProbes:
     def _refused(self) -> NoReturn:
         """Say why it did not start."""
         end_group(self.process)
-        _, said = self.process.communicate()
+        said = b''
+        with suppress(subprocess.TimeoutExpired):  # somebody else holds the pipe
+            _, said = self.process.communicate(timeout=ANSWER_S)
         what = said.decode(errors='replace').strip() or 'no word'
         raise SandboxUnavailable(
             f'The sandbox of the probes did not start: {what}.', fix_for(what, System.here())
         )
+
+
+def _open(pid: int) -> int:
+    """Return a descriptor of a process that has just said that it is there."""
+    try:
+        return os.pidfd_open(pid)
+    except ProcessLookupError as error:
+        raise ProbeFailed('The probe has ended before it was told what to do.') from error
 
 
 def _kill(held: int) -> None:

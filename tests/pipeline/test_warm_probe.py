@@ -127,13 +127,14 @@ class TestConfinement:
     """What a probe has given up before it reads its scenario."""
 
     def test_it_may_do_nothing_and_is_nobody(self, student):
-        """No capability in any set, none to be had from a program, and no uid of this machine."""
+        """No capability, none to be had from a program, calls filtered, no uid of this machine."""
         with probe_of(student) as probe:
             found = status(probe.pid)
 
         sets = {name: int(found[name], 16) for name in found if name.startswith('Cap')}
         assert sets == dict.fromkeys(('CapInh', 'CapPrm', 'CapEff', 'CapBnd', 'CapAmb'), 0)
         assert found['NoNewPrivs'] == '1'
+        assert found['Seccomp'] == '2'  # a filter
         assert found['Groups'] == ''
         for name in ('Uid', 'Gid'):
             (number,) = {int(word) for word in found[name].split()}
@@ -333,6 +334,22 @@ class TestRefusals:
 
         with probe_of(student) as probe:
             assert int(status(probe.pid)['CapEff'], 16) == 0
+
+    def test_a_probe_that_is_gone_at_once(self, student, monkeypatch):
+        """It is no evidence, so the run may be done again; with another maker."""
+        with probe_of(student):
+            before = warm()
+
+        def gone(pid: int) -> int:
+            raise ProcessLookupError(errno.ESRCH, 'No such process')
+
+        with monkeypatch.context() as changed:
+            changed.setattr(os, 'pidfd_open', gone)
+            with pytest.raises(ProbeFailed, match='ended before it was told'):
+                probes.start_probe(strongest(), student, Path('/nowhere'))
+
+        with probe_of(student):
+            assert warm() is not before
 
     def test_no_descriptor_is_left_open(self, student):
         """After probes, and after one that failed."""

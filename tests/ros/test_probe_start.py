@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import json
 import os
 from pathlib import Path
@@ -149,3 +150,12 @@ def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch)
         ProbeFailed, match='ended with code 3 before the program began: no loopback'
     ):
         examine(exams.load('talker'), {'talker.py': ''}, sandbox=strongest())
+
+
+def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatch):
+    """What starts it may be held up, by whomever: that says nothing about the student's code."""
+    monkeypatch.setattr(Sandbox, 'command', lambda *_: ['sleep', '60'])
+    scenario = replace(exams.load('talker').scenario, appear_s=0.5)
+
+    with pytest.raises(ProbeFailed, match='had not begun when the run ended: no_node'):
+        observe.observe('talker', scenario, {'talker.py': ''}, strongest())

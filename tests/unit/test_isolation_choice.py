@@ -116,7 +116,7 @@ def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words
             raise OSError(38, error)
         return version
 
-    monkeypatch.setattr(landlock.confine, 'version', ask)
+    monkeypatch.setattr(landlock.system_calls, 'landlock_version', ask)
     what, fix = landlock.refusal(root)
 
     assert words in what
