@@ -33,6 +33,7 @@ from autograder.sandboxes.isolation import System
 from autograder.sandboxes.processes import ports
 from autograder.sandboxes.sandbox import Sandbox, strongest
 from autograder.sandboxes.warm_probes import CAPABILITIES, WarmProbes
+from autograder.whole_class import pipeline
 
 pytestmark = [
     pytest.mark.pipeline,
@@ -261,6 +262,23 @@ class TestEnds:
 
         assert process.wait(60) != 0
         assert not psutil.pid_exists(pid)
+
+    def test_ctrl_c_ends_it_before_the_program(self, student, monkeypatch, tmp_path):
+        """Else it could record that the program has ended, which was not the student's doing."""
+        with probe_of(student):
+            pass  # what makes probes is older now than the next program, as it usually is
+        sandbox = strongest()
+        program = Program((sandbox.ros.python, '-c', 'import sys; sys.stdin.read()'))
+        later = sandbox.start(program, Limits(), tmp_path)
+        ended: list[int] = []
+        try:
+            with probe_of(later) as probe, monkeypatch.context() as changed:
+                changed.setattr(psutil.Process, 'kill', lambda one: ended.append(one.pid))
+                pipeline._end_sandboxes()
+        finally:
+            later.kill()
+
+        assert ended.index(probe.pid) < min(ended.index(one.pid) for one in (student, later))
 
     @pytest.mark.parametrize('how', [signal.SIGKILL, signal.SIGTERM, None])
     def test_nothing_outlives_the_process_that_grades(self, tmp_path, how):
