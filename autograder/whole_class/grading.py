@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache, partial
 import json
 from pathlib import Path
 import signal
@@ -242,6 +241,7 @@ def _grade_assignment(
 ) -> list[SubmissionResult]:
     """Grade one assignment of a class, record it, write the reports, print the table."""
     from autograder.whole_class.class_results import lowered
+    from autograder.whole_class.entering import Entering
     from autograder.whole_class.pipeline import grade_class, load_lesson
 
     lesson = load_lesson(layout, assignment, engine)
@@ -250,7 +250,7 @@ def _grade_assignment(
         return []
     others = _others(layout, assignment, submitted, {one.student for one in submissions})
     graded_in_full = getattr(engine, 'hidden', True)  # visible checks alone make no grade
-    begin = cache(lambda: begin_to_enter(layout, assignment) if graded_in_full else None)
+    entering = Entering(layout, lesson)
     began = time.monotonic()
     totals = Totals()
     with progress(len(submissions) * len(lesson.exams), assignment) as show:
@@ -260,10 +260,10 @@ def _grade_assignment(
             engine,
             jobs,
             _both(totals.add, show),
-            meanwhile=partial(_try_to, begin),
+            meanwhile=entering.meanwhile if graded_in_full else lambda ready: None,
         )
     graded_s = time.monotonic() - began
-    new, refused = enter(layout, lesson, graded, begin) if graded_in_full else (0, '')
+    new, refused = entering.finish(graded) if graded_in_full else (0, '')
     results = [one.result for one in graded]
     summary = _summary(graded, graded_s, time.monotonic() - began, totals)
     if graded_in_full and new < len(graded):
@@ -332,51 +332,6 @@ def _both(one: Callable[[Done], None], two: Callable[[Done], None]) -> Callable[
         two(done)
 
     return tell
-
-
-def begin_to_enter(layout: Layout, assignment: str) -> None:
-    """Prepare the gradebook while the runs take place: nbgrader takes seconds to import."""
-    from autograder.gradebook.connection import connected
-    from autograder.gradebook.entered import make_gradebook
-    from autograder.gradebook.record import enter_assignment
-
-    with connected(layout):
-        pass  # an error here is plainer than nbgrader's
-    make_gradebook(layout)
-    enter_assignment(layout, assignment)
-
-
-def _try_to(begin: Callable[[], None]) -> None:
-    """Begin early if that works; a gradebook that cannot be reached is told when all is run."""
-    with suppress(GraderError):
-        begin()
-
-
-def enter(
-    layout: Layout,
-    lesson: Lesson,
-    graded: Sequence[Graded],
-    begin: Callable[[], None] = lambda: None,
-) -> tuple[int, str]:
-    """
-    Enter what is new in the gradebook; return how many were, and what it refused.
-
-    :param begin: prepares the gradebook, which is not needed if nothing is new
-    """
-    from autograder.gradebook import entered
-    from autograder.gradebook.record import record
-
-    new: Sequence[Graded] = graded
-    try:
-        new = entered.to_enter(layout, lesson, graded)
-        if not new:
-            return 0, ''
-        begin()
-        record(layout, lesson, new)
-        entered.note(layout, lesson, new)
-    except GraderError as error:
-        return len(new), str(error)
-    return len(new), ''
 
 
 def _summary(graded: Sequence[Graded], graded_s: float, total_s: float, totals: Totals) -> str:

@@ -182,14 +182,15 @@ def grade_class(
     engine: Engine,
     jobs: int,
     on_done: Callable[[Done], None] = lambda done: None,
-    meanwhile: Callable[[], None] = lambda: None,
+    meanwhile: Callable[[Sequence[Graded]], None] = lambda ready: None,
 ) -> tuple[Graded, ...]:
     """
     Grade a class, (submission, exam) by (submission, exam); equal files are one run.
 
     :param jobs: how many runs at a time
     :param on_done: called for each exam of each submission, in any thread
-    :param meanwhile: called in this thread while the pool works, if anything has to be run
+    :param meanwhile: called in this thread while the pool works, if anything has to be run: at
+        first with nobody, then with those that are ready since the last call
     :returns: in the order of the submissions
     """
     opened = [open_one(submission, lesson) for submission in submissions]
@@ -208,16 +209,20 @@ def grade_class(
                 runs[run].add_done_callback(tell)
                 tasks[index, exam.name] = runs[run]
         if _somebody_runs(runs.values()):
-            meanwhile()
-        wait(tasks.values())
+            meanwhile(())
+        graded: list[Graded] = []
+        told = 0
+        for index, submission in enumerate(submissions):
+            parts = {exam.name: tasks[index, exam.name] for exam in lesson.exams}
+            if told < index and not all(part.done() for part in parts.values()):
+                meanwhile(graded[told:])
+                told = index
+            outcomes = {name: part.result() for name, part in parts.items()}
+            result = _assemble(opened[index], submission.student, lesson, files[index], outcomes)
+            graded.append(Graded(submission, opened[index], result))
     finally:
         # After Ctrl-C nothing new starts; what runs is ended by its sandbox's own limits.
         pool.shutdown(wait=False, cancel_futures=True)
-    graded = []
-    for index, submission in enumerate(submissions):
-        outcomes = {exam.name: tasks[index, exam.name].result() for exam in lesson.exams}
-        result = _assemble(opened[index], submission.student, lesson, files[index], outcomes)
-        graded.append(Graded(submission, opened[index], result))
     return tuple(graded)
 
 

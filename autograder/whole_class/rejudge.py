@@ -290,7 +290,7 @@ def _why(before: CheckResult | None, after: CheckResult | None) -> str:
 def _write(layout: Layout, lesson: Lesson, account: Account) -> Account:
     """Enter what is new in the gradebook, write all reports anew, and note what came of it."""
     from autograder.whole_class.class_report import write_class_report
-    from autograder.whole_class.grading import begin_to_enter, enter
+    from autograder.whole_class.entering import begin_to_enter, enter
     from autograder.whole_class.people import read_people
     from autograder.whole_class.report import write_reports
 

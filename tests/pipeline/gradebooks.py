@@ -14,7 +14,7 @@ from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
 from autograder.sample_class import take_out_sample_class
 from autograder.whole_class.class_results import last_results, results_file
-from autograder.whole_class.grading import begin_to_enter, enter
+from autograder.whole_class.entering import begin_to_enter, enter
 from autograder.whole_class.inbox import discover
 from autograder.whole_class.people import keep_people
 from autograder.whole_class.pipeline import grade_class, load_lesson

@@ -127,7 +127,8 @@ def test_something_can_be_done_in_the_calling_thread_while_runs_take_place():
             assert done.wait(30)
             return super().run(exam, files)
 
-    def meanwhile():
+    def meanwhile(ready):
+        assert ready == ()
         where.append(threading.current_thread())
         done.set()
 
@@ -136,10 +137,40 @@ def test_something_can_be_done_in_the_calling_thread_while_runs_take_place():
     assert where == [threading.main_thread()]
 
 
+def test_those_that_are_ready_are_told_while_others_are_run():
+    """Each of them once, in their order, and never somebody without a result."""
+    told, second = [], threading.Event()
+    holds = {'right 2': threading.Event(), 'right 3': threading.Event()}
+
+    class Running(FakeEngine):
+        def run(self, exam, files):
+            (text,) = files.values()
+            if hold := holds.get(text.strip()):
+                second.set()
+                assert hold.wait(30)
+            return super().run(exam, files)
+
+    def meanwhile(ready):
+        told.append([one.result.student for one in ready])
+        assert all(one.result.exams for one in ready)
+        if len(told) == 1:
+            assert second.wait(30)  # the first is ready
+        else:
+            holds[f'right {len(told)}'].set()
+
+    class_ = [handed_in(f's{number}', f'right {number}') for number in range(1, 4)]
+    graded = grade_class(class_, LESSON, Running(), jobs=1, meanwhile=meanwhile)
+
+    assert told == [[], ['s1'], ['s2']]
+    assert set(points(graded).values()) == {2.0}
+
+
 def test_nothing_is_done_meanwhile_if_nothing_has_to_be_run(monkeypatch):
     """Then nbgrader is not needed either, unless somebody is to be entered."""
     monkeypatch.setattr(pipeline, 'LIKE_A_RUN_S', 60)
-    grade_class([handed_in('ann', 'right')], LESSON, FakeEngine(), jobs=1, meanwhile=lambda: 1 / 0)
+    grade_class(
+        [handed_in('ann', 'right')], LESSON, FakeEngine(), jobs=1, meanwhile=lambda _: 1 / 0
+    )
 
 
 def test_no_more_runs_at_a_time_than_asked_for():
@@ -163,7 +194,7 @@ def test_ctrl_c_starts_nothing_new():
         held.wait(10)
         return run(exam, files)
 
-    def interrupt():
+    def interrupt(ready):
         begun.wait(10)
         raise KeyboardInterrupt
 

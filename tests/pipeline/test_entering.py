@@ -1,0 +1,111 @@
+"""A class is entered in the gradebook while the rest of it is still being run."""
+
+from __future__ import annotations
+
+import threading
+
+from conftest import ASSIGNMENT
+from fake_engine import FakeEngine
+from gradebooks import CHECK, grade, hand_in, scores
+import pytest
+
+from autograder.gradebook import entered
+from autograder.whole_class import entering
+from autograder.whole_class.entering import Entering
+from autograder.whole_class.inbox import discover
+from autograder.whole_class.pipeline import grade_class, load_lesson
+
+pytestmark = [pytest.mark.pipeline, pytest.mark.nbgrader]
+
+STUDENTS = ('ann', 'bob', 'cho')
+GOES_ON_S = 60
+
+
+class Held(FakeEngine):
+    """Runs nothing of the last student before it may."""
+
+    def __init__(self) -> None:
+        """Hold."""
+        self.begun, self.free = threading.Event(), threading.Event()
+
+    def run(self, exam, files):
+        """Wait for the others to be entered."""
+        if 'of_cho' in ''.join(files.values()):
+            self.begun.set()
+            assert self.free.wait(GOES_ON_S)
+        return super().run(exam, files)
+
+
+@pytest.fixture
+def class_(course):
+    """Lay three answers that differ."""
+    for student in STUDENTS:
+        hand_in(course, student, **{'THRESHOLD_C = ': f'of_{student} = THRESHOLD_C = '})
+    return course
+
+
+def run(course, engine, meanwhile):
+    """Run the class, one after the other."""
+    lesson = load_lesson(course, ASSIGNMENT, engine)
+    there = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
+    book = Entering(course, lesson)
+    graded = grade_class(there, lesson, engine, 1, meanwhile=lambda ready: meanwhile(book, ready))
+    return book.finish(graded)
+
+
+def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
+    """And nobody twice; all of it is noted as if it had been one piece."""
+    monkeypatch.setattr(entering, 'TOGETHER', 2)
+    engine = Held()
+    early: list[str] = []
+
+    def meanwhile(book, ready):
+        book.meanwhile(ready)
+        if not ready:
+            assert engine.begun.wait(GOES_ON_S)
+        elif not engine.free.is_set():
+            early.extend(sorted(entered.shown(class_, ASSIGNMENT)))
+            engine.free.set()
+
+    assert run(class_, engine, meanwhile) == (3, '')
+    assert early == ['ann', 'bob']
+    assert {scores(class_, one)[CHECK] for one in STUDENTS} == {15}
+    assert grade(class_) == 0
+
+
+def test_a_gradebook_that_refuses_meanwhile_is_asked_again_at_the_end(class_, monkeypatch):
+    """Only then is it a matter for the instructor."""
+    monkeypatch.setattr(entering, 'TOGETHER', 1)
+    engine, real = Held(), entering.enter
+    asked: list[list[str]] = []
+
+    def busy_at_first(layout, lesson, graded, begin):
+        asked.append([one.result.student for one in graded])
+        return (0, 'locked') if len(asked) == 1 else real(layout, lesson, graded, begin)
+
+    monkeypatch.setattr(entering, 'enter', busy_at_first)
+
+    def meanwhile(book, ready):
+        book.meanwhile(ready)
+        if not ready:
+            assert engine.begun.wait(GOES_ON_S)
+        else:
+            engine.free.set()
+
+    assert run(class_, engine, meanwhile) == (3, '')
+    assert asked == [['ann', 'bob'], ['ann', 'bob', 'cho']]
+
+
+def test_a_gradebook_that_cannot_be_reached_costs_no_result(class_):
+    """It is said once, at the end."""
+    class_.work.joinpath('gradebook.db').write_bytes(b'no database' * 100)
+    engine = Held()
+
+    def meanwhile(book, ready):
+        book.meanwhile(ready)
+        engine.free.set()
+
+    new, refused = run(class_, engine, meanwhile)
+
+    assert new == 3
+    assert 'gradebook.db: expected a gradebook that answers, got: ' in refused
