@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+import errno
 import fcntl
 import os
 from pathlib import Path
 import select
 import signal
+import socket
 import subprocess
 import termios
 from typing import IO
@@ -83,6 +85,7 @@ class Confined:
     A started program and the handles on it.
 
     :param process: the outermost process
+    :param gate: the grader's end of its standard input
     :param pid: host pid of the sandbox's first process, or of the process itself without one
     :param pidfd: descriptor of that process, safe against pid reuse
     :param namespaces: open descriptors ``net`` and, where there is one, ``user``
@@ -90,9 +93,11 @@ class Confined:
     :param home: the folder the program may write to, None where it has a file system of its own
     :param domain: its ROS domain id
     :param released: whether it was told to go on, and can have heard it
+    :param ended_unread: whether it is known to have ended before it heard that; told once
     """
 
     process: subprocess.Popen[bytes]
+    gate: socket.socket
     pid: int
     pidfd: int
     namespaces: dict[str, int] = field(default_factory=dict)
@@ -100,6 +105,7 @@ class Confined:
     home: Path | None = None
     domain: int = 0
     released: bool = False
+    ended_unread: bool = False
 
     def release(self) -> None:
         """
@@ -108,17 +114,21 @@ class Confined:
         Not bubblewrap's own ``--block-fd``: a sandbox held there outlives a killed grader, and
         runs.
         """
-        assert self.process.stdin
-        with suppress(BrokenPipeError):  # it has died already; its exit is noticed elsewhere
-            self.process.stdin.write(b'x')
-            self.process.stdin.flush()
+        with suppress(OSError):  # it has died already; its exit is noticed elsewhere
+            self.gate.send(b'x')
             self.released = True
 
     def held(self) -> bool:
-        """Tell whether it still waits, or has ended so: no line of a student's has been run."""
-        assert self.process.stdin
-        unread = fcntl.ioctl(self.process.stdin, termios.FIONREAD, bytes(4))
-        return not self.released or any(unread)
+        """
+        Tell whether it still waits, or has ended so: no line of a student's has been run.
+
+        The kernel says so of a socket, and nobody inside can put anything there: a pipe could be
+        opened again through the first process of the sandbox, and filled.
+        """
+        unread = fcntl.ioctl(self.gate, termios.TIOCOUTQ, bytes(4))
+        ended = self.gate.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+        self.ended_unread = self.ended_unread or ended == errno.ECONNRESET
+        return not self.released or any(unread) or self.ended_unread
 
     def kill(self) -> None:
         """End everything inside, then the launcher: killed first, that could leave orphans."""
@@ -140,11 +150,7 @@ class Confined:
         for stream in (self.process.stdout, self.process.stderr):
             if stream is not None:
                 stream.close()
-        if self.process.stdin is not None:
-            try:
-                self.process.stdin.close()
-            except BrokenPipeError:
-                pass
+        self.gate.close()
 
     def files(self) -> tuple[int, int]:
         """Return how many files the program has made and how many bytes they hold."""

@@ -24,6 +24,7 @@ from pathlib import Path
 import platform
 import secrets
 import shutil
+import socket
 import subprocess
 import sys
 from typing import Any
@@ -193,18 +194,22 @@ class Sandbox:
         """
         if not self.isolated:
             return self._start_weak(program, limits, home)
+        gate, theirs = socket.socketpair()
         info_read, info_write = os.pipe()
         rules = os.open(HERE / 'sandboxes' / 'seccomp' / f'{platform.machine()}.bpf', os.O_RDONLY)
         descriptors = ['--info-fd', str(info_write), '--seccomp', str(rules)]
         try:
             options = self.bwrap(program, limits, descriptors)
-            process = start_bwrap(options, self.command(program, limits), (info_write, rules))
+            command = self.command(program, limits)
+            process = start_bwrap(options, command, (info_write, rules), stdin=theirs)
         except OSError as error:
             os.close(info_read)
+            gate.close()
             raise SandboxUnavailable(
                 f'bubblewrap did not start: {error}.', isolation.FIX_MISSING
             ) from error
         finally:
+            theirs.close()
             os.close(info_write)
             os.close(rules)
         with os.fdopen(info_read) as info:
@@ -214,6 +219,7 @@ class Sandbox:
             pidfd = os.pidfd_open(pid)
             net = os.open(f'/proc/{pid}/ns/net', os.O_RDONLY)
         except (ValueError, OSError) as error:
+            gate.close()
             end_group(process)
             _, said = process.communicate()
             what = said.decode(errors='replace').strip() or str(error)
@@ -224,15 +230,18 @@ class Sandbox:
         if self.mode == 'bwrap-user':
             # Not nsenter -t PID: bubblewrap moves on to a nested user namespace.
             namespaces['user'] = fcntl.ioctl(net, NS_GET_USERNS)
-        return Confined(process, pid, pidfd, namespaces)
+        return Confined(process, gate, pid, pidfd, namespaces)
 
     def _start_weak(self, program: Program, limits: Limits, home: Path) -> Confined:
         domain = landlock.free_domain()
         argv, variables = self.outside(program, limits, home, domain)
         if self.mode != 'none':
             argv = [*self.behind_landlock(program, home), *argv]
-        process = subprocess.Popen(argv, env=variables, cwd=home, **PIPES)
-        confined = Confined(process, process.pid, os.pidfd_open(process.pid), home=home)
+        gate, theirs = socket.socketpair()
+        with theirs:
+            process = subprocess.Popen(argv, env=variables, cwd=home, **{**PIPES, 'stdin': theirs})
+        pidfd = os.pidfd_open(process.pid)
+        confined = Confined(process, gate, process.pid, pidfd, home=home)
         confined.supervised, confined.domain = self.mode != 'none', domain
         return confined
 

@@ -44,6 +44,9 @@ attempt('link', lambda: os.symlink(facts['secrets'][0], os.path.join(facts['fold
 attempt('signal', lambda: os.kill(facts['grader'], 0))
 attempt('tcp', lambda: socket.create_connection(('127.0.0.1', facts['port']), 2))
 attempt('vsock', lambda: socket.socket(socket.AF_VSOCK))
+if facts['daemon']:  # else that is the first process of the machine
+    # What the grader says goes there; to put something there would seem unread by the program.
+    attempt('gate', lambda: os.open('/proc/1/fd/0', os.O_WRONLY))
 attempt('unshare', lambda: ctypes.CDLL(None).unshare(0x10000000) == 0)
 if facts['daemon'] and os.fork() == 0:
     os.setsid()

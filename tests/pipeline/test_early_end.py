@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 import signal
+import socket
 import subprocess
 
 import pytest
@@ -18,13 +19,15 @@ pytestmark = [pytest.mark.pipeline]
 
 def test_files_of_the_host_are_not_charged_to_a_sandbox_that_is_not_ready():
     """Until it has file systems of its own, a sandbox shows those of the machine."""
-    with subprocess.Popen(['cat'], stdin=subprocess.PIPE) as process:
-        held = Confined(process, process.pid, os.pidfd_open(process.pid))
+    gate, theirs = socket.socketpair()
+    with subprocess.Popen(['cat'], stdin=theirs) as process:
+        theirs.close()
+        held = Confined(process, gate, process.pid, os.pidfd_open(process.pid))
         try:
             assert held.files() == (0, 0)
         finally:
             os.close(held.pidfd)
-            process.stdin.close()
+            gate.close()
 
 
 @pytest.mark.parametrize('turn', range(10))
