@@ -315,7 +315,9 @@ class TestEnds:
                 if left:
                     left -= 1
                     python = psutil.Process(maker())
-                    (python.children()[0] if whom == 'probe' else python).kill()
+                    ended = python.children()[0] if whom == 'probe' else python
+                    ended.kill()
+                    ended.wait(60)  # what it does to others is done then, too
 
         again = examine(exam, files, sandbox=strongest(), told=told)
         left = 2
