@@ -28,7 +28,9 @@ c.CourseDirectory.db_url = f'sqlite:///{root}/autograder/_work/gradebook.db'
 c.CourseDirectory.ignore = ['.ipynb_checkpoints', '*.pyc', '__pycache__', 'feedback', 'ros_ws']
 
 # nbgrader makes a new gradebook with the command alembic, which lies beside this Python.
-os.environ['PATH'] = os.pathsep.join([str(Path(sys.prefix) / 'bin'), os.environ.get('PATH', '')])
+folders, beside = os.environ.get('PATH', '').split(os.pathsep), str(Path(sys.prefix) / 'bin')
+if folders[0] != beside:  # this file is read often
+    os.environ['PATH'] = os.pathsep.join([beside, *folders])
 
 # SQLite and the exchange need their folders.
 for folder in ('exchange', 'submitted'):

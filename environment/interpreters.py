@@ -122,7 +122,7 @@ def candidates(environ: Mapping[str, str]) -> Iterator[str]:
     path = environ.get('PATH')
     pyenv = Path(environ.get('PYENV_ROOT') or Path(environ.get('HOME', '/'), '.pyenv'))
     for version in PREFERRED:
-        for folder in (path, '/usr/local/bin:/usr/bin'):
+        for folder in (path, '/usr/local/bin', '/usr/bin'):
             found = shutil.which(f'python{version}', path=folder)
             if found:
                 yield found

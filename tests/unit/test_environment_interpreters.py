@@ -121,6 +121,15 @@ def test_find_looks_beyond_a_python_built_by_hand(tmp_path):
     assert interpreters.find({'PATH': str(tmp_path)}).path == str(expected)
 
 
+def test_one_in_usr_local_hides_no_other(monkeypatch):
+    """Both are asked."""
+    monkeypatch.setattr(interpreters.shutil, 'which', lambda name, path=None: f'{path}/{name}')
+
+    found = list(interpreters.candidates({'PATH': '/usr/local/bin'}))
+
+    assert {'/usr/local/bin/python3.12', '/usr/bin/python3.12'} <= set(found)
+
+
 def test_find_request_takes_only_that(tmp_path):
     """With PYTHON=... nothing else is considered."""
     fake_python(tmp_path, 'python3.12')
