@@ -98,6 +98,7 @@ def soak(
     """
     (root / 'tmp').mkdir()
     layout = reduced_course.build(root / 'course', publishers(names), seconds)
+    _enter_soon(layout)
     chance, account = random.Random(seed), Account()
     began = time.monotonic()
     peace = _grade_in_peace(layout, jobs)
@@ -115,6 +116,15 @@ def soak(
         print(f'{sum(account.kills.values())} kills, {len(account.wrong)} wrong', flush=True)
     account.wrong += [f'left: {path.name}' for path in (root / 'tmp').iterdir()]
     return account
+
+
+def _enter_soon(layout: Layout) -> None:
+    """Have even so small a class entered in the gradebook while the rest of it is run."""
+    path = layout.root / 'autograder' / 'whole_class' / 'entering.py'
+    text = path.read_text(encoding='utf-8')
+    if text.count('TOGETHER = 10') != 1:
+        raise RuntimeError(f'{path.name}: expected TOGETHER = 10 once; adapt this benchmark.')
+    path.write_text(text.replace('TOGETHER = 10', 'TOGETHER = 2'), encoding='utf-8')
 
 
 def _command(layout: Layout, jobs: int) -> subprocess.Popen[str]:

@@ -18,6 +18,7 @@ import warnings
 from nbgrader import api
 from nbgrader.converters import Autograde, GenerateAssignment, NbGraderException
 from nbgrader.coursedir import CourseDirectory
+from sqlalchemy.exc import SQLAlchemyError
 
 from autograder.errors import GraderError
 from autograder.gradebook.settings import load_config
@@ -76,11 +77,22 @@ def autograde(
 
 @contextmanager
 def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
-    """Yield nbgrader's gradebook, which is made if there is none."""
-    with warnings.catch_warnings():
-        warnings.simplefilter('ignore')  # SQLAlchemy about nbgrader's own queries
-        with api.Gradebook(str(load_config(layout).CourseDirectory.db_url)) as gradebook:
-            yield gradebook
+    """
+    Yield nbgrader's gradebook, which is made if there is none.
+
+    :raises GraderError: if it cannot be opened, read or written
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')  # SQLAlchemy about nbgrader's own queries
+            with api.Gradebook(str(load_config(layout).CourseDirectory.db_url)) as gradebook:
+                yield gradebook
+    except (SQLAlchemyError, api.InvalidEntry) as error:
+        said = (str(error).strip().splitlines() or [type(error).__name__])[0]
+        raise GraderError(
+            f'nbgrader cannot use its gradebook: {said}.',
+            'Try: the same command again, when nobody else writes to it; no run is lost.',
+        ) from error
 
 
 @contextmanager

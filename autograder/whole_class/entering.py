@@ -24,7 +24,7 @@ class Entering:
     """
     Enters results while others are being run.
 
-    What is refused meanwhile is tried again, and told, when all is run.
+    What fails meanwhile is tried again, and told, when all is run.
     """
 
     def __init__(self, layout: Layout, lesson: Lesson) -> None:
@@ -38,20 +38,22 @@ class Entering:
     def meanwhile(self, ready: Sequence[Graded]) -> None:
         """Prepare the gradebook, and enter those that are ready if they are enough."""
         self.ready += ready
-        try:
-            if self.works:
+        if self.works:
+            try:
                 self.begin()
-        except GraderError:
-            self.works = False
-        if not self.works or len(self.ready) < TOGETHER:
+                self._enter_together()
+            except Exception:  # noqa: BLE001 - whatever it is, it costs nobody else's run
+                self.works = False
+
+    def _enter_together(self) -> None:
+        if len(self.ready) < TOGETHER:
             return
         together, self.ready = self.ready, []
         new, refused = enter(self.layout, self.lesson, together, self.begin)
-        if refused:
-            self.works = False
-            return
-        self.new += new
-        self.entered |= {one.result.student for one in together}
+        self.works = not refused
+        if self.works:
+            self.new += new
+            self.entered |= {one.result.student for one in together}
 
     def finish(self, graded: Sequence[Graded]) -> tuple[int, str]:
         """

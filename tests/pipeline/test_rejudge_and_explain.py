@@ -215,7 +215,7 @@ class TestRejudge:
             given.append({one.result.student for one in graded})
             record(layout, lesson, graded)
 
-        monkeypatch.setattr('autograder.gradebook.record.record', noted)
+        monkeypatch.setattr('autograder.whole_class.entering.record', noted)
         slowest = [(one.student, ran_s(one)) for one in last_results(layout, ASSIGNMENT)]
         rejudge_command(layout, None, None, write=True)
         (unchanged,), _ = rejudge_command(layout, None, None, write=True)
@@ -352,7 +352,7 @@ class TestCommands:
         exam = build(10, 0.1)
         exam.checks = [replace(check, points=7) for check in exam.checks]
         now(exam)
-        monkeypatch.setattr('autograder.gradebook.record.record', refuse)
+        monkeypatch.setattr('autograder.whole_class.entering.record', refuse)
 
         assert command.main(['rejudge', '--write']) == command.USAGE
         said = capsys.readouterr()

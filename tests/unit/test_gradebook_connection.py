@@ -55,3 +55,18 @@ def test_a_new_gradebook_has_the_version_that_nbgrader_gives_it(tmp_path, monkey
         assert gradebook.exec_driver_sql('select * from alembic_version').fetchall() == [
             (version,)
         ]
+
+
+@pytest.mark.nbgrader
+def test_a_gradebook_that_nbgrader_cannot_open_is_one_sentence(tmp_path):
+    """And no traceback of SQLAlchemy's."""
+    from autograder.gradebook.converters import opened_gradebook
+
+    (tmp_path / 'gradebook.db').write_bytes(b'no database' * 100)
+    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
+
+    with pytest.raises(GraderError) as caught, opened_gradebook(layout):
+        pass
+
+    assert 'nbgrader cannot use its gradebook: ' in caught.value.what
+    assert 'not a database' in caught.value.what
