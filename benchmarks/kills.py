@@ -38,6 +38,7 @@ ORPHANS_S = 60.0
 """How long the processes of a killed grader may take to end on a busy machine."""
 NOT_COMPARED = ('timing', 'recording', 'pictures')
 KINDS = ('grader', 'worker', 'run')
+REFUSED = 2
 Facts = Mapping[str, Any]
 
 
@@ -195,6 +196,8 @@ def _killed_or_done(
         account.kills[kind] += 1
         # Whoever had a run on it is done again, or for review: then the next start does it.
         said, errors = grading.communicate()
+        if grading.returncode == REFUSED:
+            return None  # the sandbox was just being tried out
         found = _facts(layout, grading, said, errors)
         return found if grading.returncode == 0 else None
     everybody = _family(grading.pid)

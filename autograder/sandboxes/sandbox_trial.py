@@ -8,6 +8,7 @@ finds its way into the sandbox's network.
 from __future__ import annotations
 
 from pathlib import Path
+import signal
 import subprocess
 import tempfile
 from typing import TYPE_CHECKING
@@ -20,6 +21,7 @@ from autograder.sandboxes.isolation import fix_for, System
 if TYPE_CHECKING:
     from autograder.sandboxes.sandbox import Sandbox
 
+KILLED = (-signal.SIGKILL, 128 + signal.SIGKILL)
 TRIAL = """
 import rclpy, sys
 try:
@@ -54,6 +56,9 @@ def try_out(sandbox: Sandbox) -> None:
                 raise SandboxUnavailable(what, 'Try: make doctor') from late
         finally:
             confined.kill()
+    if confined.process.returncode in KILLED:
+        what = f'The trial of isolation {sandbox.mode} was ended from outside.'
+        raise SandboxUnavailable(what, 'Try: the same command again')
     if said.strip() == b'open':
         raise SandboxUnavailable(
             f'Isolation {sandbox.mode} lets a program read the grader.', isolation.SECTION

@@ -14,13 +14,14 @@ import time
 import pytest
 
 from autograder import exams
-from autograder.errors import ProbeFailed
+from autograder.errors import ProbeFailed, SandboxUnavailable
 from autograder.runs import observe
 from autograder.runs.examine import examine
 from autograder.runs.observe import HERE, TICK
 from autograder.sandboxes.confined import Confined, Probe
 from autograder.sandboxes.probes import start_probe
 from autograder.sandboxes.sandbox import Sandbox, strongest
+from autograder.sandboxes.sandbox_trial import try_out
 
 pytestmark = [pytest.mark.ros]
 
@@ -159,3 +160,14 @@ def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatc
 
     with pytest.raises(ProbeFailed, match='had not begun when the run ended: no_node'):
         observe.observe('talker', scenario, {'talker.py': ''}, strongest())
+
+
+def test_a_trial_of_the_sandbox_that_somebody_ended_says_nothing_about_rclpy(monkeypatch):
+    """The same command again is the repair, and no look for what is missing."""
+    sandbox = strongest()
+    monkeypatch.setattr(Sandbox, 'command', lambda *_: ['sh', '-c', 'kill -9 $$'])
+
+    with pytest.raises(SandboxUnavailable, match='was ended from outside') as caught:
+        try_out(sandbox)
+
+    assert caught.value.fix == 'Try: the same command again'
