@@ -214,7 +214,7 @@ def test_what_a_program_wrote_is_counted_without_a_file_system_of_its_own(tmp_pa
     (tmp_path / 'deep' / 'er' / 'file').write_bytes(b'x' * 8192)
     (tmp_path / 'link').symlink_to('/usr')
 
-    count, size = Confined(None, 0, 0, home=tmp_path).files()
+    count, size = Confined(None, None, 0, 0, home=tmp_path).files()
 
     assert count == 4
     assert size >= 8192
