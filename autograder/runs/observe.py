@@ -16,7 +16,6 @@ from pathlib import Path
 import secrets
 import selectors
 import shutil
-import signal
 import tempfile
 import time
 from typing import Any
@@ -24,7 +23,7 @@ from typing import Any
 from autograder.errors import ProbeFailed, TooBusy
 from autograder.judging.exam import Scenario
 from autograder.runs.recording import header, Recording
-from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
 from autograder.sandboxes.probes import start_probe
 from autograder.sandboxes.processes import (
     oom_kills,
@@ -357,7 +356,7 @@ class _Watched:
         """Refuse evidence of a program that the machine, or somebody on it, has ended."""
         if self.killed or self.exit is None:
             return
-        if oom_kills() > self.oom_kills and self.exit in (-signal.SIGKILL, 128 + signal.SIGKILL):
+        if oom_kills() > self.oom_kills and self.exit in KILLED:
             raise ProbeFailed('The machine ran out of memory, and the system ended the program.')
         # No signal from inside reaches the launcher, which is in another pid namespace.
         if self.student.namespaces and self.exit < 0:

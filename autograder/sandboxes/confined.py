@@ -215,6 +215,8 @@ def end_group(process: subprocess.Popen[bytes]) -> None:
         os.killpg(process.pid, signal.SIGKILL)
 
 
+KILLED = (-signal.SIGKILL, 128 + signal.SIGKILL)
+"""Exit codes of a program that got SIGKILL, and of a launcher that passes that on."""
 SUPERVISOR_S = 60.0  # bounds what it needs to end a sandbox's processes: milliseconds
 WRITABLE = ('/tmp', '/dev/shm')
 MOST_COUNTED = 30_000

@@ -8,20 +8,18 @@ finds its way into the sandbox's network.
 from __future__ import annotations
 
 from pathlib import Path
-import signal
 import subprocess
 import tempfile
 from typing import TYPE_CHECKING
 
 from autograder.errors import SandboxUnavailable
 from autograder.sandboxes import isolation
-from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
 from autograder.sandboxes.isolation import fix_for, System
 
 if TYPE_CHECKING:
     from autograder.sandboxes.sandbox import Sandbox
 
-KILLED = (-signal.SIGKILL, 128 + signal.SIGKILL)
 TRIAL = """
 import rclpy, sys
 try:
