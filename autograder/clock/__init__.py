@@ -1,0 +1,1 @@
+"""The virtual clock of a run; README.md beside this file explains it."""

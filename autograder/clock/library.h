@@ -1,0 +1,133 @@
+/*
+ * What the files of the library share.
+ *
+ * threads.c      the threads of this process, how they wait and who wakes them
+ * connection.c   the process joins the clock; the helper thread that serves the driver
+ * waits.c        waits for other threads, and sleeps
+ * descriptors.c  waits for descriptors
+ * datagrams.c    what processes send each other over the network
+ * timers.c       alarms and timerfds
+ * clocks.c       reading the clock, and loops that do nothing else
+ * processes.c    children and waits for their end
+ */
+#ifndef LIBRARY_H
+#define LIBRARY_H
+
+#define _GNU_SOURCE
+#include "protocol.h"
+
+#include <poll.h>
+#include <pthread.h>
+#include <semaphore.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/timerfd.h>
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#define EXPORT __attribute__((visibility("default")))
+#define MAX_THREADS 256
+#define MAX_FDS 1024
+#define MILLISECOND (SECOND / 1000)
+
+/* The C library's own functions behind those that we replace. All are looked up at the start: a later
+ * look-up could wait for the loader's lock, which this library does not see. */
+#define FUNCTIONS(X) \
+    X(_exit) X(accept) X(accept4) X(clock_gettime) X(clock_nanosleep) X(close) X(close_range) X(epoll_wait) \
+    X(execve) X(execvpe) X(fork) X(gettimeofday) X(pause) X(poll) X(posix_spawn) X(posix_spawnp) \
+    X(ppoll) X(pselect) X(pthread_clockjoin_np) X(pthread_create) X(pthread_join) \
+    X(pthread_mutex_lock) X(pthread_mutex_trylock) X(pthread_mutex_unlock) \
+    X(pthread_rwlock_tryrdlock) X(pthread_rwlock_trywrlock) X(pthread_rwlock_unlock) X(read) X(recv) \
+    X(recvfrom) X(recvmsg) X(sem_clockwait) X(sem_init) X(sem_open) X(sem_post) X(sem_trywait) \
+    X(sem_wait) X(send) X(sendmsg) X(sendto) X(setitimer) X(sigsuspend) X(sigtimedwait) X(syscall) X(timerfd_create) \
+    X(timerfd_gettime) X(timerfd_settime) X(wait4) X(waitid) X(write)
+
+struct functions {
+#define X(name) __typeof__(&name) name;
+    FUNCTIONS(X)
+#undef X
+};
+extern struct functions functions;
+void look_up(void);
+/* A constructor of another library can come before ours. */
+#define REAL(name) (functions.name ? functions.name : (look_up(), functions.name))
+
+/* How a wait ended; BY_ITSELF if data or a signal came. */
+enum why { BY_ITSELF, WOKEN, TIMED_OUT, INTERRUPTED };
+
+struct thread {
+    bool used;
+    pthread_t id;
+    void *(*start)(void *);
+    void *argument;
+    /* While it waits: */
+    bool waiting, in_poll;
+    bool polling;          /* only because it reads the clock in a loop, see clocks.c */
+    const void *on;        /* the address whose signal wakes it */
+    int64_t deadline;      /* when to wake it, or NEVER */
+    uint64_t place;        /* in the queue of its address */
+    _Atomic uint32_t word; /* 0 until it may continue; it sleeps in a futex on this word */
+    int eventfd;           /* wakes it if it sleeps in poll; -1 until it has one */
+    enum why why;
+    /* For clocks.c: */
+    int reads, empty_waits, steps;
+    uint64_t work;         /* of the process, when it began */
+};
+
+/* threads.c. Functions marked L are called with the lock held. */
+extern _Atomic bool active;         /* whether this process is on the clock */
+extern _Atomic int interpreter_wanted; /* threads that wait for the interpreter lock */
+struct thread *self(void);          /* NULL if the calling thread is not on the clock */
+void leave_clock(void);
+void lock(void);
+void unlock(void);
+enum why wait_on(struct thread *me, const void *on, int64_t deadline);         /* L */
+enum why wait_for_interpreter(struct thread *me, const void *on, int64_t limit); /* L */
+void begin_wait(struct thread *me, const void *on, int64_t deadline);          /* L */
+enum why end_wait(struct thread *me);                                          /* L */
+int wake_waiters(const void *on, int most);                                    /* L */
+void sleep_polling(struct thread *me, int64_t deadline);                       /* L */
+void interrupt_main(int signal);                                               /* L */
+void wake_due(void);                                                           /* L */
+void begin_threads(struct process_page *page, const struct time_page *timing, int is_idle);
+int64_t now(void);
+int64_t realtime(void);
+int64_t deadline_in(int64_t nanoseconds);
+int64_t deadline_at(clockid_t clock, const struct timespec *at);
+
+/* connection.c */
+extern int in_flight;   /* the set of descriptors that our threads wait for; the driver looks at it */
+extern int our_socket;  /* to the driver */
+void begin_again_in_child(int socket);
+bool is_ours(int fd);
+int keep_open(int fd);  /* move a descriptor away from the program, which may not close it */
+
+/* descriptors.c */
+int poll_until(struct pollfd *fds, nfds_t count, int64_t deadline);
+void forget_descriptors(void);
+
+/* datagrams.c */
+ssize_t post(int fd, const struct msghdr *message, int flags);
+bool has_post(void);             /* L */
+void send_portion(void);         /* L */
+void wait_for_post(int fd);
+void forget_post(void);
+
+/* timers.c */
+int64_t first_timer(void); /* L */
+void fire_timer(void);     /* L */
+void forget_timers(void);
+
+/* clocks.c */
+void waited_for_nothing(void);
+void took_a_lock(void);
+void sent_something(void);
+
+#endif

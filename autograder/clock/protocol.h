@@ -1,0 +1,42 @@
+/*
+ * What the driver and the library in each process share: two pages, a socket and two eventfds.
+ * README.md explains the protocol.
+ */
+#ifndef PROTOCOL_H
+#define PROTOCOL_H
+
+#include <stdatomic.h>
+#include <stdint.h>
+
+#define NEVER INT64_MAX
+#define SECOND INT64_C(1000000000)
+
+#define ROOTS 4 /* how many processes may begin with the run */
+
+/* The time of a run. The driver writes it; every process maps it read-only. */
+struct time_page {
+    _Atomic int64_t now;  /* virtual CLOCK_MONOTONIC [ns] */
+    int64_t to_realtime;  /* virtual CLOCK_REALTIME minus virtual CLOCK_MONOTONIC [ns] */
+    _Atomic int64_t jumps; /* how often the driver has woken a process */
+    _Atomic int64_t ended[ROOTS]; /* when each of the processes of the command line ended, or 0 */
+};
+
+/* The state of a process: the low two bits of its word. The rest of the word counts the changes, so
+ * that the driver can see that nothing happened between two looks. */
+enum { BUSY = 0, IDLE = 1, CLAIMED = 2, STATE_BITS = 3, ONE_CHANGE = 4 };
+
+/* Shared by one process and the driver. */
+struct process_page {
+    _Atomic uint32_t word;
+    _Atomic int64_t deadline; /* when IDLE: the earliest time at which one of its threads continues */
+};
+
+/* Messages of one byte over the socket of a process. HELLO asks for the descriptors below; a new
+ * program image in the same process asks again. ADOPT carries the driver's end of the socket of a
+ * child that the process is about to make. */
+enum { HELLO = 'h', ADOPT = 'a' };
+
+/* The descriptors in the answer to HELLO, in this order. */
+enum { TIME_PAGE, PROCESS_PAGE, IN_FLIGHT, IS_IDLE, WAKE_UP, DESCRIPTORS };
+
+#endif

@@ -1,0 +1,419 @@
+/*
+ * The threads of this process, how they wait and who wakes them.
+ *
+ * One lock guards a table of threads. A thread runs, or it waits on an address until a deadline. Waking a
+ * thread counts it as running before it really runs, so a thread is never "woken but not yet awake". When
+ * the last running thread begins to wait, the process becomes IDLE and tells the driver; when a thread
+ * runs again, the process becomes BUSY.
+ */
+#include "library.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <limits.h>
+#include <linux/futex.h>
+#include <sys/eventfd.h>
+#include <sys/syscall.h>
+
+_Atomic bool active;
+_Atomic int interpreter_wanted;
+struct functions functions;
+
+static struct thread table[MAX_THREADS];
+static int used;    /* how much of the table has been used */
+static int running; /* threads that do not wait */
+static uint64_t places;
+static uint64_t work; /* how often a thread that does not poll began to run */
+static struct process_page *page;
+static const struct time_page *timing;
+static int is_idle;
+static pthread_key_t at_end;
+static __thread struct thread *me __attribute__((tls_model("initial-exec")));
+static __thread bool outside __attribute__((tls_model("initial-exec")));
+
+void look_up(void)
+{
+#define X(name) functions.name = (__typeof__(&name))dlsym(RTLD_NEXT, #name);
+    FUNCTIONS(X)
+#undef X
+}
+
+/* -- the lock: a futex, because pthread_mutex_lock is one of the functions that need it -- */
+
+static _Atomic uint32_t guard; /* 0 free, 1 held, 2 held and wanted */
+
+/* Return what the kernel returns; errno belongs to the program. */
+static long futex(_Atomic uint32_t *word, int operation, uint32_t value, const struct timespec *in)
+{
+    int before = errno;
+    long result = REAL(syscall)(SYS_futex, word, operation | FUTEX_PRIVATE_FLAG, value, in, NULL, 0);
+    if (result < 0)
+        result = -errno;
+    errno = before;
+    return result;
+}
+
+void lock(void)
+{
+    uint32_t free = 0;
+    if (atomic_compare_exchange_strong(&guard, &free, 1))
+        return;
+    while (atomic_exchange(&guard, 2) != 0)
+        futex(&guard, FUTEX_WAIT, 2, NULL);
+}
+
+void unlock(void)
+{
+    if (atomic_exchange(&guard, 0) == 2)
+        futex(&guard, FUTEX_WAKE, 1, NULL);
+}
+
+/* -- time -- */
+
+int64_t now(void) { return atomic_load(&timing->now); }
+
+int64_t realtime(void) { return now() + timing->to_realtime; }
+
+int64_t deadline_in(int64_t nanoseconds)
+{
+    int64_t at;
+    if (nanoseconds < 0)
+        nanoseconds = 0;
+    return __builtin_add_overflow(now(), nanoseconds, &at) ? NEVER : at;
+}
+
+/* Return a time of some clock as virtual CLOCK_MONOTONIC; NULL is NEVER. */
+int64_t deadline_at(clockid_t clock, const struct timespec *at)
+{
+    int64_t sum;
+    if (!at)
+        return NEVER;
+    if (__builtin_mul_overflow((int64_t)at->tv_sec, SECOND, &sum) ||
+        __builtin_add_overflow(sum, (int64_t)at->tv_nsec, &sum))
+        return at->tv_sec < 0 ? 0 : NEVER;
+    return clock == CLOCK_REALTIME || clock == CLOCK_TAI ? sum - timing->to_realtime : sum;
+}
+
+/* -- the state of the process -- */
+
+static void set_state(uint32_t state)
+{
+    uint32_t word = atomic_load(&page->word), changed;
+    do
+        changed = ((word & ~(uint32_t)STATE_BITS) + ONE_CHANGE) | state;
+    while (!atomic_compare_exchange_weak(&page->word, &word, changed));
+}
+
+/* Tell the driver that every thread waits, and until when. */
+static void report_idle(void)
+{
+    int before = errno;
+    int64_t earliest = has_post() ? 0 : first_timer();
+    uint64_t once = 1;
+    for (int i = 0; i < used; i++)
+        if (table[i].used && table[i].waiting && table[i].deadline < earliest)
+            earliest = table[i].deadline;
+    atomic_store(&page->deadline, earliest);
+    set_state(IDLE);
+    if (REAL(write)(is_idle, &once, sizeof once) < 0)
+        errno = before; /* the driver has ended, and the grader ends us */
+}
+
+static void one_more_runs(void)
+{
+    if (running++ == 0)
+        set_state(BUSY);
+}
+
+static bool wake_polling(void);
+
+static void one_less_runs(void)
+{
+    if (--running == 0 && !wake_polling())
+        report_idle();
+}
+
+/* -- waiting -- */
+
+void begin_wait(struct thread *thread, const void *on, int64_t deadline)
+{
+    thread->on = on;
+    thread->deadline = deadline;
+    thread->place = ++places;
+    thread->why = BY_ITSELF;
+    thread->reads = thread->empty_waits = 0;
+    if (!thread->polling)
+        thread->steps = 0;
+    atomic_store(&thread->word, 0);
+    thread->waiting = true;
+    one_less_runs();
+}
+
+/* Continue after a wait; data or a signal may have ended it before anybody woke the thread. */
+enum why end_wait(struct thread *thread)
+{
+    if (thread->waiting) {
+        thread->waiting = false;
+        one_more_runs();
+        work++;
+    }
+    return thread->why;
+}
+
+static void wake(struct thread *thread, enum why why)
+{
+    thread->waiting = false;
+    thread->why = why;
+    one_more_runs();
+    if (!thread->polling)
+        work++;
+    atomic_store(&thread->word, 1);
+    if (thread->in_poll)
+        eventfd_write(thread->eventfd, 1);
+    else
+        futex(&thread->word, FUTEX_WAKE, 1, NULL);
+}
+
+/* Wait until another thread wakes this address, a signal comes or the deadline has passed. The lock is
+ * released meanwhile. */
+enum why wait_on(struct thread *thread, const void *on, int64_t deadline)
+{
+    begin_wait(thread, on, deadline);
+    unlock();
+    while (atomic_load(&thread->word) == 0 && futex(&thread->word, FUTEX_WAIT, 0, NULL) != -EINTR)
+        ;
+    lock();
+    return end_wait(thread);
+}
+
+/*
+ * Wait for the interpreter lock (waits.c), with a limit in real time [ns]. A thread that reads the clock
+ * in a loop may hold that lock, so none goes to sleep for that meanwhile.
+ */
+enum why wait_for_interpreter(struct thread *thread, const void *on, int64_t limit)
+{
+    struct timespec in = {limit / SECOND, limit % SECOND};
+    interpreter_wanted++;
+    begin_wait(thread, on, NEVER);
+    unlock();
+    if (atomic_load(&thread->word) == 0)
+        futex(&thread->word, FUTEX_WAIT, 0, &in);
+    lock();
+    interpreter_wanted--;
+    return end_wait(thread);
+}
+
+/* Wake threads that wait on an address, in the order in which they came; return how many. */
+int wake_waiters(const void *on, int most)
+{
+    int woken = 0;
+    for (; woken < most; woken++) {
+        struct thread *first = NULL;
+        for (int i = 0; i < used; i++)
+            if (table[i].used && table[i].waiting && table[i].on == on &&
+                (!first || table[i].place < first->place))
+                first = &table[i];
+        if (!first)
+            break;
+        wake(first, WOKEN);
+    }
+    return woken;
+}
+
+/*
+ * Sleep until a deadline in place of reading the clock in a loop (clocks.c). If any other thread works
+ * meanwhile, the sleep ends before time moves: the thread may hold the interpreter lock, or wait in its
+ * loop for what the other thread did.
+ */
+void sleep_polling(struct thread *thread, int64_t deadline)
+{
+    thread->polling = true;
+    thread->work = running > 1 ? work - 1 : work;
+    wait_on(thread, thread, deadline);
+    thread->polling = false;
+}
+
+/* Wake threads that poll if others have worked since; other polling threads do not count. */
+static bool wake_polling(void)
+{
+    bool any = false;
+    for (int i = 0; i < used; i++)
+        if (table[i].used && table[i].waiting && table[i].polling && table[i].work != work) {
+            wake(&table[i], WOKEN);
+            any = true;
+        }
+    return any;
+}
+
+/* Send the main thread a signal, then count it as running: it handles the signal first. */
+void interrupt_main(int signal)
+{
+    REAL(syscall)(SYS_tgkill, getpid(), getpid(), signal);
+    if (table[0].used && table[0].waiting)
+        wake(&table[0], INTERRUPTED);
+}
+
+/* Send what was posted, or wake the thread or timer that is due first. One at a time: the next follows
+ * when all wait again. */
+void wake_due(void)
+{
+    struct thread *first = NULL;
+    if (running > 0)
+        return; /* the process reports again when they wait */
+    if (has_post()) {
+        one_more_runs(); /* the network, so to speak */
+        send_portion();
+        one_less_runs();
+        return;
+    }
+    for (int i = 0; i < used; i++)
+        if (table[i].used && table[i].waiting && table[i].deadline <= now() &&
+            (!first || table[i].deadline < first->deadline))
+            first = &table[i];
+    if (first_timer() <= now() && (!first || first_timer() <= first->deadline)) {
+        one_more_runs(); /* the timer, until its signal is on its way */
+        fire_timer();
+        one_less_runs();
+    } else if (first) {
+        wake(first, TIMED_OUT);
+    } else {
+        report_idle();
+    }
+}
+
+/* -- threads come and go -- */
+
+static struct thread *add_thread(void)
+{
+    int i = 0;
+    while (i < used && table[i].used)
+        i++;
+    if (i == MAX_THREADS)
+        return NULL;
+    if (i == used)
+        used++;
+    /* An eventfd stays with its place in the table; zero is never one of ours. */
+    table[i] = (struct thread){.used = true, .eventfd = table[i].eventfd ? table[i].eventfd : -1};
+    one_more_runs();
+    return &table[i];
+}
+
+struct thread *self(void)
+{
+    if (!active || outside)
+        return NULL;
+    if (!me) { /* a thread that pthread_create did not make */
+        lock();
+        me = add_thread();
+        unlock();
+        outside = !me;
+    }
+    return me;
+}
+
+void leave_clock(void) { outside = true; }
+
+/* The destructor of a thread's own data: its last round is the last thing that a thread does. */
+static void end_thread(void *round)
+{
+    if ((intptr_t)round < PTHREAD_DESTRUCTOR_ITERATIONS) {
+        pthread_setspecific(at_end, (void *)((intptr_t)round + 1));
+        return;
+    }
+    lock();
+    struct thread *thread = me;
+    outside = true;
+    me = NULL;
+    thread->used = false;
+    wake_waiters(thread, INT_MAX); /* those that join it */
+    one_less_runs();
+    unlock();
+}
+
+static void *begin_thread(void *record)
+{
+    lock(); /* until pthread_create has noted our id */
+    unlock();
+    me = record;
+    pthread_setspecific(at_end, (void *)1);
+    return me->start(me->argument);
+}
+
+EXPORT int pthread_create(pthread_t *id, const pthread_attr_t *attributes, void *(*start)(void *),
+                          void *argument)
+{
+    if (!self())
+        return REAL(pthread_create)(id, attributes, start, argument);
+    lock();
+    struct thread *thread = add_thread(); /* counted as running before it exists */
+    int result = EAGAIN;
+    if (thread) {
+        thread->start = start;
+        thread->argument = argument;
+        result = REAL(pthread_create)(id, attributes, begin_thread, thread);
+        thread->id = *id;
+    }
+    if (thread && result != 0) {
+        thread->used = false;
+        one_less_runs();
+    }
+    unlock();
+    return result;
+}
+
+static struct thread *thread_with(pthread_t id)
+{
+    for (int i = 0; i < used; i++)
+        if (table[i].used && table[i].start && table[i].id == id)
+            return &table[i];
+    return NULL;
+}
+
+/* Wait until a thread has ended; return false if the deadline came first. */
+static bool wait_for_end(pthread_t id, int64_t deadline)
+{
+    struct thread *thread = self(), *other = NULL;
+    lock();
+    while (thread && (other = thread_with(id)))
+        if (wait_on(thread, other, deadline) == TIMED_OUT)
+            break;
+    unlock();
+    return !other;
+}
+
+EXPORT int pthread_join(pthread_t id, void **result)
+{
+    wait_for_end(id, NEVER);
+    return REAL(pthread_join)(id, result);
+}
+
+EXPORT int pthread_clockjoin_np(pthread_t id, void **result, clockid_t clock,
+                                const struct timespec *at)
+{
+    if (!self())
+        return REAL(pthread_clockjoin_np)(id, result, clock, at);
+    return wait_for_end(id, deadline_at(clock, at)) ? REAL(pthread_join)(id, result) : ETIMEDOUT;
+}
+
+EXPORT int pthread_timedjoin_np(pthread_t id, void **result, const struct timespec *at)
+{
+    return pthread_clockjoin_np(id, result, CLOCK_REALTIME, at);
+}
+
+/* Begin with the calling thread alone, in a new process or a new program. */
+void begin_threads(struct process_page *shared, const struct time_page *time, int report_to)
+{
+    static bool again;
+    if (!again)
+        pthread_key_create(&at_end, end_thread);
+    again = true;
+    page = shared;
+    timing = time;
+    is_idle = report_to;
+    atomic_store(&guard, 0);
+    outside = false;
+    used = running = interpreter_wanted = 0;
+    for (int i = 0; i < MAX_THREADS; i++)
+        table[i] = (struct thread){.eventfd = -1};
+    me = add_thread();
+}

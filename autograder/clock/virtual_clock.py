@@ -1,0 +1,129 @@
+"""
+The virtual time of one run, from the grader's side: starts the driver and hands out places.
+
+A process that begins in the run gets a place: one end of a socket, whose number it finds in the
+variable ``VIRTUAL_CLOCK``.  The library, which ``LD_PRELOAD`` loads, does the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+import mmap
+import os
+from pathlib import Path
+import socket
+import struct
+import subprocess
+import sys
+
+from autograder.errors import SandboxUnavailable
+
+SYSTEM_TIME_NS = 1_767_225_600_000_000_000
+"""System time at which runs begin: 2026-01-01 00:00 UTC, so that recordings do not differ."""
+FOLDER = Path('ros2_course', 'clock')
+_ROOTS = 4
+_PAGE = struct.Struct(f'=qqq{_ROOTS}q')  # struct time_page of protocol.h
+_START_NS = 1_000_000_000_000  # CLOCK_MONOTONIC at the start, see driver.c
+
+
+@dataclass(frozen=True)
+class VirtualClock:
+    """
+    The virtual clock of one run.
+
+    :param driver: the process that moves the time
+    :param places: what the processes that begin get, in the order in which they are served
+    :param library: to be loaded into them
+    """
+
+    driver: subprocess.Popen[bytes]
+    places: tuple[socket.socket, ...]
+    library: str
+    page: mmap.mmap
+
+    def variables(self, place: int) -> Mapping[str, str]:
+        """
+        Return the environment variables of the process in a place.
+
+        :param place: its number; the descriptor of ``places[place]`` has to be inherited
+        """
+        number = str(self.places[place].fileno())
+        return {'LD_PRELOAD': self.library, 'VIRTUAL_CLOCK': number}
+
+    def command(self, place: int, later: bool = False) -> tuple[str, ...]:
+        """
+        Return the command that puts the program after it in a place.
+
+        :param later: only tell where the library is; the program loads it into what it becomes
+        """
+        names = dict(self.variables(place))
+        if later:
+            names['CLOCK_LIBRARY'] = names.pop('LD_PRELOAD')
+        return ('env', *(f'{name}={value}' for name, value in names.items()))
+
+    def begin(self) -> None:
+        """Let go of the places, once their processes have been started: an end is seen then."""
+        for place in self.places:
+            place.close()
+
+    @property
+    def elapsed_ns(self) -> int:
+        """Return how much virtual time has passed [ns]."""
+        return max(0, int(_PAGE.unpack_from(self.page)[0]) - _START_NS)
+
+    def ended_ns(self, place: int) -> int | None:
+        """
+        Return when the process in a place ended [ns], on the scale of :attr:`elapsed_ns`.
+
+        :returns: None while it runs
+        """
+        ended = int(_PAGE.unpack_from(self.page)[3 + place])
+        return ended - _START_NS if ended else None
+
+    @property
+    def jumps(self) -> int:
+        """Return how often the driver has woken a process."""
+        return int(_PAGE.unpack_from(self.page)[2])
+
+
+@contextmanager
+def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator[VirtualClock]:
+    """
+    Yield the virtual clock of one run, and end its driver.
+
+    :param places: how many processes begin with the run; children get their own places
+    :param system_time_ns: what CLOCK_REALTIME shows at the start [ns]
+    :raises SandboxUnavailable: if the set-up has not built it
+    """
+    folder = Path(sys.prefix).resolve() / FOLDER  # a sandbox does not see a link to it
+    if not (folder / 'driver').is_file():
+        raise SandboxUnavailable('The virtual clock is not built.', 'Try: make prepare')
+    pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(places)]
+    page_fd = os.memfd_create('time', os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+    try:
+        os.ftruncate(page_fd, _PAGE.size)
+        page = mmap.mmap(page_fd, _PAGE.size, prot=mmap.PROT_READ)
+        ends = [theirs.fileno() for _, theirs in pairs]
+        driver = subprocess.Popen(
+            [str(folder / 'driver'), *map(str, (system_time_ns, page_fd, *ends))],
+            pass_fds=(page_fd, *ends),
+            env={},
+        )
+    except BaseException:
+        for ours, _ in pairs:
+            ours.close()
+        raise
+    finally:
+        os.close(page_fd)
+        for _, theirs in pairs:
+            theirs.close()
+    clock = VirtualClock(driver, tuple(ours for ours, _ in pairs), str(folder / 'clock.so'), page)
+    try:
+        yield clock
+    finally:
+        clock.begin()
+        driver.kill()
+        driver.wait()
+        page.close()

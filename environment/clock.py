@@ -1,0 +1,43 @@
+"""Build the virtual clock of the grader's runs: the library for programs, and its driver."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+import tempfile
+
+from environment.places import CLOCK_SOURCES, Places
+from environment.steps import Job
+
+COMPILER = ('gcc', '-std=gnu17', '-O2', '-g', '-Wall', '-Wextra')
+DRIVER, LIBRARY = 'driver', 'clock.so'
+
+
+def sources() -> list[Path]:
+    """Return the C files and headers, sorted."""
+    return sorted(path for path in CLOCK_SOURCES.iterdir() if path.suffix in ('.c', '.h'))
+
+
+def commands(folder: Path) -> list[list[str]]:
+    """
+    Return the compiler's two command lines.
+
+    :param folder: where the results go
+    """
+    driver = CLOCK_SOURCES / 'driver.c'
+    library = [str(path) for path in sources() if path.suffix == '.c' and path != driver]
+    shared = ['-fPIC', '-shared', '-fvisibility=hidden', '-pthread']
+    return [
+        [*COMPILER, str(driver), '-o', str(folder / DRIVER)],
+        [*COMPILER, *shared, *library, '-o', str(folder / LIBRARY), '-ldl'],
+    ]
+
+
+def build(places: Places, environ: Mapping[str, str], job: Job) -> None:
+    """Compile both aside, then move them into place: a run never sees half a file."""
+    places.clock.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=places.notes) as aside:
+        for command in commands(Path(aside)):
+            job.run(command, environ, 'gcc')
+        for name in (DRIVER, LIBRARY):
+            Path(aside, name).replace(places.clock / name)
