@@ -10,6 +10,8 @@ from pathlib import Path
 import sys
 import warnings
 
+from environment.exchange import exchange_root, protect
+
 c = get_config()  # nbgrader puts it here
 
 root = Path(__file__).resolve().parent
@@ -24,18 +26,23 @@ c.CourseDirectory.feedback_directory = 'autograder/_work/feedback'
 c.CourseDirectory.solution_directory = 'autograder/_work/solution'
 c.CourseDirectory.source_with_tests_directory = 'autograder/_work/source_with_tests'
 c.CourseDirectory.db_url = f'sqlite:///{root}/autograder/_work/gradebook.db'
-# A learner's built workspace lies beside the notebook and is no part of the assignment.
+# A learner's built workspace is next to the notebook and is not part of the assignment.
 c.CourseDirectory.ignore = ['.ipynb_checkpoints', '*.pyc', '__pycache__', 'feedback', 'ros_ws']
 
-# nbgrader makes a new gradebook with the command alembic, which lies beside this Python.
+# nbgrader creates a new gradebook with the command alembic, which is next to this Python.
 folders, beside = os.environ.get('PATH', '').split(os.pathsep), str(Path(sys.prefix) / 'bin')
 if folders[0] != beside:  # this file is read often
     os.environ['PATH'] = os.pathsep.join([beside, *folders])
 
-# SQLite and the exchange need their folders.
+# SQLite and the exchange need their folders. COURSE_EXCHANGE names another exchange, for students
+# who share this machine: docs/exchange.md.
 for folder in ('exchange', 'submitted'):
     (root / 'autograder' / '_work' / folder).mkdir(parents=True, exist_ok=True)
-c.Exchange.root = str(root / 'autograder' / '_work' / 'exchange')
+exchange = exchange_root(root, os.environ)
+protect(exchange)
+c.Exchange.root = str(exchange)
+c.ExchangeFactory.release_assignment = 'autograder.collect.exchange_plugin.ReleaseProtected'
+c.ExchangeFactory.collect = 'autograder.collect.exchange_plugin.CollectFromOwners'
 c.KernelManager.transport = 'ipc'
 
 c.GenerateAssignment.preprocessors = [

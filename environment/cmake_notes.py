@@ -1,10 +1,10 @@
 """
 Keep what the build of the course's own package found out, for the builds of the grader.
 
-A message package has CMake look for compilers and Python again each time, and it is most of what
-CMake does there: 2.8 of 3.7 s of processor time.  And the compiler reads the same headers again,
-0.7 of 0.9 s.  The grader's builds start from these notes.  They are no more than a short cut:
-where one is missing or does not fit any more, CMake looks for itself, and the compiler reads.
+In each build of a message package, CMake looks for compilers and Python again, and that is most of
+its work: 2.8 of 3.7 s of CPU time.  The compiler also reads the same headers again, 0.7 of 0.9 s.
+The grader's builds start from these notes.  They are only a short cut: if a note is missing or no
+longer fits, CMake searches again and the compiler reads the headers.
 """
 
 from __future__ import annotations

@@ -13,16 +13,24 @@ import json
 import os
 from pathlib import Path
 import re
+import shlex
 import shutil
 import subprocess
 import sys
 
-from environment import install_files, interpreters, stamps, system
+from environment import install_files, interpreters, messages, stamps, system
+from environment.exchange import exchange_root, unprotected
 from environment.interpreters import Interpreter
 from environment.pins import canonical, is_ros, pins_for
 from environment.places import COURSE_PACKAGE, LOCK_FILE, Places
-from environment.ros import EnvironmentError_, ros_environment, RosEnvironment
+from environment.ros import (
+    EnvironmentError_,
+    further_messages,
+    ros_environment,
+    RosEnvironment,
+)
 from environment.ros2_command import installed_ros2
+from environment.steps import StepError
 
 OK, WEAK, MISSING = 'ok', 'weak', 'missing'
 PREPARE = 'make prepare'
@@ -81,11 +89,13 @@ def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
     yield check_bubblewrap(system.bubblewrap_failure(shutil.which('bwrap'), root=_is_root()))
     if python:
         yield from check_packages(places, python.version, ros is None or ros.kind == 'wheels')
+        yield check_messages(places)
     yield from check_by_running(ros)
     yield check_workspace(places)
     yield check_kernel(places, ros)
     yield check_ros2_command(places, ros)
     yield check_up_to_date(places, environ)
+    yield check_exchange(exchange_root(places.project, environ))
     yield check_room('disk space', places.project, DISK_MB, 'make room: the venv takes 0.9 GB')
     yield check_room('/dev/shm', Path('/dev/shm'), SHM_MB, 'in Docker: --shm-size=512m')
 
@@ -199,6 +209,20 @@ def check_packages(places: Places, python_version: str, ros: bool) -> Iterator[F
     )
 
 
+def check_messages(places: Places) -> Finding:
+    """Compare the installed message packages with those that ``messages.txt`` names."""
+    name = 'further messages'
+    try:
+        pins = messages.wanted(stamps.messages_text())
+    except StepError as error:
+        return Finding(name, MISSING, str(error), error.try_this)
+    packages = {messages.package_of(one) for one in pins}
+    if missing := sorted(packages - further_messages(places.venv).keys()):
+        detail = f'{messages.TITLE} names {missing[0]}, which is not installed'
+        return Finding(name, MISSING, detail, PREPARE)
+    return Finding(name, OK, f'{", ".join(sorted(packages)) or "none"} ({messages.TITLE})')
+
+
 def installed_versions(site_packages: Path) -> dict[str, str]:
     """Return name -> version of what is installed in a folder."""
     return {
@@ -283,10 +307,22 @@ def check_ros2_command(places: Places, ros: RosEnvironment | None) -> Finding:
 
 
 def check_up_to_date(places: Places, environ: Mapping[str, str]) -> Finding:
-    """Tell whether the next make goal has something to prepare."""
+    """Report whether the next make goal has something to prepare."""
     if stamps.is_ready(places, environ):
         return Finding('set-up', OK, 'complete and up to date')
     return Finding('set-up', WEAK, 'the next make goal prepares something first', PREPARE)
+
+
+def check_exchange(root: Path) -> Finding:
+    """Judge the modes of nbgrader's exchange: students can remove only their own work."""
+    loose = unprotected(root)
+    if loose:
+        fix = ' && '.join(f'chmod {mode:o} {shlex.quote(str(path))}' for path, mode in loose)
+        detail = f'{loose[0][0]} lets users remove the work of others'
+        return Finding('exchange', WEAK, detail, fix)
+    if not os.path.isdir(root):
+        return Finding('exchange', OK, f'{root} does not exist yet')
+    return Finding('exchange', OK, str(root))
 
 
 def check_room(name: str, folder: Path, need_mb: int, fix: str) -> Finding:

@@ -15,6 +15,15 @@ KERNEL_NAME = 'ros2_jazzy'
 KERNEL_TITLE = 'ROS 2 Jazzy'
 GUIDE = 'roslab.guide'
 """Extension that every kernel loads; a kernel starts as well where it is missing."""
+INSTRUCTORS_PANELS = ('course-list', 'create-assignment', 'formgrader', 'validate-assignment')
+INSTRUCTORS_SERVERS = ('course_list', 'formgrader', 'validate_assignment')
+"""Parts of nbgrader that students have no use for, as JupyterLab and its server call them."""
+AUTOSAVE_S = 10
+"""JupyterLab's own default is two minutes."""
+STYLE = """\
+/* Written by the set-up. JupyterLab breaks lines of output in the middle of words. */
+body .jp-OutputArea-output pre { word-break: normal; overflow-wrap: anywhere; }
+"""
 ROS2_MARK = "the course's own small ros2 command"
 
 
@@ -50,23 +59,89 @@ def write_kernel(places: Places, ros: RosEnvironment) -> None:
 
 def write_jupyter_settings(places: Places) -> None:
     """
-    Switch off JupyterLab's question about news: it asks the network and nags learners.
+    Adapt JupyterLab to the course.
 
-    What the server and its kernels say to each other is encrypted: others who work on the machine
-    cannot read it, and no kernel writes a warning about that to the learner's terminal.
+    Its question about news is switched off: it asks the network and nags learners.  What the
+    server and its kernels say to each other is encrypted: others who work on the machine cannot
+    read it, and no kernel writes a warning about that to the learner's terminal.  Terminals know
+    the course.  Students' copies are without the parts of nbgrader that instructors use.
     """
     folder = places.venv / 'etc' / 'jupyter'
-    server = folder / 'jupyter_server_config.json'
-    encrypted = {'KernelManager': {'transport_encryption': 'auto'}}
-    write_atomically(server, json.dumps(encrypted, indent=1) + '\n')
+    server = {
+        'KernelManager': {'transport_encryption': 'auto'},
+        'ServerApp': {
+            'terminado_settings': {'shell_command': [str(places.terminal / 'shell')]},
+            'jpserver_extensions': {
+                f'nbgrader.server_extensions.{name}': not places.for_students
+                for name in INSTRUCTORS_SERVERS
+            },
+        },
+    }
+    path = folder / 'jupyter_server_config.json'
+    write_atomically(path, json.dumps(server, indent=1) + '\n')
+    disabled = ['@jupyterlab/apputils-extension:announcements']
+    if places.for_students:
+        disabled += [f'@jupyter/nbgrader:{name}' for name in INSTRUCTORS_PANELS]
     path = folder / 'labconfig' / 'page_config.json'
     try:
         settings = json.loads(path.read_text(encoding='utf-8'))
     except (OSError, ValueError):
         settings = {}
-    disabled = settings.setdefault('disabledExtensions', {})
-    disabled['@jupyterlab/apputils-extension:announcements'] = True
+    settings.setdefault('disabledExtensions', {}).update(dict.fromkeys(disabled, True))
     write_atomically(path, json.dumps(settings, indent=1) + '\n')
+
+
+def write_terminal(places: Places) -> None:
+    """
+    Write what a terminal of JupyterLab starts: the user's shell, in which the course is known.
+
+    A login shell, which JupyterLab starts otherwise, sets PATH as if no environment were there.
+    """
+    own, venv = shlex.quote(str(places.terminal)), shlex.quote(str(places.venv / 'bin'))
+    make = shlex.quote(shutil.which('make') or 'make')
+    texts = {
+        'shell': (
+            # Of the `make lab` that may have started the server; its ARGS are not for here.
+            'unset ARGS MAKEFLAGS MAKELEVEL MAKEOVERRIDES MFLAGS\n'
+            f'PATH={own}/bin:{venv}:$PATH\nexport PATH\n'
+            'case "${SHELL##*/}" in\n'
+            f'  "" | sh | dash | bash) exec bash --rcfile {own}/bashrc ;;\n'
+            'esac\nexec "$SHELL"\n'
+        ),
+        'bashrc': f'[ -r ~/.bashrc ] && . ~/.bashrc\nPATH={own}/bin:{venv}:$PATH\n',
+        'bin/make': (
+            "# Without a Makefile here or an option that names one, the goals are the course's.\n"
+            'case " $* " in *" -"[Cf]* | *" --directory"* | *" --file"* | *" --makefile"*) ;;\n'
+            '  *) [ -e GNUmakefile ] || [ -e makefile ] || [ -e Makefile ] ||\n'
+            f'    set -- --no-print-directory -C {shlex.quote(str(places.project))} "$@" ;;\n'
+            f'esac\nexec {make} "$@"\n'
+        ),
+    }
+    for name, text in texts.items():
+        path = places.terminal / name
+        write_atomically(path, f'#!/bin/sh\n# Written by the set-up.\n{text}')
+        path.chmod(0o755)
+
+
+def write_lab_settings(places: Places) -> None:
+    """
+    Have JupyterLab save notebooks every few seconds, unless the user chooses otherwise.
+
+    ``check`` compares the saved notebook with the file that it judges, to notice a cell that was
+    edited and not run.
+    """
+    path = places.venv / 'share' / 'jupyter' / 'lab' / 'settings' / 'overrides.json'
+    settings = {'@jupyterlab/docmanager-extension:plugin': {'autosaveInterval': AUTOSAVE_S}}
+    write_atomically(path, json.dumps(settings, indent=1) + '\n')
+
+
+def write_style(places: Places) -> None:
+    """Have JupyterLab wrap the lines of outputs at words."""
+    # Beside the user's own settings, the server looks for this file only here.
+    path = places.site_packages() / 'jupyter_server' / 'static' / 'custom' / 'custom.css'
+    write_atomically(path, STYLE)
+    config = places.venv / 'etc' / 'jupyter' / 'jupyter_lab_config.json'
+    write_atomically(config, json.dumps({'LabApp': {'custom_css': True}}, indent=1) + '\n')
 
 
 def write_path_file(places: Places) -> None:
@@ -108,4 +183,7 @@ def install_files(places: Places, ros: RosEnvironment) -> None:
     write_kernel(places, ros)
     write_ros2_command(places, ros)
     write_jupyter_settings(places)
+    write_terminal(places)
+    write_lab_settings(places)
+    write_style(places)
     write_description(places, ros)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+import glob
 import json
 from pathlib import Path
 import shutil
@@ -126,8 +127,11 @@ def candidates(environ: Mapping[str, str]) -> Iterator[str]:
             found = shutil.which(f'python{version}', path=folder)
             if found:
                 yield found
-        for home in sorted(pyenv.glob(f'versions/{version}*'), reverse=True):
-            yield str(home / 'bin' / f'python{version}')
+        # glob, unlike Path.glob, skips what this user may not read: after `runuser -u` or `su`
+        # the variables still name the pyenv of the user before.
+        homes = glob.glob(f'{glob.escape(str(pyenv))}/versions/{version}*')
+        for home in sorted(homes, reverse=True):
+            yield f'{home}/bin/python{version}'
     for name in ('python3', 'python'):
         found = shutil.which(name, path=path)
         if found:
@@ -165,7 +169,7 @@ def find(environ: Mapping[str, str], request: str = '') -> Interpreter | None:
 
 
 def imports_rclpy(interpreter: Interpreter, environ: Mapping[str, str]) -> bool:
-    """Tell whether an interpreter finds rclpy with the variables of the shell."""
+    """Return whether an interpreter finds rclpy with the variables of the shell."""
     done = subprocess.run(
         [interpreter.path, '-c', 'import rclpy'],
         env=dict(environ),

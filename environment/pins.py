@@ -25,7 +25,7 @@ def canonical(name: str) -> str:
 
 
 def is_ros(name: str) -> bool:
-    """Tell whether a package comes with a sourced ROS 2 installation."""
+    """Return whether a package comes with a sourced ROS 2 installation."""
     return name.startswith('ros-') or name in ROS_NAMES
 
 

@@ -9,7 +9,9 @@ import tempfile
 
 PROJECT = Path(__file__).resolve().parent.parent
 LOCK_FILE = PROJECT / 'environment' / 'requirements.lock'
+MESSAGES_FILE = PROJECT / 'environment' / 'messages.txt'
 COURSE_PACKAGE = 'temp_monitor_pkg'
+CLOCK_SOURCES = PROJECT / 'autograder' / 'clock'
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,16 @@ class Places:
         return self.notes / 'cmake'
 
     @property
+    def terminal(self) -> Path:
+        """What terminals of JupyterLab start."""
+        return self.notes / 'terminal'
+
+    @property
+    def clock(self) -> Path:
+        """The compiled virtual clock of the grader's runs."""
+        return self.notes / 'clock'
+
+    @property
     def workspace(self) -> Path:
         """The colcon workspace with build, install and log."""
         return self.venv / 'workspace'
@@ -73,6 +85,11 @@ class Places:
     def package(self) -> Path:
         """Sources of the course's own ROS package."""
         return self.project / COURSE_PACKAGE
+
+    @property
+    def for_students(self) -> bool:
+        """Whether this copy of the course lacks the hidden exams, as students' copies do."""
+        return not (self.project / 'autograder' / 'exams' / 'hidden').is_dir()
 
     def site_packages(self) -> Path:
         """Return the folder of the installed Python packages, whichever Python the venv has."""

@@ -76,6 +76,10 @@ class Plan:
             return venv
         if step == 'packages':
             return packages
+        if step == 'messages':
+            return stamps.digest_of(venv, packages, stamps.messages_text())
+        if step == 'clock':
+            return stamps.digest_of(venv, stamps.clock_digest())
         return stamps.digest_of(venv, packages, stamps.package_digest(self.places))
 
 
@@ -125,7 +129,7 @@ def _sourced_environ(places: Places, environ: Mapping[str, str]) -> dict[str, st
 
 
 def _sourced_pythons(places: Places, environ: Mapping[str, str]) -> list[str]:
-    """Return whose rclpy to try: the one of before, conda's, the system's, the first found."""
+    """Return the Pythons to try for rclpy: the venv's, conda's, the system's, the first found."""
     names = [str(places.python)] if places.python.exists() else []
     if environ.get('CONDA_PREFIX'):
         names.append(str(Path(environ['CONDA_PREFIX'], 'bin', 'python3')))

@@ -1,22 +1,32 @@
 """
 The steps from a fresh machine to a prepared environment.
 
-system programs -> virtual environment -> packages -> course package -> kernel and files ->
-trial -> self-check of the grader
+system programs -> virtual environment -> packages -> further message packages -> course package
+-> kernel and files -> trial -> self-check of the grader
 
-Every step says whether it is needed, so a second run does nothing and a run that was stopped
-anywhere goes on. A virtual environment whose packages were not completely installed is made anew:
-pip cannot tell a half-copied package from a whole one.
+Every step reports whether it is needed, so a second run does nothing and a run that was stopped
+anywhere continues. A virtual environment whose packages were not completely installed is created
+again: pip cannot distinguish a half-copied package from a complete one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 import os
+from pathlib import Path
 import shutil
 import sys
 
-from environment import cmake_notes, install_files, interpreters, stamps, system
+from environment import (
+    clock,
+    cmake_notes,
+    install_files,
+    interpreters,
+    messages,
+    packed_package,
+    stamps,
+    system,
+)
 from environment.pins import pins_for
 from environment.places import COURSE_PACKAGE, LOCK_FILE, Places
 from environment.plan import make_plan, Plan
@@ -96,12 +106,25 @@ def steps_of(plan: Plan) -> list[Step]:
             try_this='check the network, then run the same command again',
         ),
         Step(
+            'messages',
+            f'Message packages of {messages.TITLE}',
+            lambda: unstamped('messages'),
+            lambda job: messages.install_messages(plan, job),
+        ),
+        Step(
             'workspace',
             f'ROS package {COURSE_PACKAGE}',
             lambda: unstamped('workspace'),
             lambda job: build_workspace(plan, job),
             about='ten to thirty seconds',
             try_this='read the whole log; make doctor tells what the machine lacks',
+        ),
+        Step(
+            'clock',
+            "Virtual clock of the grader's runs",
+            lambda: unstamped('clock'),
+            lambda job: build_clock(plan, job),
+            try_this='make doctor tells what the machine lacks',
         ),
         Step(
             'files',
@@ -233,13 +256,12 @@ def install_packages(plan: Plan, job: Job) -> None:
 def build_workspace(plan: Plan, job: Job) -> None:
     """Build the course's ROS package with colcon, from nothing: a removed file leaves no trace."""
     places = plan.places
-    if not (places.package / 'package.xml').is_file():
-        raise StepError(f'{places.package}: expected the ROS package, found no package.xml')
     digest = plan.digest('workspace')
     install_files.copy_cmake_files(places)
     if places.workspace.exists():
         shutil.rmtree(places.workspace)
     places.workspace.mkdir(parents=True)
+    sources = package_sources(plan, job)
     env = {
         **plan.clean_environ(),
         **plan.description().base_variables,
@@ -248,7 +270,7 @@ def build_workspace(plan: Plan, job: Job) -> None:
     }
     job.run(
         [str(places.venv / 'bin' / 'colcon'), '--log-base', str(places.workspace / 'log')]
-        + ['build', '--base-paths', str(places.package)]
+        + ['build', '--base-paths', str(sources)]
         + ['--build-base', str(places.workspace / 'build')]
         + ['--install-base', str(places.workspace / 'install')]
         + ['--event-handlers', 'console_direct+']
@@ -258,11 +280,49 @@ def build_workspace(plan: Plan, job: Job) -> None:
         'colcon build',
         cwd=places.workspace,
     )
+    if sources != places.package:
+        shutil.rmtree(sources.parent)
     if not cmake_notes.keep(places):
         print(
             'CMake has notes of another form here: builds look for all themselves.', file=job.log
         )
     stamps.write_stamp(places, 'workspace', digest)
+
+
+def package_sources(plan: Plan, job: Job) -> Path:
+    """
+    Return the folder of the course's ROS package to build.
+
+    A packed one is unpacked in the workspace, its modules compiled and without their sources.
+
+    :raises StepError: if there is neither the package nor a packed one
+    """
+    package = plan.places.package
+    if (package / 'package.xml').is_file():
+        return package
+    packed = package / packed_package.FILE
+    if not packed.is_file():
+        raise StepError(f'{package}: expected the ROS package, found no package.xml')
+    sources = plan.places.workspace / 'src' / COURSE_PACKAGE
+    shutil.copytree(package, sources)
+    packed_package.unpack(packed.read_bytes(), sources)
+    job.run(
+        # Beside the sources, which then may go; -d: what tracebacks call their folder.
+        [str(plan.places.python), '-m', 'compileall', '-q', '-b', '-d', COURSE_PACKAGE]
+        + ['--invalidation-mode', 'unchecked-hash', str(sources / COURSE_PACKAGE)],
+        plan.clean_environ(),
+        'compileall',
+    )
+    for module in (sources / COURSE_PACKAGE).glob('*.py'):
+        module.unlink()
+    return sources
+
+
+def build_clock(plan: Plan, job: Job) -> None:
+    """Compile the virtual clock on the machine it runs on; it depends on the C library alone."""
+    digest = plan.digest('clock')
+    clock.build(plan.places, plan.clean_environ(), job)
+    stamps.write_stamp(plan.places, 'clock', digest)
 
 
 def try_imports(plan: Plan, job: Job) -> None:
@@ -272,16 +332,15 @@ def try_imports(plan: Plan, job: Job) -> None:
 
 
 def _can_grade(plan: Plan) -> bool:
-    """Tell whether this copy has the hidden exams and this machine has a sandbox."""
-    hidden = plan.places.project / 'autograder' / 'exams' / 'hidden'
-    return hidden.is_dir() and not system.missing_tools()
+    """Return whether this copy has the hidden exams and this machine has a sandbox."""
+    return not plan.places.for_students and not system.missing_tools()
 
 
 def prove_grader(plan: Plan, job: Job) -> None:
     """
     Let the grader grade the reference solution; its recordings are what grading starts with.
 
-    Lessons work without a grader, so a machine whose sandbox refuses is prepared all the same.
+    Lessons work without a grader, so a machine whose sandbox refuses is prepared anyway.
     """
     ros = plan.description()
     job.run([ros.python, '-m', 'autograder', 'self-check'], plan.clean_environ(), 'self-check')

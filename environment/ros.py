@@ -14,6 +14,8 @@ from pathlib import Path
 import sys
 
 FILE_NAME = 'ros_environment.json'
+MESSAGES_NAME = 'ros_messages.json'
+"""Beside it: the packages of environment/messages.txt that are installed."""
 
 
 class EnvironmentError_(RuntimeError):  # noqa: N801 - EnvironmentError is a builtin
@@ -83,3 +85,17 @@ def ros_environment(venv: str | Path | None = None) -> RosEnvironment:
             f'{path}: expected the description of the ROS environment, got: {error}. '
             'Try: make doctor'
         ) from error
+
+
+def further_messages(venv: Path) -> dict[str, list[str]]:
+    """
+    Return the message packages that an environment has beyond those of the lock.
+
+    :returns: name of the ROS package, such as ``'trajectory_msgs'``, -> its version, and those of
+        the further packages that it uses
+    """
+    try:
+        found = json.loads((venv / MESSAGES_NAME).read_text(encoding='utf-8'))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}

@@ -15,7 +15,14 @@ from pathlib import Path
 
 from environment.cmake_notes import STAND_IN
 from environment.pins import pins_for
-from environment.places import LOCK_FILE, Places, PROJECT, write_atomically
+from environment.places import (
+    CLOCK_SOURCES,
+    LOCK_FILE,
+    MESSAGES_FILE,
+    Places,
+    PROJECT,
+    write_atomically,
+)
 
 # Not installed by colcon here, so a change in them needs no build.
 _SKIPPED = {'__pycache__', '.pytest_cache', '.ruff_cache', '.mypy_cache', 'test'}
@@ -65,6 +72,12 @@ def package_digest(places: Places) -> str:
     )
 
 
+def clock_digest() -> str:
+    """Return the digest of the sources of the virtual clock, and of what builds it."""
+    files = [path for path in files_below(CLOCK_SOURCES) if path.suffix in ('.c', '.h')]
+    return digest_of_files([*files, PROJECT / 'environment' / 'clock.py'], PROJECT)
+
+
 def whole_digest(places: Places) -> str:
     """Return the digest of everything that a prepared environment is made from."""
     own = files_below(PROJECT / 'environment')
@@ -73,6 +86,7 @@ def whole_digest(places: Places) -> str:
         str(places.venv),
         digest_of_files(own, PROJECT),
         package_digest(places),
+        clock_digest(),
     )
 
 
@@ -81,6 +95,14 @@ def packages_digest(python_version: str, kind: str) -> str:
     text = LOCK_FILE.read_text(encoding='utf-8')
     pins = pins_for(text, python_version, ros=kind == 'wheels')
     return digest_of(kind, *(f'{name}=={version}' for name, version in sorted(pins.items())))
+
+
+def messages_text() -> str:
+    """Return the text of the file that names further message packages, empty without one."""
+    try:
+        return MESSAGES_FILE.read_text(encoding='utf-8')
+    except FileNotFoundError:
+        return ''
 
 
 def ros_request(environ: Mapping[str, str]) -> str:

@@ -89,7 +89,7 @@ class Job:
         Run a command with its output in the log.
 
         :param what: the name of the command in an error
-        :raises StepError: if it does not exist or ends with another code than 0
+        :raises StepError: if it does not exist or ends with a code other than 0
         """
         name = what or Path(command[0]).name
         print('$', *command, file=self.log, flush=True)
@@ -129,11 +129,11 @@ class Step:
 
     :param name: names its log and stamp
     :param title: what the user sees
-    :param needed: tells whether it has to run; asked after the steps before it are done
+    :param needed: returns whether it has to run; called after the steps before it are done
     :param run: does it; raises StepError
     :param about: a hint how long it takes
     :param try_this: what to do if it fails and the error does not say
-    :param optional: whether its failure is told and the set-up is complete all the same
+    :param optional: whether its failure is only reported and the set-up is complete anyway
     """
 
     name: str

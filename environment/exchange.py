@@ -1,0 +1,55 @@
+"""
+nbgrader's exchange: where it is, and the modes that protect the work in it.
+
+Students of one machine share it. The sticky bit lets them remove and rename only what they own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+import glob
+import os
+from pathlib import Path
+import stat
+
+SETTING = 'COURSE_EXCHANGE'
+"""The environment variable that replaces the course's own folder."""
+ROOT_MODE = 0o1777
+"""Everybody may hand in; nbgrader asks for 0777."""
+
+
+def exchange_root(project: Path, environ: Mapping[str, str]) -> Path:
+    """
+    Return the root folder of the exchange.
+
+    :param project: the folder of the course, from which a relative path is seen
+    """
+    chosen = environ.get(SETTING)
+    if chosen:
+        return project / Path(chosen).expanduser()
+    return project / 'autograder' / '_work' / 'exchange'
+
+
+def unprotected(root: Path) -> list[tuple[Path, int]]:
+    """
+    Return the folders in which users can remove the work of others, each with the mode it needs.
+
+    :param root: of the exchange, which need not exist
+    """
+    # glob, unlike Path.glob, skips what this user may not read.
+    inbound = sorted(glob.glob(f'{glob.escape(str(root))}/*/inbound'))
+    found = []
+    for path, needed in ((str(root), ROOT_MODE), *((one, stat.S_ISVTX) for one in inbound)):
+        with suppress(OSError):
+            mode = stat.S_IMODE(os.stat(path).st_mode)
+            if mode & needed != needed:
+                found.append((Path(path), mode | needed))
+    return found
+
+
+def protect(root: Path) -> None:
+    """Give the folders of an exchange the modes they need, as far as this user may."""
+    for path, mode in unprotected(root):
+        with suppress(PermissionError):  # `make doctor` names what the owner has to change
+            path.chmod(mode)

@@ -1,0 +1,53 @@
+"""
+Claim ROS domains, so that no two programs of this machine choose the same one.
+
+A claim is an abstract Unix socket named after the domain.  It is no file, all users of a machine
+share the names, and the system frees a name when its process has ended, however it ended.  Nothing
+here imports ROS.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+import errno
+import socket
+
+DOMAINS = range(1, 102)
+"""0 is for programs that name none; above 101, Linux lends the ports to other programs."""
+NAME = 'ros2-course-domain-'
+"""What the name of a socket begins with; the number follows."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """
+    A claimed domain.
+
+    :param domain: its number
+    :param holder: keeps the claim until it is closed; child processes do not inherit it
+    """
+
+    domain: int
+    holder: socket.socket
+
+
+def claim(domains: Iterable[int]) -> Claim | None:
+    """
+    Claim the first domain that no process has claimed.
+
+    :param domains: numbers to try, in this order
+    :returns: None if all of them are claimed
+    :raises OSError: if this system has no abstract sockets
+    """
+    for domain in domains:
+        holder = socket.socket(socket.AF_UNIX)
+        try:
+            holder.bind(f'\0{NAME}{domain}')
+        except OSError as error:
+            holder.close()
+            if error.errno != errno.EADDRINUSE:
+                raise
+        else:
+            return Claim(domain, holder)
+    return None
