@@ -1,8 +1,8 @@
 """
-Where the boxes and lines of a graph go, in layers from left to right.
+Place the boxes and lines of a graph, in layers from left to right.
 
 A node that only publishes is left of its topics, one that only subscribes is right of them, and
-one that does both stands between.  A line that spans several layers gets a place in each, so that
+one that does both is between them.  A line that spans several layers gets a place in each, so that
 no line runs through a box.  Equal graphs give equal pictures.
 """
 
@@ -63,7 +63,7 @@ def arrange(
 
     :param sizes: width and height of each box, by key, in the order in which ties are broken
     :param arrows: without repetition; two boxes may have arrows in both directions
-    :param odd: keys of the boxes that stand in the odd layers: the topics
+    :param odd: keys of the boxes in the odd layers: the topics
     """
     forward = _without_cycles(list(sizes), arrows)
     layers = _layers(list(sizes), forward, odd)

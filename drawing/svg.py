@@ -47,7 +47,9 @@ def picture(
     whole = f'{title}|{description}|{drawn}'
     name = f'picture-{hashlib.sha256(whole.encode()).hexdigest()[:12]}'
     return (
-        f'<div style="overflow-x: auto; color: var(--jp-content-font-color1, currentColor)">'
+        # Focusable, so that it can be scrolled without a mouse on a narrow page.
+        f'<div role="group" aria-label="{escape(title)}" tabindex="0" '
+        f'style="overflow-x: auto; color: var(--jp-content-font-color1, currentColor)">'
         f'<svg xmlns="http://www.w3.org/2000/svg" role="img" '
         f'aria-labelledby="{name}-title {name}-words" width="{width:.0f}" '
         f'viewBox="0 0 {width:.0f} {height:.0f}" '

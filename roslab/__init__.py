@@ -33,9 +33,11 @@ from roslab.interrupts import watch_cells
 from roslab.lifecycle_picture import lifecycle
 from roslab.live_plot import paint_all
 from roslab.logtable import record_logs
+from roslab.lost_line import refuse_programs
 from roslab.magics import register
 from roslab.messages import build_messages
 from roslab.output import shell
+from roslab.own_domain import claim_domain, domain
 from roslab.package_files import package
 from roslab.pages import lay_out
 from roslab.qos_table import qos_table
@@ -48,6 +50,7 @@ __all__ = [
     'RoslabError',
     'build_messages',
     'check',
+    'domain',
     'echo',
     'explain',
     'graph',
@@ -77,7 +80,9 @@ def load_ipython_extension(ipython: Any) -> None:
 
 _shell = shell()
 if _shell is not None:
+    claim_domain(_shell)
     register(_shell)
+    refuse_programs(_shell)
     watch_cells(_shell)
     record_logs()
     _shell.events.register('post_run_cell', paint_all)

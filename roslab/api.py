@@ -101,7 +101,7 @@ def graph(topic: str | None = None, *, all: bool = False) -> Graph:
     Nodes of this notebook are seen at once, those of other programs when they are discovered.
 
     :param topic: only this topic and its nodes
-    :param all: also hidden nodes, ``/rosout`` and ``/parameter_events``
+    :param all: include hidden nodes, ``/rosout`` and ``/parameter_events``
     """
     return graph_now(session(), topic, all)
 
@@ -173,6 +173,6 @@ def topics(types: bool = True) -> None:
     """
     Print all topics, as ``ros2 topic list -t`` does.
 
-    :param types: also the type of each
+    :param types: print the type of each topic too
     """
     print_topics(session(), types)

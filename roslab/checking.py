@@ -13,6 +13,7 @@ import difflib
 import json
 import os
 from pathlib import Path
+import re
 import sys
 import tempfile
 from typing import Any
@@ -21,24 +22,27 @@ from IPython import get_ipython
 
 from autograder import exams
 from autograder.errors import ExamInvalid
-from autograder.handed_in.cells import CellSyntaxError, parse_cell, UNSOLVED
-from autograder.judging.exam import Exam
-from autograder.judging.results import ExamResult, Problem
+from autograder.exam.exam import Exam
 from autograder.layout import Layout
+from autograder.results import ExamResult, Problem
+from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED
 from roslab import child
 from roslab.guide import texts_now
 from roslab.output import ElapsedTime
 from roslab.package_files import learner_package, LearnerPackage
 from roslab.report import CheckReport
+from roslab.saved_files import describe, edited_since, look_up
 
 _DEADLINE_S = 180.0
+_CHECKED = re.compile(r"""\bcheck\(['"](\w+)['"]\)""")
 
 
-def check(exam: str) -> CheckReport:
+def check(exam: Any = None) -> CheckReport:
     """
     Run the visible checks of an exercise and show the result.
 
-    :param exam: name of the exercise, such as 'temperature_publisher'
+    :param exam: name of the exercise, such as 'temperature_publisher'; for anything else, the
+        report says which names there are
     :returns: the report, true if every check passed
     :raises AssertionError: only under nbgrader's Validate, if a check failed
     """
@@ -49,12 +53,16 @@ def check(exam: str) -> CheckReport:
     return report
 
 
-def _run(exam: str, package: LearnerPackage) -> CheckReport:
+def _run(exam: Any, package: LearnerPackage) -> CheckReport:
+    if not isinstance(exam, str):
+        return CheckReport('check()', problem=_no_name(exam))
     try:
         about = exams.load(exam, hidden=False)
     except ExamInvalid as error:
         return CheckReport(exam, problem=_no_such(exam, error))
     files = package.files() if package.folder.is_dir() else {}
+    own = _of_exercise(about, files)
+    saved = look_up(package.find(name) for name in own)
     if not files:
         return CheckReport(
             exam,
@@ -65,7 +73,7 @@ def _run(exam: str, package: LearnerPackage) -> CheckReport:
                 try_this='run the cells of the exercise first, those that begin with %%',
             ),
         )
-    command = [sys.executable, '-m', 'autograder', 'check', exam]
+    command = [sys.executable, '-m', 'autograder.commands.check', exam]
     # In an empty folder: a file of the learner's beside the notebook must not replace a module.
     with (
         tempfile.TemporaryDirectory(prefix='check-') as empty,
@@ -79,14 +87,56 @@ def _run(exam: str, package: LearnerPackage) -> CheckReport:
             on_tick=elapsed.tick,
         )
     report = _read(exam, outcome)
-    own = _of_exercise(about, files)
+    report.judged, report.edited = describe(saved), tuple(edited_since(saved))
     report.unfinished = tuple(name for name, text in own.items() if _is_stub(name, text))
     report.left_over = _left_over(own)
     report.lesson = _lesson_of(about)
     return report
 
 
+def _no_name(given: Any) -> Problem:
+    """Say that an exercise is asked for by its name, and which one may be meant."""
+    meant = _exercise_of(given)
+    names = [meant] if meant else _exercises_here() or exams.names(hidden=False)
+    got = 'nothing' if given is None else f'a {type(given).__name__}'
+    return Problem(
+        where='check()' if given is None else f'check({_shown(given)})',
+        expected='the name of an exercise, in quotes',
+        got='the class itself' if isinstance(given, type) else got,
+        try_this=' or '.join(f'check({name!r})' for name in names),
+    )
+
+
+def _shown(given: Any) -> str:
+    return str(getattr(given, '__name__', f'{type(given).__name__} object'))
+
+
+def _exercise_of(given: Any) -> str | None:
+    """Return the exercise whose file defines a class, a function or the class of an object."""
+    module = getattr(given, '__module__', None) or getattr(given, '__name__', '')
+    for name in exams.names(hidden=False):
+        if f'{module}.py' in map(_file_name, exams.load(name, hidden=False).requires):
+            return name
+    return None
+
+
+def _exercises_here() -> list[str]:
+    """Return the exercises that the notebook checks somewhere."""
+    shell = get_ipython()
+    texts = texts_now(shell) if shell is not None else []
+    known = exams.names(hidden=False)
+    named = (name for text in texts for name in _CHECKED.findall(text))
+    return [name for name in dict.fromkeys(named) if name in known]
+
+
 def _no_such(exam: str, error: ExamInvalid) -> Problem:
+    if exam in exams.names(hidden=False):
+        return Problem(
+            where='the checker itself, not your code',
+            expected='an exam',
+            got=error.what.rstrip('.'),
+            try_this='show this line to your instructor',
+        )
     near = difflib.get_close_matches(str(exam), exams.names(hidden=False), n=1)
     return Problem(
         where=f'check({exam!r})',
@@ -106,8 +156,12 @@ def _lesson_of(exam: Exam) -> str | None:
 
 def _of_exercise(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
     """Return the files that an exercise is about."""
-    required = {Path(name).name for name in exam.requires}
+    required = set(map(_file_name, exam.requires))
     return {name: text for name, text in files.items() if Path(name).name in required}
+
+
+def _file_name(path: str) -> str:
+    return Path(path).name
 
 
 def _is_stub(name: str, text: str) -> bool:

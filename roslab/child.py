@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+import os
 from pathlib import Path
 import subprocess
 import tempfile
@@ -19,6 +20,7 @@ import psutil
 from roslab.interrupts import HeldInterrupts
 
 _MOST_BYTES = 2_000_000
+_TAIL_BYTES = 4_000
 _REAPING_S = 2.0
 
 
@@ -43,13 +45,13 @@ def run(
     cwd: Path,
     env: Mapping[str, str],
     deadline_s: float,
-    on_tick: Callable[[float], None] = lambda _: None,
+    on_tick: Callable[[float, str], None] = lambda *_: None,
     tick_s: float = 0.5,
 ) -> Outcome:
     """
     Run a command to its end, or to its deadline.
 
-    :param on_tick: called now and then with the seconds that have passed
+    :param on_tick: called now and then with the seconds that have passed and the end of the output
     :raises OSError: if the command cannot be started
     """
     begin = time.monotonic()
@@ -65,7 +67,13 @@ def run(
         )
         try:
             with interrupts.allowed():
-                _wait(process, begin, deadline_s, on_tick, tick_s)
+                _wait(
+                    process,
+                    begin,
+                    deadline_s,
+                    lambda seconds: on_tick(seconds, _end_of(log.fileno())),
+                    tick_s,
+                )
         finally:
             ended = process.poll() is not None
             _kill_tree(process)
@@ -73,6 +81,12 @@ def run(
         log.seek(max(0, size - _MOST_BYTES))
         output = log.read().decode('utf-8', 'replace')
     return Outcome(process.returncode if ended else None, output, time.monotonic() - begin)
+
+
+def _end_of(log: int) -> str:
+    """Return the last lines of a file that a process still writes, without moving its place."""
+    size = os.fstat(log).st_size
+    return os.pread(log, _TAIL_BYTES, max(0, size - _TAIL_BYTES)).decode('utf-8', 'replace')
 
 
 def _wait(

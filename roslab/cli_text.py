@@ -165,7 +165,7 @@ def topic_list_text(topics: NamesAndTypes, types: bool = False) -> str:
     Return what ``ros2 topic list`` prints.
 
     :param topics: names with their types, in any order
-    :param types: also the types, as ``-t`` asks for
+    :param types: include the types, as ``-t`` does
     """
     return '\n'.join(
         f'{name} [{", ".join(kinds)}]' if types else name for name, kinds in sorted(topics)

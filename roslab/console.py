@@ -29,7 +29,7 @@ _VARIABLES = {
     f'{_NEXT}{{message}}{_END[0]}',
 }
 MARK = f'{_BEGIN}{_NEXT}{_NEXT}{_NEXT}{_END}'.encode()
-"""A line of nobody: whoever reads it has read all that was written before."""
+"""A line from no node: a reader that gets it has read everything that was written before it."""
 _C_FILES = ('.c', '.cc', '.cpp', '.cxx', '.h', '.hpp')
 # Letters and background of the word for the level.  ROS gives the colour to the whole line, but no
 # shade of yellow is readable on a white page and on a black one.

@@ -36,7 +36,7 @@ _MOST_FAILURES_IN_A_ROW = 100
 
 def destroy_wholly(node: Node) -> None:
     """
-    Destroy a node at once, whoever still refers to it.
+    Destroy a node at once, even if something still refers to it.
 
     rclpy leaves the state machine of a lifecycle node to the garbage collector, and with it the
     node's name, topics and services in the graph.
@@ -192,12 +192,12 @@ class BackgroundExecutor:
 
     @property
     def alive(self) -> bool:
-        """Tell whether callbacks are being run."""
+        """Return whether callbacks are being run."""
         return self._thread.is_alive() and not self._stopping and self.context.ok()
 
     @property
     def is_this_thread(self) -> bool:
-        """Tell whether the caller is a callback."""
+        """Return whether the caller is a callback."""
         return threading.current_thread() is self._thread
 
     @property

@@ -7,22 +7,30 @@ The entries are data, in ``gallery.yaml``.  Errors of a build are looked up in t
 
 from __future__ import annotations
 
+import builtins
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+import pkgutil
 import re
 import sys
 import textwrap
+import traceback
 
 import yaml
 
-from autograder.judging.build_advice import diagnose, texts_of
+from autograder.judging.causes.builds import diagnose, texts_of
 from roslab.errors import RoslabError
+from roslab.guide import advice_shown
 from roslab.package_files import learner_package
 
 LESSON = '08_what_went_wrong'
 FILE = Path(__file__).with_name('gallery.yaml')
 _MOST = 3
+_NO_MODULE = re.compile(r"No module named '(\w{4,60})'")
+"""Shorter names are one slip away from too many others."""
+_MANUAL = 'docs.python.org/3/library/exceptions.html'
+_OF_ROS = re.compile(r'\b(?:rcl|rmw|rosidl)')
 _WIDTH = 96
 _FURTHER = (
     'Read the last line of the message, then the lowest line that is your own.',
@@ -95,10 +103,20 @@ def explain(error: str | BaseException | None = None) -> None:
     :param error: its text, or an exception; by default the last red error of this notebook
     :raises RoslabError: if there was none, or something else is given
     """
+    if error is None:
+        error = getattr(sys, 'last_value', None)
     text = _text(error)
+    advice = advice_shown(error) if isinstance(error, BaseException) else ''
+    if advice:
+        print(_wrapped('The notebook said:', advice))
+    if meant := _misspelt_module(text):
+        print(_wrapped('What happened:', f'Python finds no module of that name; {meant} exists.'))
+        print(_wrapped('Repair:', f'If you mean {meant}, correct the spelling in the import.'))
+        return
     found = nearest(text)
     if found:
         print('\n\n'.join(_paragraph(entry) for entry in found))
+    if found or advice:
         return
     diagnosis = diagnose(text, texts_of(learner_package().folder))
     if diagnosis.cause:
@@ -111,19 +129,56 @@ def explain(error: str | BaseException | None = None) -> None:
         )
         return
     print(f'Not in the gallery: {_shortened(text)}')
-    print('\n'.join(_wrapped('*', way) for way in _FURTHER))
+    print('\n'.join(_wrapped('*', way) for way in _ways_on(text, error)))
+
+
+def _misspelt_module(text: str) -> str:
+    """Return the module whose name differs by one slip from one that Python does not find."""
+    found = _NO_MODULE.search(text)
+    if found is None:
+        return ''
+    modules = {one.name for one in pkgutil.iter_modules()} | sys.stdlib_module_names
+    public = sorted(name for name in modules if not name.startswith('_'))
+    return next((name for name in public if _one_slip(found[1], name)), '')
+
+
+def _one_slip(written: str, right: str) -> bool:
+    """Return whether one letter was left out, added or replaced, or two were swapped."""
+    pairs = enumerate(zip(written, right, strict=False))
+    at = next((at for at, pair in pairs if len(set(pair)) == 2), min(len(written), len(right)))
+    first, second = written[at:], right[at:]
+    swapped = first[1::-1] == second[:2] and first[2:] == second[2:]
+    one_letter = second == first[1:] or second[1:] in (first, first[1:])
+    return written != right and (one_letter or swapped)
+
+
+def _ways_on(text: str, error: str | BaseException | None) -> tuple[str, ...]:
+    """Return where to look further: in Python's manual, or among the issues of ROS."""
+    name = text.partition(':')[0].strip()
+    kind = getattr(builtins, name, None)
+    pythons_own = isinstance(kind, type) and issubclass(kind, BaseException)
+    if not pythons_own or _OF_ROS.search(text) or _raised_by_ros(error):
+        return _FURTHER
+    meaning = (kind.__doc__ or '').splitlines()[0]
+    manual = f'{name} is an error of Python itself: {meaning} See {_MANUAL}#{name}'
+    return manual, _FURTHER[0], _FURTHER[-1]
+
+
+def _raised_by_ros(error: str | BaseException | None) -> bool:
+    """Return whether the innermost code that an exception went through is rclpy's or rosidl's."""
+    trace = error.__traceback__ if isinstance(error, BaseException) else None
+    innermost = list(traceback.walk_tb(trace))[-1:]
+    return any(_OF_ROS.match(str(frame.f_globals.get('__name__'))) for frame, _ in innermost)
 
 
 def _text(error: str | BaseException | None) -> str:
     if error is None:
-        error = getattr(sys, 'last_value', None)
-        if error is None:
-            raise RoslabError(
-                'explain() looks at the last red error of this notebook, and there was none. Give '
-                "it the text: explain('No executable found')."
-            )
+        raise RoslabError(
+            'explain() looks at the last red error of this notebook, and there was none. Give '
+            "it the text: explain('No executable found')."
+        )
     if isinstance(error, BaseException):
-        return f'{type(error).__name__}: {error}'
+        return f'{type(error).__name__}: {error}'.removesuffix(': ')
     if not isinstance(error, str) or not error.strip():
         raise RoslabError(
             f'explain() expected the text of an error or an exception, got {error!r}. Try: '

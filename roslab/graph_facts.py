@@ -11,7 +11,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
+import uuid
 
+from rcl_interfaces.msg import ParameterEvent
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
@@ -25,6 +27,7 @@ QUIET_TOPICS = ('/parameter_events', '/rosout')
 NOBODY_SUBSCRIBES = 'nobody subscribes'
 NOBODY_PUBLISHES = 'nobody publishes'
 NOTEBOOK_LISTENS = 'this notebook listens'
+ANOTHER_LISTENS = 'another notebook listens'
 HIDDEN_LISTENS = 'only a hidden node listens'
 HIDDEN_PUBLISHES = 'only a hidden node publishes'
 
@@ -39,21 +42,23 @@ class Endpoint:
 
     :param node: full name of the node that has it
     :param type: such as ``std_msgs/msg/String``
+    :param here: whether it belongs to this kernel's own participant, as far as that was asked
     """
 
     node: str
     type: str
     qos: QoSProfile
+    here: bool = True
 
     @property
     def hidden(self) -> bool:
-        """Tell whether its node is hidden, as the one of the notebook's listeners is."""
+        """Return whether its node is hidden, like the node of the notebook's listeners."""
         return is_hidden(self.node)
 
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic with all its endpoints, those of hidden nodes too."""
+    """A topic with all its endpoints, including those of hidden nodes."""
 
     name: str
     publishers: tuple[Endpoint, ...] = ()
@@ -181,8 +186,10 @@ def _unseen(ends: Iterable[Endpoint], outward: bool) -> str:
     """Return who is on the other side, of which the picture shows nothing."""
     if not outward:
         return HIDDEN_PUBLISHES
-    helper = any(end.node.endswith(f'/{HELPER_NAME}') for end in ends)
-    return NOTEBOOK_LISTENS if helper else HIDDEN_LISTENS
+    helpers = [end for end in ends if end.node == f'/{HELPER_NAME}']
+    if any(end.here for end in helpers):
+        return NOTEBOOK_LISTENS
+    return ANOTHER_LISTENS if helpers else HIDDEN_LISTENS
 
 
 def mismatch(publisher: Endpoint, subscription: Endpoint) -> str:
@@ -228,16 +235,18 @@ def read_graph(node: Node, everything: bool = False) -> Facts:
     Return the graph as a node sees it at this moment.
 
     :param node: any node; what it sees is what its process has discovered
-    :param everything: also hidden nodes and topics, ``/rosout`` and ``/parameter_events``
+    :param everything: include hidden nodes and topics, ``/rosout`` and ``/parameter_events``
     """
+    helpers = nodes_now(node, hidden=True).count(f'/{HELPER_NAME}')
+    own = _participant_of(node) if helpers > 1 else b''
     topics = []
     for name, _ in sorted(node.get_topic_names_and_types()):
         if not everything and (name in QUIET_TOPICS or is_hidden(name)):
             continue
         topic = Topic(
             name,
-            _endpoints(node.get_publishers_info_by_topic(name)),
-            _endpoints(node.get_subscriptions_info_by_topic(name)),
+            _endpoints(node.get_publishers_info_by_topic(name), own),
+            _endpoints(node.get_subscriptions_info_by_topic(name), own),
         )
         ends = (*topic.publishers, *topic.subscriptions)
         if everything or any(not end.hidden for end in ends):
@@ -263,11 +272,23 @@ def only_topic(facts: Facts, topic: str) -> Facts:
     return Facts(tuple(n for n in facts.nodes if n in ends), topics, facts.everything)
 
 
-def _endpoints(infos: Iterable[Any]) -> tuple[Endpoint, ...]:
+def _participant_of(node: Node) -> bytes:
+    """Return the bytes with which the ids of a node's own endpoints begin."""
+    # Another kernel's node may have the same name, but only this one has the topic.
+    topic = f'/_roslab/of_{uuid.uuid4().hex}'
+    publisher = node.create_publisher(ParameterEvent, topic, 1)
+    try:
+        return bytes(node.get_publishers_info_by_topic(topic)[0].endpoint_gid[:12])
+    finally:
+        node.destroy_publisher(publisher)
+
+
+def _endpoints(infos: Iterable[Any], own: bytes) -> tuple[Endpoint, ...]:
     found = []
     for info in infos:
         name = info.node_name
         # Discovery may know an endpoint a moment before it knows the endpoint's node.
         full = f'/?{name}' if name == _UNKNOWN else f'{info.node_namespace.rstrip("/")}/{name}'
-        found.append(Endpoint(full, info.topic_type, info.qos_profile))
+        here = bytes(info.endpoint_gid).startswith(own)
+        found.append(Endpoint(full, info.topic_type, info.qos_profile, here))
     return tuple(sorted(found, key=lambda end: (end.node, end.type)))

@@ -203,7 +203,7 @@ def _topic_size(topic: Topic, remarks: list[str], ports: dict[str, int]) -> tupl
     widths += [svg.text_width(remark, 11) - 10 for remark in remarks]
     height = _TOPIC_HEIGHT + _LINE * (len(lines) - 2) if len(lines) > 1 else _NODE_HEIGHT
     height = _height(height, ports, f't{topic.name}')
-    # The remarks stand below the box; as much room above keeps its lines in the middle.
+    # The remarks are below the box; equal space above keeps the lines of the box in the middle.
     return max(100.0, max(widths) + 20), height + 2 * _LINE * len(remarks)
 
 

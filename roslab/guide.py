@@ -17,6 +17,7 @@ import json
 import os
 from pathlib import Path
 import re
+import sys
 import textwrap
 import traceback
 from typing import Any
@@ -24,7 +25,7 @@ from typing import Any
 from IPython.core.error import UsageError
 from IPython.core.inputtransformer2 import TransformerManager
 
-from autograder.handed_in.cells import CellSyntaxError, parse_cell
+from autograder.submission.cells import CellSyntaxError, parse_cell
 from roslab.errors import RoslabError
 from roslab.interrupts import interrupted
 from roslab.output import current_cell
@@ -62,6 +63,7 @@ class NotebookCell:
     :param heading: of the section that it is in
     :param names: what it defines
     :param module: the module that a ``%%node`` cell creates
+    :param grade_id: name of an exercise's cell
     """
 
     identifier: str
@@ -69,6 +71,7 @@ class NotebookCell:
     source: str
     names: frozenset[str]
     module: str | None
+    grade_id: str = ''
 
     @property
     def place(self) -> str:
@@ -125,11 +128,22 @@ def advice(error: BaseException, shell: Any) -> str | None:
     missing: str | None = getattr(error, 'name', None)
     if not missing:
         return None
+    if _is_given_to_check(missing, shell):
+        return (
+            f'NameError: check() takes the name of an exercise in quotes. Write: '
+            f'check({missing!r})'
+        )
     cell = _first_cell_with(missing, isinstance(error, ModuleNotFoundError), shell)
     if cell is None:
         return None
     kind = 'module ' if isinstance(error, ModuleNotFoundError) else ''
     return f'{type(error).__name__}: {kind}{missing} is not there yet. Run first: {cell.place}'
+
+
+def advice_shown(error: BaseException) -> str:
+    """Return the sentence that a notebook has shown for an error, empty if there was none."""
+    shown: str = getattr(error, '_course_advice', '')
+    return shown or (str(error) if hasattr(error, '_render_traceback_') else '')
 
 
 def notebook_path() -> Path | None:
@@ -139,6 +153,18 @@ def notebook_path() -> Path | None:
         return Path(named)
     here = sorted(Path.cwd().glob('*.ipynb'))
     return here[0] if len(here) == 1 else None
+
+
+def running_cell(shell: Any) -> NotebookCell | None:
+    """
+    Return the running cell as the notebook was saved last, None if it cannot be told.
+
+    :param shell: what ``get_ipython()`` returns
+    """
+    path = notebook_path()
+    cells = read_cells(path) if path is not None else []
+    here = _running_index(cells, shell)
+    return cells[here] if here is not None else None
 
 
 def read_cells(path: Path) -> list[NotebookCell]:
@@ -208,6 +234,10 @@ def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: An
         own = any(not is_library(frame.filename) for frame in _frames(error))
         shell.showtraceback((kind, error, trace), tb_offset=tb_offset, running_compiled_code=own)
         return
+    # As IPython does for a traceback, so that explain() finds the error that was shown last.
+    sys.last_type, sys.last_value, sys.last_traceback = kind, error, trace
+    with suppress(AttributeError):  # an error without room for more
+        error._course_advice = said  # type: ignore[attr-defined]
     lines: list[str] = []
     if own_words is not None:
         lines = own_words()
@@ -275,6 +305,21 @@ def _not_written(error: BaseException) -> str:
     )
 
 
+def _is_given_to_check(name: str, shell: Any) -> bool:
+    """Return whether the running cell calls ``check`` with a bare name."""
+    try:
+        tree = ast.parse(TransformerManager().transform_cell(_history(shell)[-1]))
+    except (SyntaxError, ValueError, RecursionError):
+        return False
+    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
+    return any(
+        isinstance(argument, ast.Name) and argument.id == name
+        for call in calls
+        if isinstance(call.func, ast.Name) and call.func.id == 'check'
+        for argument in call.args
+    )
+
+
 def _raised_by_learner(error: BaseException) -> bool:
     frames = [f for f in _frames(error) if not f.filename.startswith('<frozen importlib')]
     own = bool(frames) and not is_library(frames[-1].filename)
@@ -319,7 +364,9 @@ def _code_cells(cells: Sequence[dict[str, Any]]) -> Iterator[NotebookCell]:
             heading = titles[-1] if titles else heading
         elif cell['cell_type'] == 'code':
             names, module = _contents(source)
-            yield NotebookCell(cell.get('id', ''), heading, source, names, module)
+            marks = cell.get('metadata', {}).get('nbgrader', {})
+            grade_id = marks.get('grade_id', '')
+            yield NotebookCell(cell.get('id', ''), heading, source, names, module, grade_id)
 
 
 def _contents(source: str) -> tuple[frozenset[str], str | None]:

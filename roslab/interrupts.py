@@ -129,7 +129,7 @@ def watch_cells(shell: Any) -> None:
 
 
 def interrupted() -> bool:
-    """Tell whether an interrupt was delivered to the running cell."""
+    """Return whether an interrupt was delivered to the running cell."""
     return _watched.interrupted
 
 
@@ -179,7 +179,7 @@ def _bringing_back_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any
 
 
 def _half_made(unraisable: Any) -> bool:
-    """Tell whether a library misses an attribute in an object whose making was interrupted."""
+    """Return whether a library misses an attribute in an object whose creation was interrupted."""
     trace = unraisable.exc_traceback
     if unraisable.exc_type is not AttributeError or trace is None:
         return False

@@ -114,7 +114,7 @@ def print_topics(session: Session, types: bool) -> None:
     """
     Print what ``ros2 topic list`` prints.
 
-    :param types: also the type of each, as ``-t`` asks for
+    :param types: print the type of each topic too, as ``-t`` does
     """
     say(topic_list_text(topics_now(session.helper).items(), types))
 

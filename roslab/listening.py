@@ -66,7 +66,7 @@ class Listener:
 
     @property
     def alive(self) -> bool:
-        """Tell whether messages can still arrive."""
+        """Return whether messages can still arrive."""
         return self._end.alive and self._session.owns(self._node)
 
     def _begin(self) -> None:
@@ -81,7 +81,7 @@ class Listener:
             self._end.atexit = False
 
     def _begin_again(self) -> None:
-        """Subscribe anew after stop_all() or a shutdown of ROS, not after ``stop``."""
+        """Subscribe again after stop_all() or a shutdown of ROS, not after ``stop``."""
         if self._end.alive and not self._session.owns(self._node):
             self._end.detach()
             self._begin()
@@ -106,10 +106,10 @@ class Listener:
 
     def too_little(self, count: int, timeout: float) -> TimeoutError:
         """
-        Return the error of a wait in vain, with what may explain it.
+        Return the error of a wait that timed out, with what may explain it.
 
         :param count: how many messages were expected
-        :param timeout: how long was waited for them [s]
+        :param timeout: how long the caller waited for them [s]
         """
         hints = self._session.hints if self._session.nodes() else self._session.losses
         return timeout_error(

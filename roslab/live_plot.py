@@ -1,7 +1,7 @@
 """
-A number of a topic against time, drawn anew in its own cell while other cells run.
+Plot a number of a topic against time, redrawn in its own cell while other cells run.
 
-A thread of its own draws, at most five times a second and only if there is something new.  It ends
+A separate thread draws, at most five times a second and only if there is something new.  It ends
 with its listener, with the session, or when another cell plots the same field.
 """
 
@@ -129,7 +129,7 @@ class Plot:
                 self._thread.start()
 
     def paint(self) -> None:
-        """Draw anew, if there is something new; never raises."""
+        """Redraw if there is something new; never raise."""
         with HeldInterrupts(), self._painting:
             newest = self._newest()
             if self._handle is None or newest == self._painted:

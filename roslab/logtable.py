@@ -96,7 +96,7 @@ class LogTable:
 
 
 class _Recorder:
-    """Stands before the C function that rclpy's loggers call."""
+    """Replacement for the C function that rclpy's loggers call."""
 
     def __init__(self) -> None:
         self.lines: deque[LogLine] = deque(maxlen=_MOST_LINES)

@@ -49,10 +49,10 @@ def topics_now(node: Node) -> dict[str, list[str]]:
 
 def nodes_now(node: Node, hidden: bool = False) -> list[str]:
     """
-    Return the full names of all nodes seen now; a name may be there twice.
+    Return the full names of all nodes seen now; a name may occur twice.
 
     :param node: any node
-    :param hidden: also those whose names begin with an underscore
+    :param hidden: include those whose names begin with an underscore
     """
     full = (
         f'{namespace.rstrip("/")}/{name}'

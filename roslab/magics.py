@@ -18,7 +18,7 @@ from typing import Any
 
 from IPython.core.magic import no_var_expand
 
-from autograder.handed_in.cells import (
+from autograder.submission.cells import (
     CellFile,
     CellSyntaxError,
     chosen_letter,
@@ -33,6 +33,7 @@ from roslab.errors import (
 )
 from roslab.output import say
 from roslab.package_files import learner_package, LearnerPackage
+from roslab.saved_files import note_save
 from roslab.tracebacks import code_name, where
 
 KINDS = ('node', 'rosmsg', 'rospkg', 'answer')
@@ -81,6 +82,7 @@ def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None
     if kind == 'node':
         _refuse_known_module(file, package)
     path = package.save(file)
+    note_save(path)
     shown = package.shown(path)
     if kind == 'answer':
         _say_letter(file)

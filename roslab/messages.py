@@ -16,17 +16,18 @@ import importlib
 import json
 import os
 from pathlib import Path
+import re
 import shutil
 import sys
 
-from autograder.handed_in.cells import UNSOLVED
-from autograder.judging.build_advice import (
+from autograder.judging.causes.builds import (
     diagnose,
     Diagnosis,
     MISSING_AMENT_PACKAGE,
     NO_MESSAGES,
     texts_of,
 )
+from autograder.submission.cells import UNSOLVED
 from roslab import child
 from roslab.errors import NotHereError
 from roslab.output import ElapsedTime, show
@@ -47,6 +48,9 @@ _PRELOADED = (
 
 _PARALLEL = f'-j{(os.cpu_count() or 1) + 1}'
 """Instead of colcon's own ``-jN -lN``: with -l, a busy machine builds one file at a time."""
+
+
+_MARK = re.compile(r'(?m)^\[ *(\d+)(/\d+|%)\]')
 
 
 @dataclass(frozen=True)
@@ -195,9 +199,9 @@ def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> 
         *('--event-handlers', 'console_direct+'),
         *('--cmake-args', '-DBUILD_TESTING=OFF', *_generator(variables)),
     ]
-    text = f'Building {package.name} with colcon (about 10 s the first time)'
+    text = f'Building {package.name} with colcon (up to a minute the first time)'
     try:
-        with ElapsedTime(text, always=True) as elapsed:
+        with ElapsedTime(text, always=True, progress=_progress) as elapsed:
             return child.run(
                 command,
                 cwd=workspace,
@@ -207,6 +211,16 @@ def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> 
             )
     except OSError as error:
         raise NotHereError(f'colcon could not be started: {error}. Try: make doctor') from None
+
+
+def _progress(output: str) -> str:
+    """
+    Return how far a build is, by the last mark that Ninja or make has printed.
+
+    :param output: such as ``[12/40] Building C object ...`` or ``[ 30%] Building ...``
+    """
+    marks = _MARK.findall(output)
+    return f'{marks[-1][0]}{marks[-1][1].replace("/", " of ")}' if marks else ''
 
 
 def _generator(variables: dict[str, str]) -> tuple[str, ...]:

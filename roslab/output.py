@@ -8,7 +8,7 @@ takes a single line there for a failed cell.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 import sys
 from typing import Any
@@ -55,7 +55,7 @@ def current_cell() -> Cell | None:
 
 
 def has_frontend() -> bool:
-    """Tell whether the running cell is shown by a notebook frontend."""
+    """Return whether a notebook frontend shows the running cell."""
     cell = current_cell()
     return cell is not None and cell.has_frontend
 
@@ -86,11 +86,18 @@ class ElapsedTime:
 
     :param text: what is going on
     :param always: say it also where nobody is looking
+    :param progress: returns how far it is, from the end of the output so far
     """
 
-    def __init__(self, text: str, always: bool = False) -> None:
+    def __init__(
+        self,
+        text: str,
+        always: bool = False,
+        progress: Callable[[str], str] = lambda _: '',
+    ) -> None:
         self._text = text
         self._always = always
+        self._progress = progress
         self._handle: Any = None
 
     def __enter__(self) -> ElapsedTime:
@@ -102,10 +109,12 @@ class ElapsedTime:
             say(f'{self._text} ...')
         return self
 
-    def tick(self, seconds: float) -> None:
-        """Show how long it has taken so far [s]."""
+    def tick(self, seconds: float, output: str) -> None:
+        """Show how long it has taken so far [s], and how far it is."""
         if self._handle is not None:
-            self._handle.update(self._line(f'{self._text} ... {seconds:.0f} s'), raw=True)
+            how_far = self._progress(output)
+            text = f'{self._text} ... {seconds:.0f} s{how_far and f", {how_far}"}'
+            self._handle.update(self._line(text), raw=True)
 
     def __exit__(self, *_: object) -> None:
         """Take the line away."""

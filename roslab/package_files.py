@@ -15,7 +15,7 @@ import os
 from pathlib import Path
 import re
 
-from autograder.handed_in.cells import CellFile
+from autograder.submission.cells import CellFile
 from roslab.errors import NameRefusedError
 
 WORKSPACE = 'ros_ws'
@@ -59,6 +59,15 @@ class LearnerPackage:
                 f'{path.resolve()}. A link leads out of the package; remove it.'
             )
         return path
+
+    def find(self, name: str) -> Path:
+        """
+        Return where a file of the package is.
+
+        :param name: as :meth:`files` gives it
+        """
+        inner = self.folder / self.name / name
+        return inner if name.endswith('.py') and inner.is_file() else self.folder / name
 
     def save(self, cell: CellFile) -> Path:
         """Write a cell's file; readers see the old file or the new one, never a half."""

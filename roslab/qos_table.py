@@ -83,6 +83,9 @@ CHOICES: Mapping[str, Mapping[str, Choice]] = {
 """What is tried on both sides, weakest first, by the name of the table."""
 
 _UNDECIDED = ('SYSTEM_DEFAULT', 'BEST_AVAILABLE')
+_SIGNS = {True: '\N{CHECK MARK}', False: '\N{BALLOT X}'}
+# Transparent, so that the text has the same contrast on a light and on a dark page.
+_TINTS = {True: '#43a04729', False: '#e5393529'}
 _NEVER_MATTERS = ('lifespan', 'depth')
 
 
@@ -113,13 +116,13 @@ class Cell:
 
     @property
     def agrees(self) -> bool:
-        """Tell whether event, check and rule say the same."""
+        """Return whether event, check and rule agree."""
         predicted = {'OK': True, 'ERROR': False}.get(self.check)
         return predicted == self.matched and self.documented in (None, self.matched)
 
     @property
     def explanation(self) -> str:
-        """Why the check says something else, or an empty text if nothing explains it."""
+        """Why the check disagrees, or an empty string if nothing explains it."""
         if self.agrees:
             return ''
         if self.check == 'WARNING' and 'SYSTEM_DEFAULT' in (self.offered, self.requested):
@@ -140,9 +143,14 @@ class Cell:
         return 'match' if self.matched else f'no: {", ".join(sorted(set(self.refused_for)))}'
 
     @property
+    def shown(self) -> str:
+        """What happened, with a sign."""
+        return f'{_SIGNS[self.matched]} {self.outcome}'
+
+    @property
     def text(self) -> str:
         """What happened, and the check's verdict where it differs."""
-        return self.outcome if self.agrees else f'{self.outcome} (check: {self.check})'
+        return self.shown if self.agrees else f'{self.shown} (check: {self.check})'
 
     def __str__(self) -> str:
         pair = f'{self.offered} offered, {self.requested} requested'
@@ -217,10 +225,10 @@ class QosTable:
 
 
 def _html_of(cell: Cell, rule: str) -> str:
-    text = escape(cell.outcome) if cell.matched else f'<b>{escape(cell.outcome)}</b>'
+    text = escape(cell.shown) if cell.matched else f'<b>{escape(cell.shown)}</b>'
     if not cell.agrees:
         text += f'<br><small>check: {cell.check}</small>'
-    return f'<td style="{rule}">{text}</td>'
+    return f'<td style="{rule}; background: {_TINTS[cell.matched]}">{text}</td>'
 
 
 def qos_table(policy: str = 'reliability and durability', *, first: str = 'publisher') -> QosTable:
@@ -307,14 +315,14 @@ class _Pair:
 
     @property
     def matched(self) -> bool:
-        """Tell whether both sides count the other."""
+        """Return whether each side counts the other."""
         return bool(
             self.publisher.get_subscription_count() and self.subscription.get_publisher_count()
         )
 
     @property
     def decided(self) -> bool:
-        """Tell whether both sides have said what became of the pair."""
+        """Return whether both sides have reported what became of the pair."""
         return self.matched or all(self.refusals)
 
     def cell(self, policy: str) -> Cell:

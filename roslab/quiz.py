@@ -1,7 +1,7 @@
 """
 Multiple-choice questions for practice: ``quiz('03-matched')`` shows one and explains each answer.
 
-The questions lie in ``roslab/quizzes/NN_topic.yaml``, one file a lesson, as a list of::
+The questions are in ``roslab/quizzes/NN_topic.yaml``, one file per lesson, as a list of::
 
     - key: 03-matched
       question: One or two sentences. May contain `code`.
@@ -12,8 +12,8 @@ The questions lie in ``roslab/quizzes/NN_topic.yaml``, one file a lesson, as a l
         - text: another answer
           why: Names the misconception behind it and corrects it.
 
-Options are shown in an order that depends on the key alone, so authors need not care where the
-right one stands.  What a learner chooses is kept nowhere.
+Options are shown in an order that depends on the key alone, so authors can put the
+right one anywhere.  What a learner chooses is not stored.
 """
 
 from __future__ import annotations
@@ -192,7 +192,7 @@ def _mapping(
 
 
 def _text(entry: Mapping[str, Any], name: str, where: str) -> str:
-    """Return a text on one line; a number or `true` without quotes is no text."""
+    """Return a string on one line; a number or `true` without quotes is not a string."""
     __tracebackhide__ = True
     value = entry[name]
     if not isinstance(value, str) or not value.strip():

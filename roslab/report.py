@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import html
 import textwrap
 
-from autograder.explaining.feedback import check_lines, number, titles_of, WIDTH
+from autograder.explaining.feedback import causes_once, check_lines, number, titles_of, WIDTH
 from autograder.explaining.feedback_html import checks_html, paragraph
-from autograder.judging.results import ExamResult, Problem, Verdict
+from autograder.results import ExamResult, Problem, Verdict
 from roslab.output import current_cell, show
 
 _MISSING_FILE = 'missing_file'
@@ -27,6 +27,8 @@ class CheckReport:
     :param result: the verdicts, None if there are none
     :param problem: why there are none
     :param unfinished: files that still have their stub
+    :param judged: the files that were judged, and which cells have saved them
+    :param edited: files whose cell has another text by now
     :param left_over: files that no cell of the notebook makes any more
     :param lesson: file name of the lesson's notebook, for links to what to read
     """
@@ -35,12 +37,14 @@ class CheckReport:
     result: ExamResult | None = None
     problem: Problem | None = None
     unfinished: tuple[str, ...] = ()
+    judged: str = ''
+    edited: tuple[str, ...] = ()
     left_over: tuple[str, ...] = ()
     lesson: str | None = None
     _shown_in: int | None = field(default=None, repr=False, compare=False)
 
     def __bool__(self) -> bool:
-        """Tell whether every check passed."""
+        """Return whether every check passed."""
         checks = self.result.checks if self.result else ()
         return bool(checks) and all(check.verdict is Verdict.PASSED for check in checks)
 
@@ -76,7 +80,13 @@ class CheckReport:
     @property
     def _remarks(self) -> list[str]:
         """Return what there is to say beside the checks."""
-        remarks = [
+        remarks = [f'Judged: {self.judged}.'] if self.judged else []
+        remarks += [
+            f'{name} is older than its cell: the cell was edited, but not run. Run it, then check '
+            'again.'
+            for name in self.edited
+        ]
+        remarks += [
             f'{name} is not finished: it still has YOUR CODE HERE.' for name in self.unfinished
         ]
         remarks += [
@@ -100,7 +110,7 @@ class CheckReport:
             lines += textwrap.wrap(remark, WIDTH, initial_indent='  ', subsequent_indent='  ')
         if self.result is not None:
             titles = titles_of(self.result)
-            for check in self.result.checks:
+            for check in causes_once(self.result):
                 lines += check_lines(check, titles)
         return '\n'.join(lines)
 

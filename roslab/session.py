@@ -159,7 +159,7 @@ class Session:
 
     def stop(self, which: Node | str) -> None:
         """
-        Stop and destroy a node; one that has already stopped is no error.
+        Stop and destroy a node; it is not an error if the node has already stopped.
 
         :param which: the node, or its name
         :raises NotHereError: if no node of that name was ever started
@@ -184,7 +184,7 @@ class Session:
                 self._destroy(helper)
 
     def close(self) -> None:
-        """Stop everything and shut the context down; a later call starts anew."""
+        """Stop everything and shut the context down; a later call starts again."""
         with HeldInterrupts():
             self._close()
 
@@ -298,7 +298,7 @@ class Session:
         """
         Say what a callback raised and stop its node; runs in the executor's thread.
 
-        Whoever sees that the node is gone can already read why: it is said first.
+        The reason is stored and printed before the node is removed, so it can be read at once.
         """
         key = self._key(node) if node is not None else 'a callback'
         started = self._started.get(key)

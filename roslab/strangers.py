@@ -1,48 +1,77 @@
 """
-Nodes that are here before a notebook has any: of a lesson that is still open, or of a terminal.
+Find the nodes that run in this notebook's domain before the notebook has any.
 
-The tab of a lesson may be closed and its kernel goes on.  All that its nodes publish is heard in
-the next lesson, where nobody expects it.
+They belong to a terminal that has joined the domain, or to a notebook that was given the same
+one.  All that they publish is heard here, where the lesson does not expect it.
 """
 
 from __future__ import annotations
 
+from collections import Counter
+import uuid
+
 from rclpy.context import Context
 from rclpy.node import Node
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from roslab.output import say
-from roslab.ros2.discovery import node_names, wait_for_graph
+from roslab.ros2.discovery import full_name, node_names, wait_for_graph
 
 LOOK_S = 0.3
 """How long to look: kernels of the course announce themselves ten times a second."""
 MOST_NAMED = 4
+_PROCESS_BYTES = 8
+"""Fast DDS begins the ids of all endpoints of one process with the same bytes."""
 
 
 def nodes_of_others() -> list[str]:
-    """Return the full names of the nodes that a new participant finds; hidden ones left out."""
+    """Return the full names of the nodes of other processes; hidden ones left out."""
     context = Context()
     context.init(args=[])
     try:
         node = Node(
-            '_roslab_look', context=context, start_parameter_services=False, enable_rosout=False
+            f'_roslab_look_{uuid.uuid4().hex}',
+            context=context,
+            start_parameter_services=False,
+            enable_rosout=False,
         )
         try:
             wait_for_graph(node, LOOK_S)
-            return list(dict.fromkeys(node_names(node, hidden=False)))
+            found = Counter(node_names(node, hidden=False)) - Counter(_nodes_of_this_process(node))
+            return sorted(found)
         finally:
             node.destroy_node()
     finally:
         context.try_shutdown()
 
 
+def _nodes_of_this_process(node: Node) -> list[str]:
+    """
+    Return the full names of the nodes that share the process of a node.
+
+    :param node: no other node has its name
+    """
+    # Every node has a publisher on this topic.
+    infos = node.get_publishers_info_by_topic('/parameter_events')
+    own = [_process_of(info) for info in infos if info.node_name == node.get_name()]
+    return [
+        full_name(info.node_name, info.node_namespace)
+        for info in infos
+        if _process_of(info) in own
+    ]
+
+
+def _process_of(info: TopicEndpointInfo) -> bytes:
+    return bytes(info.endpoint_gid[:_PROCESS_BYTES])
+
+
 def tell_of_strangers() -> None:
-    """Say which nodes are here already, if there are any."""
+    """Say which nodes of other processes are here already, if there are any."""
     names = nodes_of_others()
     if not names:
         return
     more = f' and {len(names) - MOST_NAMED} more' if len(names) > MOST_NAMED else ''
     say(
-        f'Note: {", ".join(names[:MOST_NAMED])}{more} run already, in another notebook or a '
-        'terminal, and are heard here too. A notebook whose tab is closed goes on: shut it down '
-        'in the list of running kernels, at the left edge of JupyterLab.'
+        f'Note: other programs in the ROS domain of this notebook run nodes already: '
+        f'{", ".join(names[:MOST_NAMED])}{more}. This notebook hears them too.'
     )

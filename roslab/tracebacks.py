@@ -40,7 +40,7 @@ def last_line(error: BaseException) -> str:
 
 
 def is_library(filename: str) -> bool:
-    """Tell whether a file belongs to Python, to an installed package or to roslab."""
+    """Return whether a file belongs to Python, to an installed package or to roslab."""
     if filename.startswith('<'):
         return True
     # A sourced installation has rclpy outside this interpreter's own folders.

@@ -99,7 +99,7 @@ def main(arguments: Sequence[str]) -> Outcome:
     except KeyboardInterrupt:
         return int(signal.SIGINT)
     except Exception as problem:
-        # What rclpy raises when Ctrl-C has shut its context down is no error of the user's.
+        # What rclpy raises when Ctrl-C has shut its context down is not the user's error.
         if type(problem).__name__ == 'ExternalShutdownException' or SHUT_DOWN in str(problem):
             return int(signal.SIGINT)
         if isinstance(problem, RuntimeError):

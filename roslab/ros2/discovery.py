@@ -2,12 +2,16 @@
 A node of the command's own, and the wait until it knows the graph.
 
 The real ``ros2`` asks a daemon that has watched the graph for long.  Here every command looks for
-itself, so it has to know when it has seen everything.  Three signs together decide, up to a limit:
+itself, so it has to know when it has seen everything.  Three signs together decide:
 
 * every endpoint belongs to a node whose name has arrived: Fast DDS tells endpoints first, and the
   names of their nodes up to half a second later;
 * nothing has changed for a short quiet time;
 * somebody is there, or the time has passed that the real command spends without its daemon.
+
+On a busy machine all three can hold before a process that had no turn has answered.  So a command
+about one topic, node or service says that it is missing only after LIMIT_S; if the graph has it,
+the command ends with the three signs.  A list has no such condition and may be short then.
 
 Where nobody is seen the command comes again as a new participant, a few times: the answer to the
 first word of a participant is often lost, because it is not listening yet, and the next
@@ -36,8 +40,12 @@ ALONE_S = 0.5
 AGAIN_S = (0.2, 0.2, 0.2)
 """How long a new participant looks for others: they answer its second word, after 0.1 s."""
 LIMIT_S = 3.0
+"""How long a command waits for signs that do not come, and for what it was asked about."""
 LOOK_S = 0.01
 UNKNOWN = '_NODE_NAME_UNKNOWN_'
+
+Known = Callable[[Node], object]
+"""Tells whether the graph, as a node sees it, has what a command was asked about."""
 
 
 def add_node_arguments(parser: argparse.ArgumentParser) -> None:
@@ -83,21 +91,26 @@ def ros_node(args: argparse.Namespace, name: str | None = None) -> Iterator[Node
 
 
 @contextmanager
-def knowing_node(args: argparse.Namespace) -> Iterator[Node]:
-    """Provide a node that knows the graph."""
-    looks = (args.spin_time, *AGAIN_S)
+def knowing_node(args: argparse.Namespace, known: Known | None = None) -> Iterator[Node]:
+    """
+    Provide a node that knows the graph.
+
+    :param known: condition of a command about one thing, awaited for LIMIT_S
+    """
+    looks = (args.spin_time, *AGAIN_S, *([LIMIT_S] if known else []))
     for number, alone_s in enumerate(looks, 1):
         with ros_node(args) as node:
-            if wait_for_graph(node, alone_s) or number == len(looks):
+            if wait_for_graph(node, alone_s, known) or number == len(looks):
                 yield node
                 return
 
 
-def wait_for_graph(node: Node, alone_s: float = ALONE_S) -> bool:
+def wait_for_graph(node: Node, alone_s: float = ALONE_S, known: Known | None = None) -> bool:
     """
     Wait until the node knows who is there, at most LIMIT_S or the given time [s].
 
     :param alone_s: how long to wait for somebody [s]
+    :param known: condition without which the wait does not end early once somebody is there
     :returns: whether somebody is there
     """
     began = changed = time.monotonic()
@@ -110,7 +123,7 @@ def wait_for_graph(node: Node, alone_s: float = ALONE_S) -> bool:
         if seen != last:
             last, changed, still = seen, now, 0
         complete = now - changed >= QUIET_S and still >= QUIET_LOOKS and not _nameless(node)
-        if complete and (others or now - began >= alone_s):
+        if complete and ((not known or known(node)) if others else now - began >= alone_s):
             break
         time.sleep(LOOK_S)
     return others
@@ -170,9 +183,36 @@ def node_names(node: Node, *, hidden: bool) -> list[str]:
     )
 
 
-def absolute(name: str) -> str:
-    """Return a node's name with a slash in front."""
-    return name if name.startswith('/') else f'/{name}'
+def node_known(node: Node, name: str) -> bool:
+    """Return whether a node of this full name is in the graph, hidden or not."""
+    return name in node_names(node, hidden=True)
+
+
+@contextmanager
+def asking(
+    args: argparse.Namespace, known: Callable[[Node, str], object] = node_known
+) -> Iterator[tuple[Node, str]]:
+    """
+    Provide a node that knows the graph, and the full name of the node that the command is about.
+
+    :param known: tells whether the graph has that node
+    :raises RuntimeError: if it does not
+    """
+    name = args.node_name if args.node_name.startswith('/') else f'/{args.node_name}'
+    with knowing_node(args, lambda node: known(node, name)) as node:
+        if not known(node, name):
+            raise RuntimeError('Node not found')
+        yield node, name
+
+
+def topic_types(node: Node, name: str) -> list[str]:
+    """Return the types of a topic, none if the graph does not know its full name."""
+    return dict(node.get_topic_names_and_types()).get(name, [])
+
+
+def service_types(node: Node, name: str) -> list[str]:
+    """Return the types of a service, none if the graph does not know its full name."""
+    return dict(node.get_service_names_and_types()).get(name, [])
 
 
 def topics_of(node: Node, *, hidden: bool) -> Sequence[tuple[str, list[str]]]:

@@ -11,8 +11,14 @@ from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 from rclpy.node import Node
 
 from roslab.ros2.cli import Outcome, verbs_of
-from roslab.ros2.discovery import absolute, add_node_arguments, knowing_node, node_names
-from roslab.ros2.service_calls import call, has_service
+from roslab.ros2.discovery import (
+    add_node_arguments,
+    asking,
+    knowing_node,
+    node_names,
+    service_types,
+)
+from roslab.ros2.service_calls import call
 
 
 def add_arguments(group: argparse.ArgumentParser) -> None:
@@ -42,19 +48,11 @@ def _add_common(parser: argparse.ArgumentParser) -> None:
 
 def _lifecycle_nodes(node: Node, *, hidden: bool) -> list[str]:
     names = dict.fromkeys(node_names(node, hidden=hidden))
-    return [name for name in names if has_service(node, f'{name}/get_state')]
+    return [name for name in names if _has_lifecycle(node, name)]
 
 
-def _one(node: Node, args: argparse.Namespace) -> str:
-    """
-    Return the full name of the node that is meant.
-
-    :raises RuntimeError: if there is no lifecycle node of that name
-    """
-    name = absolute(args.node_name)
-    if name not in _lifecycle_nodes(node, hidden=True):
-        raise RuntimeError('Node not found')
-    return name
+def _has_lifecycle(node: Node, name: str) -> bool:
+    return bool(service_types(node, f'{name}/get_state'))
 
 
 def nodes(args: argparse.Namespace) -> Outcome:
@@ -70,10 +68,11 @@ def nodes(args: argparse.Namespace) -> Outcome:
 
 def get(args: argparse.Namespace) -> Outcome:
     """Print the state of one node or of all."""
+    if args.node_name:
+        with asking(args, _has_lifecycle) as (node, name):
+            print(_state(node, name))
+        return None
     with knowing_node(args) as node:
-        if args.node_name:
-            print(_state(node, _one(node, args)))
-            return None
         for name in _lifecycle_nodes(node, hidden=args.include_hidden_nodes):
             print(f'{name}: {_state(node, name)}')
     return None
@@ -93,8 +92,8 @@ def _transitions(node: Node, name: str, service: str) -> Sequence[Any]:
 def list_transitions(args: argparse.Namespace) -> Outcome:
     """Print the transitions of a node."""
     service = 'get_transition_graph' if args.all else 'get_available_transitions'
-    with knowing_node(args) as node:
-        for one in _transitions(node, _one(node, args), service):
+    with asking(args, _has_lifecycle) as (node, name):
+        for one in _transitions(node, name, service):
             print(
                 f'- {one.transition.label} [{one.transition.id}]\n'
                 f'\tStart: {one.start_state.label}\n\tGoal: {one.goal_state.label}'
@@ -104,8 +103,7 @@ def list_transitions(args: argparse.Namespace) -> Outcome:
 
 def set_state(args: argparse.Namespace) -> Outcome:
     """Trigger a transition and wait for its outcome."""
-    with knowing_node(args) as node:
-        name = _one(node, args)
+    with asking(args, _has_lifecycle) as (node, name):
         known = _transitions(node, name, 'get_available_transitions')
         wanted = next(
             (

@@ -9,7 +9,7 @@ from rclpy.node import Node
 
 from roslab.cli_text import NamesAndTypes, node_info_text
 from roslab.ros2.cli import Outcome, verbs_of
-from roslab.ros2.discovery import add_node_arguments, knowing_node, node_names
+from roslab.ros2.discovery import add_node_arguments, knowing_node, node_known, node_names
 
 _SERVICE = '/_action/send_goal'
 
@@ -51,7 +51,7 @@ def list_nodes(args: argparse.Namespace) -> Outcome:
 
 def info(args: argparse.Namespace) -> Outcome:
     """Print what a node has."""
-    with knowing_node(args) as node:
+    with knowing_node(args, lambda node: node_known(node, args.node_name)) as node:
         count = node_names(node, hidden=args.include_hidden).count(args.node_name)
         if count == 0:
             return f"Unable to find node '{args.node_name}'"

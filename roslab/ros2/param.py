@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
-from contextlib import contextmanager
 import sys
 from typing import Any
 
@@ -18,8 +17,14 @@ from rclpy.parameter import (
 )
 
 from roslab.ros2.cli import Outcome, verbs_of
-from roslab.ros2.discovery import absolute, add_node_arguments, knowing_node, node_names
-from roslab.ros2.service_calls import call, has_service
+from roslab.ros2.discovery import (
+    add_node_arguments,
+    asking,
+    knowing_node,
+    node_names,
+    service_types,
+)
+from roslab.ros2.service_calls import call
 
 TYPES = {
     ParameterType.PARAMETER_BOOL: ('boolean', 'Boolean value is:'),
@@ -87,45 +92,31 @@ _ADD = {
 }
 
 
-@contextmanager
-def _asking(args: argparse.Namespace) -> Iterator[tuple[Node, str]]:
-    """
-    Provide a node that knows the graph, and the full name of the node that is asked.
-
-    :raises RuntimeError: if that one is not there
-    """
-    name = absolute(args.node_name)
-    with knowing_node(args) as node:
-        if name not in node_names(node, hidden=True):
-            raise RuntimeError('Node not found')
-        yield node, name
-
-
 def list_parameters(args: argparse.Namespace) -> Outcome:
     """Print the names of the parameters of one node or of all."""
+    if args.node_name:
+        with asking(args) as (node, name):
+            _list(args, node, name)
+        return None
     with knowing_node(args) as node:
-        names = node_names(node, hidden=args.include_hidden_nodes)
-        if args.node_name:
-            if absolute(args.node_name) not in names:
-                return 'Node not found'
-            names = [absolute(args.node_name)]
-        for name in dict.fromkeys(names):
-            if not has_service(node, f'{name}/list_parameters'):
-                continue
-            try:
-                found = _names(node, name, args.param_prefixes)
-                types = _types(node, name, found) if args.param_type else {}
-            except RuntimeError as problem:
-                print(
-                    f"Exception while calling service of node '{name}': {problem}", file=sys.stderr
-                )
-                continue
-            if not args.node_name:
-                print(f'{name}:')
-            for parameter in found:
-                kind = f' (type: {types[parameter]})' if args.param_type else ''
-                print(f'  {parameter}{kind}')
+        for name in dict.fromkeys(node_names(node, hidden=args.include_hidden_nodes)):
+            if service_types(node, f'{name}/list_parameters'):
+                _list(args, node, name)
     return None
+
+
+def _list(args: argparse.Namespace, node: Node, name: str) -> None:
+    try:
+        found = _names(node, name, args.param_prefixes)
+        types = _types(node, name, found) if args.param_type else {}
+    except RuntimeError as problem:
+        print(f"Exception while calling service of node '{name}': {problem}", file=sys.stderr)
+        return
+    if not args.node_name:
+        print(f'{name}:')
+    for parameter in found:
+        kind = f' (type: {types[parameter]})' if args.param_type else ''
+        print(f'  {parameter}{kind}')
 
 
 def _names(node: Node, name: str, prefixes: list[str]) -> list[str]:
@@ -150,7 +141,7 @@ def _values(node: Node, name: str, parameters: list[str]) -> list[Any]:
 
 def get(args: argparse.Namespace) -> Outcome:
     """Print the value of a parameter."""
-    with _asking(args) as (node, name):
+    with asking(args) as (node, name):
         values = _values(node, name, [args.parameter_name])
     if not values:
         return 'Parameter not set'
@@ -165,7 +156,7 @@ def get(args: argparse.Namespace) -> Outcome:
 
 def set_parameter(args: argparse.Namespace) -> Outcome:
     """Set a parameter; the node may refuse."""
-    with _asking(args) as (node, name):
+    with asking(args) as (node, name):
         parameter = Parameter(name=args.parameter_name, value=get_parameter_value(args.value))
         for _, result in _set(node, name, [parameter]):
             reason = f': {result.reason}' if result.reason else ''
@@ -184,7 +175,7 @@ def _set(node: Node, name: str, parameters: list[Parameter]) -> list[tuple[str, 
 
 def load(args: argparse.Namespace) -> Outcome:
     """Set the parameters that a file gives."""
-    with _asking(args) as (node, name):
+    with asking(args) as (node, name):
         try:
             found = parameter_dict_from_yaml_file(
                 args.parameter_file, not args.no_use_wildcard, target_nodes=[name]
@@ -202,7 +193,7 @@ def load(args: argparse.Namespace) -> Outcome:
 
 def describe(args: argparse.Namespace) -> Outcome:
     """Print what is known about parameters besides their values."""
-    with _asking(args) as (node, name):
+    with asking(args) as (node, name):
         descriptors = _descriptors(node, name, args.parameter_names)
     for one in descriptors:
         print('\n'.join(_description(one)))
@@ -230,7 +221,7 @@ def dump(args: argparse.Namespace) -> Outcome:
     """Print the parameters of a node as a file that it could be started with."""
     import yaml
 
-    with _asking(args) as (node, name):
+    with asking(args) as (node, name):
         names = _names(node, name, [])
         values = _values(node, name, names)
     parameters: dict[str, Any] = {}

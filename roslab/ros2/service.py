@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from rclpy.node import Node
-
 from roslab.ros2.cli import Outcome, verbs_of
-from roslab.ros2.discovery import add_node_arguments, knowing_node, wait_for
+from roslab.ros2.discovery import add_node_arguments, knowing_node, service_types, wait_for
 from roslab.ros2.filling import fill, parsed
 from roslab.ros2.interface_files import interface_class
 from roslab.ros2.service_calls import ANSWER_S, meet
@@ -33,15 +31,12 @@ def add_arguments(group: argparse.ArgumentParser) -> None:
     add_node_arguments(parser)
 
 
-def _services(node: Node, *, hidden: bool) -> list[tuple[str, list[str]]]:
-    found = sorted(node.get_service_names_and_types())
-    return [(name, types) for name, types in found if hidden or '/_' not in name]
-
-
 def list_services(args: argparse.Namespace) -> Outcome:
     """Print the services."""
     with knowing_node(args) as node:
-        services = _services(node, hidden=args.include_hidden_services)
+        found = sorted(node.get_service_names_and_types())
+    hidden = args.include_hidden_services
+    services = [(name, types) for name, types in found if hidden or '/_' not in name]
     if args.count_services:
         print(len(services))
         return None
@@ -52,9 +47,9 @@ def list_services(args: argparse.Namespace) -> Outcome:
 
 def show_type(args: argparse.Namespace) -> Outcome:
     """Print the types of a service."""
-    with knowing_node(args) as node:
-        types = dict(_services(node, hidden=True)).get(args.service_name)
-    if types is None:
+    with knowing_node(args, lambda node: service_types(node, args.service_name)) as node:
+        types = service_types(node, args.service_name)
+    if not types:
         return 1
     print('\n'.join(types))
     return None

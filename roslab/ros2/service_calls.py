@@ -90,8 +90,3 @@ def _harmless(node: Node, service: str) -> tuple[Any, str] | None:
                 if f'{own}/{name}' in names:
                     return kind, f'{own}/{name}'
     return None
-
-
-def has_service(node: Node, name: str) -> bool:
-    """Tell whether a service is in the graph."""
-    return any(known == name for known, _ in node.get_service_names_and_types())

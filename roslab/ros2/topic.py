@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from roslab.cli_text import topic_info_text, topic_list_text
 from roslab.ros2.cli import Outcome, verbs_of
-from roslab.ros2.discovery import add_node_arguments, knowing_node, topics_of
+from roslab.ros2.discovery import add_node_arguments, knowing_node, topic_types, topics_of
 from roslab.ros2.topic_echo import add_echo_arguments, echo
 from roslab.ros2.topic_pub import add_pub_arguments, publish
 from roslab.ros2.topic_rate import add_rate_arguments, bw, delay, hz
@@ -87,9 +87,9 @@ def _table(
 
 def info(args: argparse.Namespace) -> Outcome:
     """Print what the graph knows about a topic."""
-    with knowing_node(args) as node:
-        types = dict(topics_of(node, hidden=True)).get(args.topic_name)
-        if types is None:
+    with knowing_node(args, lambda node: topic_types(node, args.topic_name)) as node:
+        types = topic_types(node, args.topic_name)
+        if not types:
             return f"Unknown topic '{args.topic_name}'"
         publishers = node.get_publishers_info_by_topic(args.topic_name)
         subscriptions = node.get_subscriptions_info_by_topic(args.topic_name)
@@ -100,9 +100,9 @@ def info(args: argparse.Namespace) -> Outcome:
 
 def show_type(args: argparse.Namespace) -> Outcome:
     """Print the types of a topic."""
-    with knowing_node(args) as node:
-        types = dict(topics_of(node, hidden=True)).get(args.topic_name)
-    if types is None:
+    with knowing_node(args, lambda node: topic_types(node, args.topic_name)) as node:
+        types = topic_types(node, args.topic_name)
+    if not types:
         return 1
     print('\n'.join(types))
     return None

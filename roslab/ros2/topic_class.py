@@ -10,6 +10,7 @@ from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
+from roslab.ros2.discovery import topic_types
 from roslab.ros2.interface_files import interface_class
 
 
@@ -32,24 +33,29 @@ def class_of_topic(node: Node, topic: str, *, wait: bool = False) -> Any | None:
     :param node: a node that knows the graph
     :param wait: whether to wait until somebody has
     :returns: None if the graph does not know the topic
-    :raises RuntimeError: if the name is no topic's, or the topic has several types
+    :raises RuntimeError: see :func:`known_class`
     """
-    found = _from_graph(node, topic)
+    found = known_class(node, topic)
     if found is None:
         print(f'WARNING: topic [{topic}] does not appear to be published yet', flush=True)
     while wait and found is None:
         rclpy.spin_once(node, timeout_sec=0.05)
-        found = _from_graph(node, topic)
+        found = known_class(node, topic)
     return found
 
 
-def _from_graph(node: Node, topic: str) -> Any | None:
+def known_class(node: Node, topic: str) -> Any | None:
+    """
+    Return the message class of a topic, None if the graph does not know the topic.
+
+    :raises RuntimeError: if no topic can have this name, or the topic has several types
+    """
     try:
         full = expand_topic_name(topic, node.get_name(), node.get_namespace())
         validate_full_topic_name(full)
     except (ValueError, InvalidTopicNameException) as problem:
         raise RuntimeError(str(problem)) from None
-    types = dict(node.get_topic_names_and_types()).get(full, [])
+    types = topic_types(node, full)
     if len(types) > 1:
         raise RuntimeError(
             f"Cannot echo topic '{topic}', as it contains more than one type: [{', '.join(types)}]"

@@ -15,7 +15,7 @@ from roslab.cli_text import field_text, message_dict, message_yaml, TRUNCATE_AT
 from roslab.ros2.cli import Outcome
 from roslab.ros2.discovery import add_node_arguments, knowing_node
 from roslab.ros2.qos_options import add_qos_arguments, qos_asked_for, qos_for_publishers
-from roslab.ros2.topic_class import class_of_topic, named_class
+from roslab.ros2.topic_class import class_of_topic, known_class, named_class
 
 
 def add_echo_arguments(parser: argparse.ArgumentParser) -> None:
@@ -66,12 +66,10 @@ def echo(args: argparse.Namespace) -> Outcome:
             if args.once:
                 seen.append(message)
 
-    with knowing_node(args) as node:
-        message_class = (
-            named_class(args.message_type)
-            if args.message_type
-            else class_of_topic(node, args.topic_name)
-        )
+    named = named_class(args.message_type) if args.message_type else None
+    known = None if named else (lambda node: known_class(node, args.topic_name))
+    with knowing_node(args, known) as node:
+        message_class = named or class_of_topic(node, args.topic_name)
         if message_class is None:
             return 'Could not determine the type for the passed topic'
         qos = qos_asked_for(args, 'sensor_data') or qos_for_publishers(node, args.topic_name)

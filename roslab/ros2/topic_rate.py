@@ -16,7 +16,7 @@ from roslab.cli_text import hz_text
 from roslab.ros2.cli import Outcome
 from roslab.ros2.discovery import add_node_arguments, knowing_node
 from roslab.ros2.qos_options import qos_for_publishers
-from roslab.ros2.topic_class import class_of_topic
+from roslab.ros2.topic_class import class_of_topic, known_class
 
 _WINDOW = 10000
 _BETWEEN_S = 1.0
@@ -137,7 +137,7 @@ def _report(
         arrived += 1
         heard(data, node)
 
-    with knowing_node(args) as node:
+    with knowing_node(args, lambda node: known_class(node, args.topic_name)) as node:
         args.message_class = class_of_topic(node, args.topic_name, wait=True)
         qos = qos_for_publishers(node, args.topic_name)
         node.create_subscription(args.message_class, args.topic_name, callback, qos, raw=True)

@@ -1,0 +1,92 @@
+"""
+Refuse a whole program that runs as an ordinary cell, because its line ``%%node`` was lost.
+
+In a notebook ``__name__`` is always ``'__main__'``, so the program's ``main()`` would run in the
+cell, spin there and not come back.
+"""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+from typing import Any
+
+from IPython.core.error import InputRejected
+
+from autograder import exams
+from roslab.errors import RoslabError
+from roslab.guide import running_cell
+
+
+class NodeLineMissingError(RoslabError, InputRejected):
+    """A cell is a whole program and does not say which file it is; it was not run."""
+
+
+class ProgramsRefused(ast.NodeTransformer):
+    """
+    What IPython asks before it runs a cell.
+
+    :param shell: what ``get_ipython()`` returns
+    """
+
+    def __init__(self, shell: Any) -> None:
+        self._shell = shell
+
+    def visit_Module(self, tree: ast.Module) -> ast.Module:
+        """
+        Return a cell as it is.
+
+        :raises NodeLineMissingError: if it starts a ROS program that does not end by itself
+        """
+        if _goes_on(tree) and any(map(_is_start, tree.body)):
+            raise NodeLineMissingError(
+                'this cell is a whole program, and the notebook would wait for its main() without '
+                f'end. It was not run. Write this as its first line: %%node {self._name()}'
+            )
+        return tree
+
+    def _name(self) -> str:
+        """Return the name of the file that the cell was before, as far as that can be told."""
+        cell = running_cell(self._shell)
+        if cell is None:
+            return 'my_node'
+        if cell.module:  # the notebook was saved when the line was still there
+            return cell.module
+        for name in exams.names(hidden=False):
+            exam = exams.load(name, hidden=False)
+            if cell.grade_id and cell.grade_id in exam.cells:
+                files = [Path(file) for file in exam.requires if file.endswith('.py')]
+                return files[0].stem if files else 'my_node'
+        return 'my_node'
+
+
+def refuse_programs(shell: Any) -> None:
+    """
+    Refuse cells that are whole programs from now on.
+
+    :param shell: what ``get_ipython()`` returns
+    """
+    shell.ast_transformers.append(ProgramsRefused(shell))
+
+
+def _goes_on(tree: ast.Module) -> bool:
+    """Return whether a cell uses ROS and spins, by a function of rclpy or a loop of its own."""
+    nodes = list(ast.walk(tree))
+    ros = any(isinstance(node, ast.Name) and node.id == 'rclpy' for node in nodes)
+    loops = any(isinstance(node, ast.While) for node in nodes)
+    return ros and (loops or any(_called(node).startswith('spin') for node in nodes))
+
+
+def _called(node: ast.AST) -> str:
+    """Return the last part of the name of a called function."""
+    return ast.unparse(node.func).rpartition('.')[2] if isinstance(node, ast.Call) else ''
+
+
+def _is_start(statement: ast.stmt) -> bool:
+    """Return whether a statement begins the program: the usual ``if``, or a bare ``main()``."""
+    if isinstance(statement, ast.If):
+        return ast.unparse(statement.test) in (
+            "__name__ == '__main__'",
+            "'__main__' == __name__",
+        )
+    return isinstance(statement, ast.Expr) and ast.unparse(statement) == 'main()'

@@ -1,0 +1,79 @@
+"""
+The ROS domain of a kernel: its own, so that notebooks do not hear each other.
+
+``ROS_DOMAIN_ID`` is set when the kernel starts, before ROS is, and whatever a cell starts inherits
+it.  A number that the user has set stays: that is how two notebooks share a domain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+import os
+from typing import Any
+import zlib
+
+import rclpy
+from rclpy.utilities import get_default_context
+
+from environment.ros_domain import Claim, claim, DOMAINS
+from roslab.output import say
+
+VARIABLE = 'ROS_DOMAIN_ID'
+
+_DOMAIN_0 = 'This notebook is in domain 0 and hears every program that has no domain of its own.'
+_ALL_CLAIMED = (
+    f'Note: the {len(DOMAINS)} ROS domains of this machine are all in use. {_DOMAIN_0} Shut down '
+    'notebooks in the list of running kernels, at the left edge of JupyterLab, then restart this '
+    'kernel.'
+)
+
+_claimed: Claim | None = None
+
+
+def claim_domain(shell: Any) -> None:
+    """
+    Give this kernel a domain that no other kernel has, unless one is set.
+
+    :param shell: what ``get_ipython()`` returns
+    """
+    global _claimed
+    if chosen := os.environ.get(VARIABLE):
+        with suppress(OSError, ValueError):  # other kernels leave it out, if the system can tell
+            _claimed = _claimed or claim([int(chosen)])
+        return
+    try:
+        _claimed = claim(_in_order())
+        lacking = '' if _claimed else _ALL_CLAIMED
+    except OSError as error:
+        lacking = f'Note: this system cannot claim a ROS domain ({error.strerror}). {_DOMAIN_0}'
+    if lacking:
+        _say_once(shell, lacking)
+    os.environ[VARIABLE] = str(_claimed.domain if _claimed else 0)
+
+
+def domain() -> None:
+    """Print the ROS domain of this notebook, and the line with which a terminal joins it."""
+    running = rclpy.ok()
+    number = get_default_context().get_domain_id() if running else os.environ.get(VARIABLE, '0')
+    say(
+        f'This notebook is in ROS domain {number}. A terminal joins it with this line:\n'
+        f'export {VARIABLE}={number}'
+    )
+
+
+def _in_order() -> Iterator[int]:
+    """Yield all domains; a notebook begins with the same one after a restart of its kernel."""
+    notebook = os.environ.get('JPY_SESSION_NAME') or os.getcwd()
+    first = zlib.crc32(f'{os.getuid()} {notebook}'.encode()) % len(DOMAINS)
+    yield from (*DOMAINS[first:], *DOMAINS[:first])
+
+
+def _say_once(shell: Any, text: str) -> None:
+    """Say something in the first cell that runs."""
+
+    def tell(_: Any) -> None:
+        shell.events.unregister('pre_run_cell', tell)
+        say(text)
+
+    shell.events.register('pre_run_cell', tell)

@@ -1,0 +1,109 @@
+"""
+Know which cell has saved a file and when, and whether the notebook shows something else by now.
+
+``check`` judges files, not the screen: a cell that was edited and not run is still the old file.
+A kernel does not see what a browser shows.  It compares with the notebook's file, which JupyterLab
+saves every few seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from autograder.submission.cells import CellFile, CellSyntaxError, parse_cell
+from roslab.guide import notebook_path, read_cells
+from roslab.output import shell
+
+_MOST_NAMED = 3
+
+_saves: dict[Path, tuple[int, int]] = {}
+"""Number of the execution that has saved a file, and the time that the file had after it [ns]."""
+
+
+@dataclass(frozen=True)
+class SavedFile:
+    """
+    A file of an exercise.
+
+    :param execution: the n of the ``In [n]`` that has saved it, None if no cell of this kernel has
+    :param modified_s: when it was changed last [s since 1970]
+    """
+
+    path: Path
+    execution: int | None
+    modified_s: float
+
+    def __str__(self) -> str:
+        """Return when it was saved and by whom, in words."""
+        by = (
+            f'In [{self.execution}]' if self.execution is not None else 'another kernel or program'
+        )
+        return f'{self.path.name}, saved {_clock(self.modified_s)} by {by}'
+
+
+def note_save(path: Path) -> None:
+    """Remember that the running cell has saved a file."""
+    history = getattr(getattr(shell(), 'history_manager', None), 'input_hist_raw', ())
+    # The history ends with the running cell; the shell's own counter may have gone on already.
+    _saves[path] = max(0, len(history) - 1), path.stat().st_mtime_ns
+
+
+def look_up(paths: Iterable[Path]) -> list[SavedFile]:
+    """Return what is known of files, the one that was saved last at the end."""
+    found = []
+    for path in paths:
+        status = path.stat()
+        number, saved_ns = _saves.get(path, (None, 0))
+        # Another program has written it since: no cell of this kernel has that text.
+        execution = number if saved_ns == status.st_mtime_ns else None
+        found.append(SavedFile(path, execution, status.st_mtime))
+    return sorted(found, key=lambda file: file.modified_s)
+
+
+def describe(files: Sequence[SavedFile]) -> str:
+    """
+    Return what was judged, as one line.
+
+    :param files: as :func:`look_up` returns them
+    """
+    if len(files) <= _MOST_NAMED:
+        return '; '.join(map(str, files))
+    return f'{len(files)} files; the last one is {files[-1]}'
+
+
+def edited_since(files: Collection[SavedFile]) -> list[str]:
+    """Return the names of the files whose cell has another text in the notebook as saved last."""
+    notebook = notebook_path()
+    if notebook is None:
+        return []
+    shown_s = notebook.stat().st_mtime
+    cells = list(_cell_files(notebook))
+    found = []
+    for file in files:
+        bodies = [cell.body for cell in cells if Path(cell.path).name == file.path.name]
+        # The notebook may have been saved before the cell ran: then its text is the older one.
+        if (
+            bodies
+            and shown_s > file.modified_s
+            and file.path.read_text('utf-8', 'replace') not in bodies
+        ):
+            found.append(file.path.name)
+    return found
+
+
+def _cell_files(notebook: Path) -> Iterable[CellFile]:
+    for cell in read_cells(notebook):
+        with suppress(CellSyntaxError):
+            if (file := parse_cell(cell.source)) is not None:
+                yield file
+
+
+def _clock(seconds: float) -> str:
+    """Return hours and minutes, with the day in front unless it is today."""
+    then = datetime.fromtimestamp(seconds)
+    today = then.date() == datetime.now().date()
+    return f'{then:%H:%M}' if today else f'{then:%d %b %H:%M}'
