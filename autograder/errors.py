@@ -11,10 +11,14 @@ Whose fault it is, as a class.
     `- ExamInvalid               an exam contradicts itself
 
 A mistake in a *submission* is never an exception that leaves this package: it is a
-:class:`~autograder.judging.results.Problem` or a failed check.
+:class:`~autograder.results.Problem` or a failed check.
 """
 
 from __future__ import annotations
+
+import errno
+from pathlib import Path
+from traceback import walk_tb
 
 
 class GraderError(Exception):
@@ -32,16 +36,61 @@ class GraderError(Exception):
         self.fix = fix
 
 
+class UsageError(Exception):
+    """The command line asks for something that is not there."""
+
+
+def is_disk_full(error: BaseException) -> bool:
+    """Return whether there was no room for a file, which is not a defect of anything."""
+    return isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT)
+
+
+def of_system(error: OSError, where: str = 'the system') -> GraderError:
+    """
+    Return one line about what the system refused.
+
+    :param where: the place, if the system does not name one
+    """
+    where = where if error.filename is None else error.filename
+    if is_disk_full(error):
+        return GraderError(
+            f'{where}: the disk is full.',
+            'Try: free space on it, then run the same command again. Finished runs are kept.',
+        )
+    return GraderError(
+        f'{where}: expected a file or folder to work with, got: {str(error.strerror).lower()}.',
+        'Try: check its permissions and the free space on the disk',
+    )
+
+
 def defect(error: Exception, where: str) -> GraderError:
     """
     Return what is said of a defect of ours, which is for a person to look at.
 
     :param where: what was being done, such as the exam's name
     """
+    if isinstance(error, OSError) and is_disk_full(error):
+        return of_system(error, where)
     return GraderError(
         f'{where}: the grader failed with {type(error).__name__}: {error}.',
         'Please report this with the submission.',
     )
+
+
+def line_in(folder: Path, error: BaseException) -> str:
+    """
+    Return file and line of the innermost code of a folder that raised an error, or nothing.
+
+    :param folder: such as that of the exams; files are named from its parent
+    """
+    places = [(frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__)]
+    if isinstance(error, SyntaxError):
+        places.append((error.filename or '', error.lineno or 0))
+    inside = [(Path(file), line) for file, line in places if folder in Path(file).parents]
+    if not inside:
+        return ''
+    file, line = inside[-1]
+    return f'{file.relative_to(folder.parent).as_posix()}, line {line}'
 
 
 class SandboxUnavailable(GraderError):

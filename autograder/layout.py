@@ -59,6 +59,11 @@ class Layout:
         return self.work / 'namesakes.json'
 
     @property
+    def not_collected(self) -> Path:
+        """Return the file with the deliveries that could not be collected."""
+        return self.work / 'not_collected.json'
+
+    @property
     def recordings(self) -> Path:
         """Return the folder of recordings, named by the digest of what was run."""
         return self.work / 'recordings'

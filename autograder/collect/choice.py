@@ -18,12 +18,12 @@ from dataclasses import dataclass, field
 from datetime import datetime
 import hashlib
 
-from autograder.collect.course import Course
-from autograder.collect.handed import Handed, Piece
-from autograder.collect.ids import student_id
+from autograder.collect.source.course import Course
+from autograder.collect.source.deliveries import Handed, Piece
+from autograder.collect.source.times import late_notes, read_time, STAMP
+from autograder.collect.source.tree import NotCollectedError, UnreadableError
 from autograder.collect.table import LEFT, Row
-from autograder.collect.times import late_notes, read_time, STAMP
-from autograder.collect.tree import NotCollectedError, UnreadableError
+from autograder.submission.ids import student_id
 
 MOST_NOTEBOOKS = 50
 """Of one hand-in; a clone of the course has a dozen."""

@@ -1,13 +1,13 @@
 """
-Two people of one name, in sources that have no other id: Moodle's.
+Detect two people with the same name, in sources that have no other id: Moodle's.
 
 A student id that depends on who else has handed in would make three students of two, and a name
-alone one of two.  So nobody guesses: work under a name that two people have is not taken until
-somebody gives each of them a name of their own.  Moodle numbers the participants of each of its
-assignments anew, but in one assignment a number is a person's for good.  What is known of that is
-kept, as on some days only one of the two has handed in.
+alone would make one of two.  So ``collect`` does not guess: it refuses work under a name that two
+people have until the instructor gives each of them a separate name.  Moodle numbers the
+participants of each assignment from scratch, but within one assignment a person keeps the number.
+The numbers are saved, because on some days only one of the two has handed in.
 
-What this cannot see: two people of one name who never hand in the same assignment.
+This cannot detect two people with the same name who never hand in the same assignment.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 import json
 
-from autograder.collect.handed import Handed
-from autograder.collect.ids import student_id
-from autograder.collect.tree import NotCollectedError
+from autograder.collect.source.deliveries import Handed
+from autograder.collect.source.tree import NotCollectedError
+from autograder.files import keep
 from autograder.layout import Layout
-from autograder.runs.recording import keep
-from autograder.whole_class.inbox import read_file
+from autograder.submission.ids import student_id
+from autograder.submission.reading import read_file
 
 Numbers = dict[str, dict[str, str]]
 
@@ -79,7 +79,7 @@ def in_doubt(
             here.setdefault(student, set()).add(one.number)
     shared = known.shared | {student for student, numbers in here.items() if len(numbers) > 1}
     now = replace(known, shared=frozenset(shared))
-    return [replace(one, doubt=_doubt(one, now, assignment)) for one in handed], now
+    return [replace(one, doubt=one.doubt or _doubt(one, now, assignment)) for one in handed], now
 
 
 def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
@@ -113,7 +113,7 @@ def keep_namesakes(layout: Layout, known: Namesakes, taken: Iterable[tuple[Hande
     for one, assignment in taken:
         if one.number:
             numbers.setdefault(student_id(one.student), {})[assignment] = one.number
-    if not known.shared and not numbers:
+    if not known.shared and not numbers and not layout.namesakes.exists():
         return
     found = {'shared': sorted(known.shared), 'numbers': numbers}
     data = f'{json.dumps(found, ensure_ascii=False, indent=1, sort_keys=True)}\n'.encode()

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from functools import cache
 import importlib
+from pathlib import Path
 import pkgutil
+from types import ModuleType
 
-from autograder.errors import ExamInvalid
-from autograder.judging.exam import Exam
-from autograder.judging.own_time import watched_longer
+from autograder.errors import ExamInvalid, GraderError, line_in
+from autograder.exam.exam import Exam
 
 
 def names(hidden: bool = True) -> tuple[str, ...]:
@@ -44,19 +45,36 @@ def load(name: str, hidden: bool = True) -> Exam:
 
     :param name: as in the grade cell ``check('<name>')``
     :param hidden: the full exam, or the visible one that learners have
-    :raises ExamInvalid: if there is none, with the names that exist
+    :raises ExamInvalid: if there is none, with the names that exist; or if its file is broken
     """
     folder, known = _folder(hidden), names(hidden)
     if name not in known:
         raise ExamInvalid(f'There is no exam {name!r}.', f'Known: {", ".join(known)}.')
-    exam = importlib.import_module(f'autograder.exams.{folder}.{name}').exam
+    exam = getattr(_module(folder, name), 'exam', None)
     if not isinstance(exam, Exam) or exam.name != name or not exam.checks:
         raise ExamInvalid(f'autograder/exams/{folder}/{name}.py defines no whole exam {name!r}.')
     if hidden and not exam.hidden:
         exam.hidden = True
         exam.facts['secret'] = True
-        exam.scenario = watched_longer(name, exam.scenario)
     return exam
+
+
+def _module(folder: str, name: str) -> ModuleType:
+    """
+    Return the module of an exam.
+
+    :raises ExamInvalid: if its file cannot be imported, with file, line and message
+    """
+    try:
+        return importlib.import_module(f'autograder.exams.{folder}.{name}')
+    except GraderError:
+        raise  # it has its place
+    except Exception as error:  # noqa: BLE001 - whatever somebody's exam raises
+        place = line_in(Path(__file__).parent, error) or f'exams/{folder}/{name}.py'
+        said = ' '.join(str(getattr(error, 'msg', '') or error).split())
+        raise ExamInvalid(
+            f'autograder/{place}: {type(error).__name__}: {said}.', 'Try: correct that line'
+        ) from error
 
 
 def for_assignment(assignment: str, hidden: bool = True) -> tuple[Exam, ...]:

@@ -10,19 +10,34 @@ taken out: a terminal and a log viewer act on them.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 import textwrap
 
-from autograder.judging.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
+from autograder.results import (
+    CheckResult,
+    ExamResult,
+    Problem,
+    shortened,
+    SubmissionResult,
+    Verdict,
+)
 
 FOR_REVIEW = (
     'For review: the grader itself could not finish, so there is no score yet. '
     'A person will look at it; it costs no points.'
+)
+UNUSABLE = (
+    'For review: nothing of this assignment could be read in what was handed in, so there is no '
+    'score yet. A person will look at it.'
 )
 WIDTH = 88
 """Columns of a line of text; a terminal has 80 to 120, a notebook's output about 100."""
 
 MOST_LINES = 12
 """Lines about one check, its title among them."""
+
+NO_ANSWER = ('missing_file', 'not_answered')
+"""Causes that a problem with the notebook's cells explains better."""
 
 SIGNS = {Verdict.PASSED: '[pass]', Verdict.FAILED: '[FAIL]', Verdict.NOT_RUN: '[ -- ]'}
 WORDS = {Verdict.PASSED: 'passed', Verdict.FAILED: 'failed', Verdict.NOT_RUN: 'not looked at'}
@@ -55,6 +70,28 @@ def points_of(check: CheckResult) -> str:
 def titles_of(result: ExamResult) -> dict[str, str]:
     """Return the sentence of each check of an exam by its name."""
     return {check.check: check.title for check in result.checks}
+
+
+def causes_once(result: ExamResult) -> tuple[CheckResult, ...]:
+    """
+    Return the checks of an exam, with a reference in place of a cause that came before.
+
+    What to try stays, unless it came with that cause before.
+    """
+    first: dict[str, CheckResult] = {}
+    repairs: set[tuple[str, str]] = set()
+    checks = []
+    for check in result.checks:
+        if check.verdict is Verdict.FAILED and check.cause:
+            before = first.setdefault(check.cause, check)
+            repair = (check.cause, check.try_this)
+            if before is not check:
+                try_this = '' if repair in repairs else check.try_this
+                reference = f'the same as above, for: {before.title}'
+                check = replace(check, cause=reference, try_this=try_this)
+            repairs.add(repair)
+        checks.append(check)
+    return tuple(checks)
 
 
 # -- one check -------------------------------------------------------------------------------
@@ -165,23 +202,65 @@ def exam_text(result: ExamResult, problems: Iterable[Problem] = ()) -> str:
     lines = [f'{number(result.points)} of {number(result.max_points)} points']
     for remark in remarks(result, problems):
         lines += textwrap.wrap(remark, WIDTH, subsequent_indent='  ', break_on_hyphens=False)
-    for check in result.checks:
+    for check in causes_once(result):
         lines += ['', *check_lines(check, titles)]
     return printable('\n'.join(lines)) + '\n'
 
 
+def review_text(result: SubmissionResult) -> str:
+    """Return what a learner reads where there is no score."""
+    if result.fault:
+        return f'{FOR_REVIEW}\n'
+    said = (UNUSABLE, f'Note: {_one_line(result.unusable)}')
+    lines = (textwrap.fill(one, WIDTH, subsequent_indent='  ') for one in said)
+    return '\n'.join([*lines, ''])
+
+
 def headline(result: SubmissionResult) -> str:
     """
-    Return the one line that says why points are missing, empty if none are.
+    Return the cause that costs most points, with what was observed; empty if none are missing.
 
     Problems that cost nothing (a note about a file name) come last.
     """
-    if result.fault:
-        return printable(result.fault)
-    for problem in result.problems:
-        if problem.cells:
-            return printable(problem.line())
-    for exam in result.exams:
-        for check in exam.failed:
-            return printable(check.cause or check.observed or check.title)
+    if result.review:
+        return printable(result.review)
+    check = _most_expensive(result)
+    absent = {one.cause_id for exam in result.exams for one in exam.failed} & set(NO_ANSWER)
+    if check is None or check.cause_id in NO_ANSWER or not absent:
+        for problem in result.problems:
+            if problem.cells:
+                return printable(problem.line())
+    if check is not None:
+        return printable(_with_observed(check))
     return printable(result.problems[0].line()) if result.problems else ''
+
+
+def _most_expensive(result: SubmissionResult) -> CheckResult | None:
+    """
+    Return the first check that failed for the cause that costs most points.
+
+    A cause also costs the points of the checks that wait for what it made fail.
+    """
+    cost: dict[tuple[str, str], float] = {}
+    first: dict[tuple[str, str], CheckResult] = {}
+    for exam in result.exams:
+        failed: dict[str, CheckResult] = {}  # by each check that the failure costs points
+        for check in exam.checks:
+            if check.verdict is Verdict.NOT_RUN and check.waits_for in failed:
+                failed[check.check] = failed[check.waits_for]
+            elif check.verdict is Verdict.FAILED:
+                failed[check.check] = check
+        for check in exam.checks:
+            if (why := failed.get(check.check)) is not None:
+                key = (why.cause_id, why.cause) if why.cause else (exam.exam, why.check)
+                first.setdefault(key, why)
+                cost[key] = cost.get(key, 0.0) + check.max_points - check.points
+    return first[max(cost, key=lambda key: cost[key])] if cost else None
+
+
+def _with_observed(check: CheckResult) -> str:
+    """Return the cause of a failure and, unless the cause has it, what was observed."""
+    seen = _one_line(check.observed)
+    if not check.cause:
+        return seen or check.title
+    return check.cause if seen in check.cause else f'{check.cause} (observed: {shortened(seen)})'

@@ -10,11 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 import html
+import re
 from urllib.parse import quote
 
-from autograder.explaining.feedback import number, points_of, printable, remarks, titles_of, told
+from autograder.explaining.feedback import (
+    causes_once,
+    number,
+    points_of,
+    printable,
+    remarks,
+    titles_of,
+    told,
+)
 from autograder.explaining.picture_svg import picture_html
-from autograder.judging.results import CheckResult, ExamResult, Problem, Verdict
+from autograder.results import CheckResult, ExamResult, Problem, Verdict
 
 HEADS = {
     Verdict.PASSED: '\N{CHECK MARK} Passed',
@@ -30,6 +39,7 @@ _LIST = (
 _TERM = 'float: none; width: auto; margin: 0; padding: 0; text-align: left; font-weight: 600'
 _FACT = 'float: none; width: auto; margin: 0; padding: 0; overflow-wrap: anywhere'
 _PLAIN = 'margin: 2px 0; overflow-wrap: anywhere'
+_ID = re.compile(r'<[a-z][^<>]*?\sid="([^"<>]*)"')
 _WHOLE = 'max-width: 800px; line-height: 1.45'
 
 
@@ -61,7 +71,7 @@ def checks_html(result: ExamResult, lesson: str | None = None) -> str:
     :param lesson: as for :func:`exam_html`
     """
     titles = titles_of(result)
-    return ''.join(_check(check, result, titles, lesson) for check in result.checks)
+    return ''.join(_check(check, result, titles, lesson) for check in causes_once(result))
 
 
 def _check(
@@ -98,6 +108,26 @@ def section_id(heading: str) -> str:
     :param heading: its text, such as ``Part 2: The publisher``
     """
     return quote(' '.join(heading.split()).replace(' ', '-'), safe=":-_.!~*'()")
+
+
+def with_unique_ids(page: str) -> str:
+    """
+    Return a page in which no id is repeated: the second ``Summary`` becomes ``Summary-2``.
+
+    A link leads to the first, as before.
+    """
+    taken = set(_ID.findall(page))
+    seen: set[str] = set()
+
+    def unique(match: re.Match[str]) -> str:
+        name, number = match[1], 1
+        while name in seen or (number > 1 and name in taken):
+            number += 1
+            name = f'{match[1]}-{number}'
+        seen.add(name)
+        return f'{match[0][: -len(match[1]) - 1]}{name}"'
+
+    return _ID.sub(unique, page)
 
 
 def _together(text: str) -> str:

@@ -1,12 +1,12 @@
 """
-What the picture of a failed check shows, from the recording and the scenario, as plain JSON types.
+Select what the picture of a failed check shows, from recording and scenario, as plain JSON types.
 
-Two kinds help: a *timeline* of messages and log lines for what came too seldom, too often or too
-late, and a *graph* of nodes and topics for what does not connect.  They show names, times and
-counts, and never a value that was sent or received.  Of a hidden exam they do not show either what
-came after which input, because the order of the inputs is secret, nor the namespace it chose, and
-times only to a tenth of a second.  Long recordings are thinned, names are cut;
-:mod:`autograder.explaining.picture_svg` draws.
+There are two kinds: a *timeline* of messages and log lines for what arrived too rarely, too often
+or too late, and a *graph* of nodes and topics for what does not connect.  They show names, times
+and counts, and never a value that was sent or received.  For a hidden exam they show neither the
+input that a message followed, because the order of the inputs is secret, nor the namespace that
+was chosen, and times only to a tenth of a second.  Long recordings are thinned and names are cut;
+:mod:`autograder.explaining.picture_svg` draws the pictures.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ import json
 import re
 from typing import Any
 
+from autograder.exam.exam import Check, Exam, Failed, Run
+from autograder.exam.scenario import FeedTopic, Join, Offer, Scenario
+from autograder.judging.causes.missing_logs import LEVELS
+from autograder.judging.causes.redaction import namespace_of
 from autograder.judging.deviation import deviation
-from autograder.judging.exam import Check, Exam, Failed, Run
-from autograder.judging.results import CheckResult, Verdict
-from autograder.judging.unlogged import LEVELS
-from autograder.judging.untold import namespace_of
-from autograder.runs.recording import Event
-from autograder.runs.scenario import FeedTopic, Join, Offer, Scenario
+from autograder.recording import Event
+from autograder.results import CheckResult, Verdict
 
 MOST_TIMES = 400
 MOST_ROWS = 6
@@ -73,9 +73,9 @@ def _without_secrets(scenario: Scenario, picture: Mapping[str, Any]) -> Mapping[
     """
     Return a picture of a hidden exam without the namespace and the moment that were drawn.
 
-    The order of inputs is secret; real seconds are chance, and a result is to be repeatable.
+    The order of inputs is secret.
     """
-    if picture.get('unit') in ('input', 'real seconds'):
+    if picture.get('unit') == 'input':
         return None
     text = json.dumps(picture, ensure_ascii=False)
     if space := namespace_of(scenario):
@@ -165,12 +165,12 @@ def _about_qos(result: CheckResult) -> bool:
 
 
 def _names(text: str, topic: str) -> bool:
-    """Tell whether a text speaks of a topic, in full or by the last part of its name."""
+    """Return whether a text mentions a topic, in full or by the last part of its name."""
     return re.search(rf'(?<![\w]){re.escape(topic.rpartition("/")[2])}(?!\w)', text) is not None
 
 
 def _instead(run: Run, kind: str, wanted: set[str]) -> list[dict[str, Any]]:
-    """Return what the program has beside what is asked for."""
+    """Return what the program has besides what is asked for."""
     return [
         _arrow(end['node'], end['topic'], end['type'], kind == 'publisher', True, 'not asked for')
         for end in run.recording.endpoints(kind)
@@ -200,13 +200,13 @@ def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mappin
     if failure is None or (failure.at is None and not _AMOUNT.match(failure.expected)):
         return None
     by_input = bool(run.recording.of('input')) and failure.every_s is None
-    unit = 'input' if by_input else 'real seconds' if run.recording.in_wall_time else 'seconds'
+    unit = 'input' if by_input else 'seconds'
     rows = _rows(exam, run, result, unit)
     times = [time for row in rows for time in row['times']]
     if unit == 'input':
         begin, end = 1.0, float(max(2, len(run.recording.of('input'))))
     else:
-        begin = min(times, default=0.0) if unit == 'real seconds' else 0.0
+        begin = 0.0
         end = max([*times, _last(run, unit)], default=0.0)
     if not rows or end <= begin:
         return None
@@ -271,7 +271,7 @@ def _rows(exam: Exam, run: Run, result: CheckResult, unit: str) -> list[dict[str
 
 
 def _says(text: str, name: str) -> bool:
-    """Tell whether a text has a full name, and not as the beginning of a longer one."""
+    """Return whether a text has a full name, and not as the beginning of a longer one."""
     return re.search(rf'{re.escape(name)}(?![\w/])', text) is not None
 
 
@@ -285,8 +285,6 @@ def _moment(event: Event, unit: str) -> float | None:
     if unit == 'input':
         after = event.get('index') if event['event'] == 'input' else event.get('after_input')
         return None if after is None else after + 1.0
-    if unit == 'real seconds':
-        return event.get('wall_s')
     clock_ns = event.get('clock_ns')
     return None if clock_ns is None else clock_ns / SECOND
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 import textwrap
 from typing import Any
 
-from autograder.judging.results import shortened
+from autograder.results import shortened
 from drawing import svg
 from drawing.graph_layout import arrange, Arrow, Spot
 
@@ -28,7 +28,6 @@ _LINE = 14.0
 _BOX = 34.0
 AXES = {
     'seconds': 'seconds',
-    'real seconds': 'real seconds',
     'input': 'message sent',
 }
 
@@ -204,7 +203,7 @@ def graph_words(picture: Mapping[str, Any]) -> str:
 def _topic_size(arrow: Mapping[str, Any], remarks: Sequence[str]) -> tuple[float, float]:
     lines = [_short(arrow['topic']), _short(arrow['type']), *remarks]
     width = max(svg.text_width(line, 12) for line in lines) + 20
-    # The remarks stand below the box; as much room above keeps its lines in the middle.
+    # The remarks are below the box; equal space above keeps the lines of the box in the middle.
     return max(100.0, width), 42.0 + 2 * _LINE * len(remarks)
 
 

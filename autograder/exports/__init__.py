@@ -1,5 +1,5 @@
 """
-The results of the last grading for other programs, one module a format.
+The results of the last grading for other programs, one module per format.
 
 =========================  ===========================================================
 :mod:`.table`              CSV as RFC 4180 has it, safe to open in a spreadsheet
@@ -10,6 +10,7 @@ The results of the last grading for other programs, one module a format.
 :mod:`.as_json`            everything, as docs/results.schema.json describes it
 =========================  ===========================================================
 
-Each format is a pure function from results to bytes; :mod:`.files` writes them.  A submission that
-is for review has no score anywhere: an empty cell, a null, a missing file, never a zero.
+Each format is a pure function from results to bytes; :mod:`autograder.files` writes them.  A
+submission that is for review has no score anywhere: an empty cell, a null, a missing file, never a
+zero.
 """

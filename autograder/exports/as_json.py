@@ -11,9 +11,9 @@ from collections.abc import Iterable
 import json
 from typing import Any
 
+from autograder.classroom.results_of_class import ClassResults
 from autograder.exports.marks import automatic
-from autograder.judging.results import ExamResult, SubmissionResult
-from autograder.whole_class.class_results import ClassResults
+from autograder.results import ExamResult, SubmissionResult
 
 FORMAT = 'ros2-course-results'
 VERSION = 1

@@ -19,10 +19,10 @@ import io
 from pathlib import Path
 import re
 
-from autograder.collect.ids import student_id
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number
 from autograder.exports.marks import Mark
+from autograder.submission.ids import student_id
 
 ID_COLUMNS = ('SIS Login ID', 'SIS User ID', 'ID')
 """Where a student's id is looked for."""
@@ -104,7 +104,7 @@ def fill(data: bytes, where: str, column: str, marks: Sequence[Mark], scale: boo
     :param where: how to name it in messages
     :param column: its header, its title or its id
     :param scale: convert the points if Canvas has another maximum
-    :raises GraderError: if this is no such file, there is no such column, or the points differ
+    :raises GraderError: if this is not such a file, the column is missing, or the points differ
     """
     book = read(data, where)
     index = _column(book, where, column)

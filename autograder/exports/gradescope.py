@@ -1,10 +1,10 @@
 """
 ``results.json`` as Gradescope's autograder specification describes it.
 
-Scores stand at each test and as their sum at the top.  Students' own words are shown as plain text
+Each test has its score, and the sum is at the top.  Students' own words are shown as plain text
 (``text``), never as HTML.  What the grader prints is for instructors.  Tests of the hidden exam
-are shown when the grades are published, unless another ``visibility`` is chosen: shown at once,
-whoever submits often enough reads out what is tested.
+are shown when the grades are published, unless a different ``visibility`` is chosen: if they were
+shown at once, a student who submits often enough could find out what is tested.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from autograder.classroom.results_of_class import seconds_of
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.exports.marks import automatic
-from autograder.judging.results import CheckResult, ExamResult, SubmissionResult, Verdict
-from autograder.whole_class.class_results import seconds_of
+from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
 VISIBILITIES = ('after_published', 'after_due_date', 'visible', 'hidden')
 RESULTS = 'results.json'
@@ -31,10 +31,11 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
         is refused, and without the file Gradescope asks for a person
     """
     mark = automatic(result)
-    if mark.points is None:
-        raise GraderError(f'{result.student}: {mark.status}, so no results.', result.fault)
+    # A student reads at once that a file is unusable, and can upload again; that needs a score.
+    if mark.points is None and not result.unusable:
+        raise GraderError(f'{result.student}: {mark.status}, so no results.', result.review)
     return {
-        'score': round(mark.points, 4),
+        'score': round(result.points, 4),
         'execution_time': round(seconds_of(result), 2),
         'output': _about(result),
         'output_format': 'text',

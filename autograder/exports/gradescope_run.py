@@ -14,13 +14,13 @@ from pathlib import Path
 import sys
 
 from autograder.errors import GraderError
-from autograder.exports.files import write_file
 from autograder.exports.gradescope import RESULTS, results_bytes
 from autograder.exports.gradescope_zip import SETTINGS
-from autograder.judging.results import SubmissionResult
+from autograder.files import write_file
+from autograder.grading.pipeline import grade_opened, grading_engine, load_lesson, open_one
 from autograder.layout import Layout
-from autograder.whole_class.inbox import open_folder
-from autograder.whole_class.pipeline import grade_opened, grading_engine, load_lesson, open_one
+from autograder.results import SubmissionResult
+from autograder.submission.inbox import open_folder
 
 OK, NO_VERDICT = 0, 1
 

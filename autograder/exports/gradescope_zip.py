@@ -1,11 +1,11 @@
 """
 An autograder for Gradescope, made of this course: the same exams, in Gradescope's container.
 
-``setup.sh`` and ``run_autograder`` stand at the root of the zip; the rest is the course without
+``setup.sh`` and ``run_autograder`` are at the root of the zip; the rest is the course without
 its submissions and with the course's secret, so that hidden inputs are the same here and there.
-The zip therefore is as secret as the hidden exams.  What the container has to allow is in the
-README of the zip: without user namespaces only the weaker isolation works, and it is used only
-if it was named.
+The zip is therefore as secret as the hidden exams.  The README of the zip says what the container
+has to allow: without user namespaces only the weaker isolation works, and it is used only if it
+was named.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ import stat
 import zipfile
 
 from autograder.errors import GraderError
+from autograder.exam.inputs import course_secret
 from autograder.exports.gradescope import VISIBILITIES
 from autograder.layout import Layout
-from autograder.runs.inputs import course_secret
 
 HERE = Path(__file__).parent / 'gradescope_files'
 EXECUTABLE = ('setup.sh', 'run_autograder')

@@ -1,9 +1,9 @@
 """
-JUnit XML for CI servers: a suite an exam of each submission, a case a check.
+JUnit XML for CI servers: one suite per exam and submission, one case per check.
 
 There is no standard; this keeps to what the schema of Jenkins' xUnit plugin (junit-10.xsd) and the
-readers of Jenkins and GitLab agree on.  A failed check is a ``failure``, one that waits for
-another is ``skipped``, a submission for review is an ``error``: the grader could not do its work.
+readers of Jenkins and GitLab agree on.  A failed check is a ``failure``, a check that waits for
+another check is ``skipped``, and a submission for review is an ``error``: it has no verdict.
 XML 1.0 has no control characters, not even escaped, so they are replaced.
 """
 
@@ -13,8 +13,8 @@ from collections.abc import Iterable
 import re
 from xml.etree import ElementTree
 
-from autograder.judging.results import CheckResult, ExamResult, SubmissionResult, Verdict
-from autograder.whole_class.class_results import ClassResults, seconds_of_exam
+from autograder.classroom.results_of_class import ClassResults, seconds_of_exam
+from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
 NO_XML = re.compile('[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
 """What the production Char of XML 1.0 (section 2.2) leaves out."""
@@ -29,7 +29,7 @@ def junit_xml(classes: Iterable[ClassResults]) -> bytes:
         for result in graded.results:
             for exam in result.exams:
                 suites.append(_suite(result, exam))
-            if result.fault:
+            if result.review:
                 suites.append(_review(result))
     for name in ('tests', 'failures', 'errors'):
         suites.set(name, str(sum(int(suite.get(name, '0')) for suite in suites)))
@@ -67,8 +67,8 @@ def _review(result: SubmissionResult) -> ElementTree.Element:
     """Return the suite that says a person has to look."""
     suite = _new_suite(f'{result.assignment}/{result.student}/for review')
     case = _case(suite, result, 'grading')
-    error = ElementTree.SubElement(case, 'error', message=clean(result.fault), type='for_review')
-    error.text = 'The grader could not finish, so there is no score. A person has to look.'
+    error = ElementTree.SubElement(case, 'error', message=clean(result.review), type='for_review')
+    error.text = 'There is no score. A person has to look.'
     return _counted(suite, 0.0)
 
 

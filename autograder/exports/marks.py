@@ -1,8 +1,8 @@
 """
-One mark a student: of the automatic checks alone, or of nbgrader's gradebook.
+One mark per student: from the automatic checks alone, or from nbgrader's gradebook.
 
-The gradebook's has what was graded by hand and what the late policy took away; it is there only
-when nothing of the submission waits for a person.
+The gradebook's mark includes what was graded by hand and what the late policy took away; it exists
+only when nothing in the submission waits for manual grading.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from autograder.classroom.results_of_class import ClassResults, has_mark
 from autograder.errors import GraderError
-from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
-from autograder.whole_class.class_results import ClassResults, has_mark
+from autograder.results import SubmissionResult
 
 AUTOMATIC, GRADEBOOK = 'automatic', 'gradebook'
 SOURCES = (AUTOMATIC, GRADEBOOK)
@@ -55,7 +55,7 @@ def marks(layout: Layout, graded: ClassResults, source: str) -> tuple[Mark, ...]
 
 def automatic(result: SubmissionResult) -> Mark:
     """Return the mark of the automatic checks; visible checks alone make none."""
-    if result.fault:
+    if result.review:
         return Mark(result.student, None, result.max_points, REVIEW)
     if not has_mark(result):
         return Mark(result.student, None, result.max_points, NO_GRADE)
@@ -74,6 +74,7 @@ def from_gradebook(
 
     from autograder.gradebook.connection import connected
     from autograder.gradebook.converters import opened_gradebook
+    from autograder.gradebook.lowered import mark_of
 
     missing = GraderError(
         f'{assignment}: expected it in the gradebook, got none.',
@@ -89,16 +90,16 @@ def from_gradebook(
         except MissingEntry as error:
             raise missing from error
         for one in gradebook.assignment_submissions(assignment):
-            points = max(0.0, float(one.score) - float(one.late_submission_penalty or 0.0))
             waits = bool(one.needs_manual_grade)
             entered[one.student.id] = Mark(
-                one.student.id, None if waits else points, most, BY_HAND if waits else GRADED
+                one.student.id, None if waits else mark_of(one), most, BY_HAND if waits else GRADED
             )
     return tuple(_entered(result, entered, most) for result in results)
 
 
 def _entered(result: SubmissionResult, entered: dict[str, Mark], most: float) -> Mark:
     """Return one student's mark; without one of the last grading, what is there may be older."""
-    if (last := automatic(result)).points is None:
+    last = automatic(result)
+    if last.points is None and not result.unusable:  # what is unusable can be graded by hand
         return Mark(result.student, None, most, last.status)
     return entered.get(result.student) or Mark(result.student, None, most, NOT_ENTERED)

@@ -14,9 +14,9 @@ import csv
 import io
 import re
 
+from autograder.classroom.results_of_class import ClassResults
 from autograder.explaining.feedback import headline, number, printable
 from autograder.exports.marks import automatic, Mark
-from autograder.whole_class.class_results import ClassResults
 
 FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠')
 """How a cell begins that a spreadsheet may run, full-width signs included."""
@@ -54,7 +54,7 @@ def marks_csv(
     classes: Iterable[tuple[ClassResults, Sequence[Mark]]], people: Mapping[str, str]
 ) -> bytes:
     """
-    Return a line a submission.
+    Return one row per submission.
 
     :param classes: results, and the marks that belong to them in the same order
     :param people: names by student id, as far as they are known
@@ -77,7 +77,7 @@ def marks_csv(
 
 
 def checks_csv(classes: Iterable[ClassResults]) -> bytes:
-    """Return a line a check of each submission; without points where there is no mark."""
+    """Return one row per check of each submission, without points where there is no mark."""
     rows = [
         (
             graded.assignment,

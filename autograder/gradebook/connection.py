@@ -1,4 +1,4 @@
-"""The gradebook, asked directly: nbgrader takes seconds to import, and a rerun seldom needs it."""
+"""Query the gradebook directly: importing nbgrader takes seconds, and a rerun rarely needs it."""
 
 from __future__ import annotations
 
@@ -7,11 +7,75 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from autograder.errors import GraderError
+from autograder.gradebook.copies import copies, refuse_damaged
 from autograder.gradebook.settings import gradebook_file, load_config
 from autograder.layout import Layout
 
 if TYPE_CHECKING:
     from sqlalchemy import Connection
+    from sqlalchemy.exc import SQLAlchemyError
+
+FILE_ADVICE = {
+    'disk is full': 'free space on its disk',
+    'is locked': 'close the program that uses it (formgrader, a database browser)',
+    'no such table': 'put a complete copy of the file in its place',
+    'no such column': 'put a complete copy of the file in its place',
+    'not a database': 'put a complete copy of the file in its place',
+    'malformed': 'put a complete copy of the file in its place',
+}
+"""What to do about a gradebook file, by what SQLite says."""
+
+
+class GradebookRefusedError(GraderError):
+    """The database itself failed, so no submission can be entered."""
+
+
+def database_failure(error: BaseException) -> SQLAlchemyError | None:
+    """
+    Return the failure of the database behind an error of nbgrader's, None if it is another one.
+
+    A value that one row may not have is not a failure of the database.
+    """
+    from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
+
+    seen: BaseException | None = error
+    while seen is not None:
+        if isinstance(seen, DBAPIError) and not isinstance(seen, (DataError, IntegrityError)):
+            found: SQLAlchemyError = seen
+            return found
+        seen = seen.__cause__ or seen.__context__
+    return None
+
+
+def refusal(layout: Layout, error: SQLAlchemyError) -> GradebookRefusedError:
+    """Return one line about a database that failed."""
+    return refused(layout, str(getattr(error, 'orig', None) or error))
+
+
+def refused(layout: Layout, said: str) -> GradebookRefusedError:
+    """
+    Return one line about a gradebook: where it is, what is wrong, what to do.
+
+    :param said: the words of the database; the first line counts
+    """
+    said = said.strip().partition('\n')[0].rstrip('.')
+    path = gradebook_file(layout)
+    if path is not None:
+        known = (advice for part, advice in FILE_ADVICE.items() if part in said)
+        where = str(path)
+        advice = next(known, 'check the file, its folder and their permissions')
+        if there := copies(layout):
+            advice = advice.replace('a complete copy of the file', str(there[-1]))
+    else:
+        from sqlalchemy import make_url
+
+        url = make_url(str(load_config(layout).CourseDirectory.db_url))
+        where = url.render_as_string(hide_password=True)
+        advice = 'see that its server runs and that the gradebook on it is complete'
+    return GradebookRefusedError(
+        f'{where}: the gradebook cannot be used: {said}.',
+        f'Try: {advice}, then run the same command again. Finished runs are kept.',
+    )
 
 
 @contextmanager
@@ -31,6 +95,7 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
     if path is not None and not path.is_file():
         yield None
         return
+    refuse_damaged(layout)
     address = 'c.CourseDirectory.db_url'
     try:
         url = make_url(str(load_config(layout).CourseDirectory.db_url))
@@ -52,9 +117,4 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
         with engine.connect() as gradebook:
             yield gradebook
     except SQLAlchemyError as error:
-        said = str(error).strip().splitlines()[0]
-        raise GraderError(
-            f'{address}: expected a gradebook that answers, got: {said}.',
-            'Try: see that its server runs and c.CourseDirectory.db_url in nbgrader_config.py is '
-            'right, then the same command again; no run is lost.',
-        ) from error
+        raise refusal(layout, error) from error

@@ -16,14 +16,19 @@ from typing import Any
 import warnings
 
 from nbgrader import api
-from nbgrader.converters import Autograde, GenerateAssignment, NbGraderException
+from nbgrader.converters import Autograde, BaseConverter, GenerateAssignment, NbGraderException
 from nbgrader.coursedir import CourseDirectory
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
 
-from autograder.errors import GraderError
+from autograder.errors import GraderError, is_disk_full, of_system
+from autograder.gradebook.connection import database_failure, refusal
+from autograder.gradebook.journal import refuse_incomplete
 from autograder.gradebook.settings import load_config
-from autograder.judging.results import SubmissionResult
 from autograder.layout import Layout
+from autograder.results import SubmissionResult
+
+MAX_LINES = 6
+"""Lines of nbgrader's that are repeated: three students with two lines each."""
 
 
 def generate(layout: Layout, assignment: str, release: Path, database: bool) -> None:
@@ -42,7 +47,7 @@ def generate(layout: Layout, assignment: str, release: Path, database: bool) -> 
         config.GenerateAssignment.no_database = True
     with _logged(f'generating {assignment}') as log:
         coursedir = CourseDirectory(config=config, log=log)
-        GenerateAssignment(coursedir=coursedir, config=config, log=log, force=True).start()
+        _start(layout, _Generator(coursedir=coursedir, config=config, log=log, force=True))
 
 
 def autograde(
@@ -58,7 +63,8 @@ def autograde(
     :param submitted: folder of rebuilt notebooks, ``<student>/<assignment>/<notebook>.ipynb``
     :param results: by student; student code is not run again
     :param same_work: students whose answers are those that were entered last
-    :raises GraderError: with nbgrader's own words; the other students are recorded all the same
+    :raises GraderError: with nbgrader's own words; the other students are recorded anyway
+    :raises GradebookRefusedError: if the database failed; the students after that are not recorded
     """
     config = load_config(layout)
     config.CourseDirectory.submitted_directory = str(submitted)
@@ -72,7 +78,7 @@ def autograde(
         coursedir = CourseDirectory(config=config, log=log)
         recorder = _Recorder(coursedir=coursedir, config=config, log=log, force=True)
         recorder.results, recorder.same_work = dict(results), frozenset(same_work)
-        recorder.start()
+        _start(layout, recorder)
 
 
 @contextmanager
@@ -80,14 +86,16 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
     """
     Yield nbgrader's gradebook, which is made if there is none.
 
-    :raises GraderError: if it cannot be opened, read or written
+    :raises GraderError: if it has lost a table, or cannot be opened, read or written
     """
+    refuse_incomplete(layout)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter('ignore')  # SQLAlchemy about nbgrader's own queries
+        with _quiet():
             with api.Gradebook(str(load_config(layout).CourseDirectory.db_url)) as gradebook:
                 yield gradebook
     except (SQLAlchemyError, api.InvalidEntry) as error:
+        if failure := database_failure(error):
+            raise refusal(layout, failure) from error
         said = (str(error).strip().splitlines() or [type(error).__name__])[0]
         raise GraderError(
             f'nbgrader cannot use its gradebook: {said}.',
@@ -100,9 +108,9 @@ def _one_engine() -> Iterator[None]:
     """
     Let nbgrader's gradebooks share what SQLAlchemy has compiled, and look for tables once.
 
-    nbgrader opens the gradebook seven times a submission, each time with an engine of its own: it
-    compiles every query anew, and asks for each of twenty tables whether it is there.  That was
-    half of what it takes to enter a submission.
+    nbgrader opens the gradebook seven times per submission, each time with a separate engine: it
+    compiles every query again, and checks for each of twenty tables whether it exists.  That was
+    half of the time it takes to enter a submission.
     """
     make, tables = api.create_engine, api.Base.metadata
     api.create_engine = cache(make)
@@ -114,7 +122,58 @@ def _one_engine() -> Iterator[None]:
         del tables.create_all  # the class's own is there again
 
 
-class _Recorder(Autograde):
+class _StopsAtDatabase(BaseConverter):
+    """
+    A command of nbgrader's that ends at the first failure of the database or of the disk.
+
+    nbgrader goes on with the next student, who fails in the same way.  Only an OperationalError
+    ends it, and then it removes what it has half written.
+    """
+
+    failure: BaseException | None = None
+
+    def init_assignment(self, assignment_id: str, student_id: str) -> None:
+        """Enter that there is a submission."""
+        with self._stopping():
+            super().init_assignment(assignment_id, student_id)
+
+    def convert_single_notebook(self, notebook_filename: str) -> None:
+        """Enter a notebook and write it."""
+        with self._stopping():
+            super().convert_single_notebook(notebook_filename)
+
+    @contextmanager
+    def _stopping(self) -> Iterator[None]:
+        try:
+            yield
+        except Exception as error:
+            self.failure = error if is_disk_full(error) else database_failure(error)
+            if self.failure is None:
+                raise
+            raise OperationalError(None, None, self.failure) from error
+
+
+def _start(layout: Layout, command: _StopsAtDatabase) -> None:
+    """
+    Run a command of nbgrader's.
+
+    :raises GraderError: if the database or the disk failed
+    """
+    try:
+        command.start()
+    except NbGraderException as error:
+        if isinstance(command.failure, OSError):
+            raise of_system(command.failure, str(layout.work)) from error
+        if isinstance(command.failure, SQLAlchemyError):
+            raise refusal(layout, command.failure) from error
+        raise
+
+
+class _Generator(_StopsAtDatabase, GenerateAssignment):
+    """nbgrader's GenerateAssignment."""
+
+
+class _Recorder(_StopsAtDatabase, Autograde):
     """nbgrader's Autograde over exactly the students whose results are known."""
 
     results: dict[str, SubmissionResult]
@@ -151,15 +210,29 @@ class _Errors(logging.Handler):
 
 
 @contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep warnings of SQLAlchemy and tracebacks of nbgrader's gradebook off the terminal."""
+    gradebook = logging.getLogger('tornado.application')  # which nbgrader.api writes to
+    before, gradebook.disabled = gradebook.disabled, True
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')  # SQLAlchemy about nbgrader's own queries
+            yield
+    finally:
+        gradebook.disabled = before
+
+
+@contextmanager
 def _logged(doing: str) -> Iterator[logging.Logger]:
     """Give nbgrader a log of its own, and turn its failure into one sentence of ours."""
     log = logging.Logger('nbgrader', logging.WARNING)  # in no hierarchy: nothing is printed
     errors = _Errors()
     log.addHandler(errors)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter('ignore')  # SQLAlchemy about nbgrader's own queries
+        with _quiet():
             yield log
     except (NbGraderException, RuntimeError) as error:
         said = [line for line in errors.lines if line and 'traceback' not in line]
+        if (more := len(said) - MAX_LINES) > 0:
+            said[MAX_LINES:] = [f'(and {more} more lines)']
         raise GraderError(f'nbgrader failed in {doing}: {" ".join(said) or error}') from error

@@ -1,11 +1,11 @@
 """
-Our parts inside nbgrader's own commands, named in ``nbgrader_config.py``.
+The grader's parts inside nbgrader's own commands, named in ``nbgrader_config.py``.
 
 nbgrader would run student code and tests in one kernel and believe the outputs.  Instead
 
-* :class:`SubmissionExporter` reads what was handed in, whatever it is, and goes on with the
+* :class:`SubmissionExporter` reads what was handed in, whatever it is, and continues with the
   release plus the student's answers;
-* :class:`GradeOutside` stands where nbgrader executes the notebook: it grades in the sandbox
+* :class:`GradeOutside` replaces nbgrader's execution of the notebook: it grades in the sandbox
   and writes each check cell's feedback and score as outputs;
 * :class:`SaveGrades` records them, and nothing where there is no score;
 * :class:`ClearSolutionsByKind` makes the stubs of a release.
@@ -15,8 +15,6 @@ Formgrader, feedback and export then work unchanged.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +22,7 @@ import bleach
 from bleach.css_sanitizer import CSSSanitizer
 from nbconvert.exporters import HTMLExporter, NotebookExporter
 from nbconvert.filters import markdown2html
-from nbformat import from_dict, NotebookNode
-from nbformat.v4 import new_output
+from nbformat import NotebookNode
 from nbgrader import utils
 from nbgrader.preprocessors import (
     ClearSolutions,
@@ -36,15 +33,18 @@ from nbgrader.preprocessors import (
 from traitlets import Unicode
 from traitlets.utils.importstring import import_item
 
-from autograder.explaining.feedback import exam_text, FOR_REVIEW, printable
-from autograder.explaining.feedback_html import exam_html
-from autograder.handed_in.cells import CellSyntaxError, parse_cell, UNSOLVED
-from autograder.handed_in.extract import CHECK_PREFIX
-from autograder.handed_in.submission import open_submission, Opened, read_release
-from autograder.judging.results import ExamResult, Problem, SubmissionResult
+from autograder.explaining.feedback import printable
+from autograder.explaining.feedback_html import with_unique_ids
+from autograder.gradebook.cell_points import refuse_unfit_points
+from autograder.gradebook.grade_cells import from_node, is_check, to_node, write_outcomes
+from autograder.grading.pipeline import Engine, grade_opened, Graded, Lesson, load_lesson
 from autograder.layout import Layout
-from autograder.whole_class.inbox import read_file
-from autograder.whole_class.pipeline import Engine, grade_opened, Lesson, load_lesson
+from autograder.results import SubmissionResult
+from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED
+from autograder.submission.inbox import Submission
+from autograder.submission.notebook import read_release
+from autograder.submission.reading import read_file
+from autograder.submission.submission import open_submission
 
 NO_RESPONSE = 'No response.'  # what nbgrader itself says of an untouched answer
 LOST = 'What you wrote here could not be found in what was handed in; a note below says why.'
@@ -66,7 +66,8 @@ _SAFE_ATTRIBUTES = {**bleach.ALLOWED_ATTRIBUTES, '*': ['class', 'id']}
 # Our pictures, and the style of the words around them: nothing of it loads or runs anything.
 _PICTURE_TAGS = {'svg', 'g', 'title', 'desc', 'path', 'line', 'rect', 'text'}
 _PICTURE_ATTRIBUTES = [
-    *('class', 'id', 'style', 'role', 'aria-labelledby', 'transform', 'd', 'x', 'y'),
+    *('class', 'id', 'style', 'role', 'aria-label', 'aria-labelledby', 'tabindex'),
+    *('transform', 'd', 'x', 'y'),
     *('x1', 'x2', 'y1', 'y2', 'rx', 'width', 'height', 'viewBox', 'fill', 'fill-opacity'),
     *('stroke', 'stroke-width', 'stroke-opacity', 'stroke-dasharray', 'text-anchor'),
     *('font-family', 'font-size', 'font-style', 'font-weight'),
@@ -165,21 +166,16 @@ class SubmissionExporter(NotebookExporter):
         return self.from_notebook_node(to_node(opened), resources=resources, **kw)
 
 
-def to_node(opened: Opened) -> NotebookNode:
-    """Return the notebook as nbformat has it, with the problems in its metadata."""
-    notebook = from_dict(opened.notebook)
-    notebook.metadata['autograder'] = {'problems': [asdict(one) for one in opened.problems]}
-    return notebook
-
-
-def from_node(notebook: NotebookNode) -> Opened:
-    """Undo :func:`to_node`."""
-    noted = notebook.metadata.get('autograder', {}).get('problems', [])
-    return Opened(notebook, tuple(Problem.from_json(problem) for problem in noted))
-
-
 class FeedbackExporter(HTMLExporter):
     """Makes our page for students; formgrader has HTMLExporter and its own template."""
+
+    def from_notebook_node(
+        self, nb: NotebookNode, resources: Resources | None = None, **kw: Any
+    ) -> tuple[str, Resources]:
+        """Return the page, in which ids are unique and the keyboard reaches wide tables."""
+        page, resources = super().from_notebook_node(nb, resources=resources, **kw)
+        page = page.replace('<table', '<table tabindex="0" aria-label="Table"')
+        return with_unique_ids(page), resources
 
 
 class GradesToShow(GetGrades):
@@ -212,7 +208,7 @@ class GradeOutside(NbGraderPreprocessor):
     """Grades where no student code can reach, and writes the outcome into the check cells."""
 
     engine_factory = Unicode(
-        'autograder.whole_class.pipeline.grading_engine',
+        'autograder.grading.pipeline.grading_engine',
         help='Function that returns the engine, called with the layout of the course.',
     ).tag(config=True)
     root = Unicode('', help='Folder of the course; empty for the one of this package.').tag(
@@ -226,79 +222,35 @@ class GradeOutside(NbGraderPreprocessor):
         result = resources['nbgrader'].get('result')
         if result is None:
             result = self._grade(nb, resources)
-        if result.fault:
-            self.log.error('%s is for review: %s', result.student, result.fault)
+        if result.review:
+            self.log.error('%s is for review: %s', result.student, printable(result.review))
         write_outcomes(nb, result)
         return nb, resources
 
     def _grade(self, nb: NotebookNode, resources: Resources) -> SubmissionResult:
-        """Grade one notebook that nbgrader brought."""
+        """
+        Grade one notebook that nbgrader brought, and note whether its old scores are to stay.
+
+        :raises ExamInvalid: if a check cell and its exam give different points
+        """
+        from autograder.gradebook.lowered import lowered_marks
+
         layout = Layout(Path(self.root)) if self.root else Layout.here()
         if self._engine is None:
             self._engine = import_item(self.engine_factory)(layout)
         lesson: Lesson = load_lesson(layout, resources['nbgrader']['assignment'], self._engine)
-        return grade_opened(from_node(nb), resources['nbgrader']['student'], lesson, self._engine)
-
-
-def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
-    """
-    Write one text and, where there is a score, one value into every check cell.
-
-    :param nb: a rebuilt notebook, changed in place
-    """
-    exams = {exam.exam: exam for exam in result.exams}
-    general = [problem for problem in result.problems if not problem.cells]
-    for cell in nb.cells:
-        if not is_check(cell):
-            continue
-        name = cell.metadata.nbgrader['grade_id'].removeprefix(CHECK_PREFIX)
-        exam = None if result.fault else exams.get(name)
-        maximum = float(cell.metadata.nbgrader['points'])
-        if exam is None or not 0 <= exam.points <= maximum + 1e-6:
-            cell.outputs = [_text(f'{FOR_REVIEW}\n')]
-            continue
-        problems = [*general, *_about(result, exam, nb)]
-        general = []
-        cell.outputs = [_told(exam, problems), _score(min(exam.points, maximum))]
-        cell.execution_count = 1
-
-
-def is_check(cell: NotebookNode) -> bool:
-    """Tell whether a cell is graded by an exam."""
-    return bool(utils.is_grade(cell) and not utils.is_solution(cell) and cell.cell_type == 'code')
-
-
-def _about(result: SubmissionResult, exam: ExamResult, nb: NotebookNode) -> list[Problem]:
-    """Return the problems with the answers right above an exam's check cell."""
-    own: set[str] = set()
-    for cell in nb.cells:
-        if is_check(cell):
-            if cell.metadata.nbgrader['grade_id'] == f'{CHECK_PREFIX}{exam.exam}':
-                break
-            own.clear()
-        elif utils.is_solution(cell):
-            own.add(cell.metadata.nbgrader['grade_id'])
-    return [problem for problem in result.problems if own & set(problem.cells)]
-
-
-def _text(text: str) -> NotebookNode:
-    """Return a cell output of plain text."""
-    return new_output('stream', name='stdout', text=text)
-
-
-def _told(exam: ExamResult, problems: Sequence[Problem]) -> NotebookNode:
-    """Return a cell output with the feedback, as text and as HTML with pictures."""
-    data = {
-        'text/plain': exam_text(exam, problems),
-        'text/html': exam_html(exam, problems, lesson=''),
-    }
-    return new_output('display_data', data=data)
-
-
-def _score(points: float) -> NotebookNode:
-    """Return the cell output that nbgrader reads as a partial grade."""
-    data: Mapping[str, str] = {'text/plain': repr(round(points, 3))}
-    return new_output('execute_result', data=data, execution_count=1)
+        refuse_unfit_points(layout, lesson)
+        student, opened = resources['nbgrader']['student'], from_node(nb)
+        result = grade_opened(opened, student, lesson, self._engine)
+        submission = Submission(student, layout.submitted / student / lesson.assignment)
+        for mark in lowered_marks(layout, lesson, [Graded(submission, opened, result)]):
+            resources['nbgrader']['keep_scores'] = True
+            self.log.warning(
+                'gradebook: the mark would fall, so the old one was left: %s. Try: make grade '
+                'ARGS=--yes',
+                mark.text(),
+            )
+        return result
 
 
 class SaveGrades(SaveAutoGrades):
@@ -310,8 +262,18 @@ class SaveGrades(SaveAutoGrades):
     looked at each of them once more.
     """
 
+    _unusable = False
+
+    def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
+        """Record the scores of a notebook."""
+        self._unusable = any(problem.unusable for problem in from_node(nb).problems)
+        found: Step = super().preprocess(nb, resources)
+        return found
+
     def _add_score(self, cell: NotebookNode, resources: Resources) -> None:
         """Record a score; nbgrader alone gives full points where there is none."""
+        if is_check(cell) and resources['nbgrader'].get('keep_scores', False):
+            return
         grade = self.gradebook.find_grade(
             cell.metadata.nbgrader['grade_id'],
             self.notebook_id,
@@ -321,7 +283,7 @@ class SaveGrades(SaveAutoGrades):
         by_hand = grade.manual_score is not None and not grade.needs_manual_grade
         before = grade.auto_score
         scored = any(output.output_type == 'execute_result' for output in cell.get('outputs', []))
-        if scored or not is_check(cell):
+        if scored or not (is_check(cell) or self._unusable):
             super()._add_score(cell, resources)
         else:
             grade.auto_score = None

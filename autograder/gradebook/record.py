@@ -13,12 +13,13 @@ from pathlib import Path
 import tempfile
 from typing import Any
 
+from autograder.classroom.people import read_people
 from autograder.errors import GraderError
-from autograder.gradebook.entered import autograded
+from autograder.gradebook.connection import GradebookRefusedError
+from autograder.gradebook.journal import autograded
+from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
-from autograder.whole_class.inbox import read_file
-from autograder.whole_class.people import read_people
-from autograder.whole_class.pipeline import Graded, Lesson
+from autograder.submission.reading import read_file
 
 
 def enter_assignment(layout: Layout, assignment: str) -> None:
@@ -33,6 +34,8 @@ def enter_assignment(layout: Layout, assignment: str) -> None:
     with tempfile.TemporaryDirectory(prefix='release_', dir=layout.work) as folder:
         try:
             converters.generate(layout, assignment, Path(folder), database=True)
+        except GradebookRefusedError:
+            raise
         except GraderError as error:
             raise GraderError(
                 error.what,
@@ -46,9 +49,9 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
     """
     Enter the results of a class in the gradebook, after :func:`enter_assignment`.
 
-    Whoever could not be read gets zeros with the reason; whoever is for review gets no score.
+    A submission that is for review gets no score, but the reason.
 
-    :raises GraderError: for what nbgrader could not enter; everyone else is entered all the same
+    :raises GraderError: for what nbgrader could not enter; everyone else is entered anyway
     """
     from autograder.gradebook import converters
 
@@ -65,12 +68,12 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
 
 
 def _is_same_work(layout: Layout, lesson: Lesson, graded: Graded) -> bool:
-    """Tell whether all answers are those that were entered last."""
+    """Return whether all answers are those that were entered last."""
     try:
         text = autograded(layout, lesson, graded).read_text(encoding='utf-8')
         return _answers(json.loads(text)) == _answers(graded.opened.notebook)
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
-        return False  # not there, or not as nbgrader has written it
+        return False  # missing, or not as nbgrader has written it
 
 
 def _answers(notebook: Mapping[str, Any]) -> dict[str, str]:
@@ -112,17 +115,17 @@ def forget_students(layout: Layout, names: Collection[str]) -> None:
 
 def _stage(folder: Path, notebook: str, graded: Graded) -> None:
     """Write the notebook that was graded where nbgrader looks for it."""
-    from autograder.gradebook.nbgrader_plugin import to_node
+    from autograder.gradebook.grade_cells import to_node
 
     folder.mkdir(parents=True)
     text = json.dumps(to_node(graded.opened), indent=1, ensure_ascii=False)
     (folder / notebook).write_text(text, encoding='utf-8')
-    stamp = _timestamp(graded.submission.folder)
+    stamp = timestamp_of(graded.submission.folder)
     if stamp:
         (folder / 'timestamp.txt').write_text(stamp, encoding='utf-8')
 
 
-def _timestamp(folder: Path) -> str:
+def timestamp_of(folder: Path) -> str:
     """Return when the work was handed in, empty if unknown; nbgrader fails on a broken one."""
     from nbgrader.utils import parse_utc
 

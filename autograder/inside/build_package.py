@@ -76,7 +76,8 @@ def compilers_known(build: Path) -> list[str]:
 def variables(prefix: Path) -> dict[str, str]:
     """Return the environment in which programs find what was installed there."""
     found = glob(f'{prefix}/lib/python3*/site-packages')
-    whole = dict(os.environ)
+    # The build ran in real time; from here on, time is virtual.
+    whole = {**os.environ, 'LD_PRELOAD': os.environ['CLOCK_LIBRARY']}
     for name, value in (
         ('PYTHONPATH', ':'.join(found)),
         ('LD_LIBRARY_PATH', f'{prefix}/lib'),

@@ -18,6 +18,7 @@ only; the three system calls are quickly written down.  See landlock(7).
 from __future__ import annotations
 
 import ctypes
+from itertools import pairwise
 import json
 import os
 import signal
@@ -93,7 +94,9 @@ def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
     prctl(PR_SET_NO_NEW_PRIVS, 1)
     restrict(rules, descriptors)
     filter_calls(code)
-    os.closerange(3, 1024)
+    kept = [2, *sorted(rules['inherited']), 1024]
+    for below, above in pairwise(kept):
+        os.closerange(below + 1, above)
     os.execvp(command[0], command)
 
 

@@ -1,9 +1,9 @@
 """
-Stand in for Python in a message build: let a warm process run the program, end as it ended.
+Replace Python in a message build: let a warm process run the program and end as it ended.
 
-The set-up writes this file behind a first line that names the interpreter, and CMake takes the
-copy for Python.  It exists to be quick, so it imports next to nothing.  What is none of
-:data:`PROGRAMS` is run by Python itself.
+The set-up writes this file after a first line that names the interpreter, and CMake uses the copy
+as Python.  It exists to be quick, so it imports next to nothing.  Python itself runs every program
+that is not in :data:`PROGRAMS`.
 """
 
 import _socket as socket  # what socket imports would double the time

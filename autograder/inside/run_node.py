@@ -4,9 +4,9 @@ Start a node file inside the sandbox, the way ``ros2 run`` would.
 Usage: run_node.py FILE [arguments of the program].  The file runs as a script.  If it only defines
 ``main`` and leaves the call to an entry point, ``main()`` is called afterwards.
 
-A folder of modules beside the file is a package that it may import, also one of the name of the
-course's messages: an installed package has both in one place.  A file that also lies in such a
-folder is a module of that package, as it is when an entry point imports it.
+A folder of modules next to the file is a package that the file may import, even if it has the
+name of the course's messages: an installed package has both in one place.  A file that is also in
+such a folder is a module of that package, as it is when an entry point imports it.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def outside_definitions(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def leaves_main_to_others(tree: ast.Module) -> bool:
-    """Tell whether the file neither calls ``main`` nor asks whether it is the script."""
+    """Return whether the file neither calls ``main`` nor checks whether it is the script."""
     names = {node.id for node in outside_definitions(tree) if isinstance(node, ast.Name)}
     return not names & {'main', '__name__'}
 
@@ -55,9 +55,13 @@ def join_packages(folder: Path) -> list[Path]:
 
 def main() -> None:
     """Run the file that the command line names."""
-    gate.wait()
     lean()
     steady()
+    # What loading it does with threads and processes of its own is over when the gate opens, so
+    # the program's first line runs at the very instant of the release.
+    import rclpy  # noqa: F401
+
+    gate.wait()
     path, sys.argv = sys.argv[1], sys.argv[1:]
     source = Path(path).read_text(encoding='utf-8')
     tree = ast.parse(source, path)  # a SyntaxError ends the program with Python's own message

@@ -166,7 +166,7 @@ def _asked(client: socket.socket) -> None:
     text, descriptors, _, _ = socket.recv_fds(client, MOST_BYTES, 3)
     client.close()
     if not text:
-        return  # whoever asked was ended before it did
+        return  # the client ended before it sent a request
     for number, descriptor in enumerate(descriptors):
         os.dup2(descriptor, number)
         os.close(descriptor)

@@ -7,50 +7,35 @@ They are the bodies of checks, not checks: the docstring that learners read stay
         '''Your program starts a node called talker.'''
         require_node(run, '/talker')
 
-Each raises :class:`autograder.judging.exam.Failed` or returns.  All names of nodes and topics are
+Each raises :class:`autograder.exam.exam.Failed` or returns.  All names of nodes and topics are
 full.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-from autograder.judging.causes import why_no_endpoint, why_no_message, why_no_node, why_silent
-from autograder.judging.exam import Cause, Failed, Run
-from autograder.judging.learners_code import without_texts
-from autograder.judging.own_time import is_flood, is_regular, names_another_clock
-from autograder.judging.stalled import why_it_sleeps
-from autograder.judging.unlogged import LEVELS, why_left_out, why_not_logged
-from autograder.judging.untold import own_words
-from autograder.runs.recording import Event
+from autograder.errors import ExamInvalid
+from autograder.exam.exam import Cause, Failed, Run
+from autograder.judging.causes.ended import (
+    why_it_ended,
+    why_no_endpoint,
+    why_no_message,
+    why_no_node,
+    why_silent,
+)
+from autograder.judging.causes.missing_logs import LEVELS, why_left_out, why_not_logged
+from autograder.judging.causes.not_answering import why_it_sleeps
+from autograder.judging.causes.redaction import own_words
+from autograder.recording import Event
 
 SECOND = 1_000_000_000
-WHILE_IT_STOOD = 'something came also while that clock stood still'
-OTHER_CLOCK = Cause(
-    'other_clock',
-    "The messages do not come in the rhythm of the node's own clock, and your code names another.",
-    'Use self.create_timer() without a clock of its own, and no time.sleep() or time.time().',
-)
-ALONE = Cause(
-    'other_clock',
-    "What paces your program follows the computer's own clock: it goes on while the ROS clock "
-    'stands still.',
-    'Use self.create_timer() of the node without clock=, not threading.Timer, time.sleep() in a '
-    'thread or asyncio.sleep(); and leave use_sim_time and the arguments of the program alone.',
-)
-PACED_BY_SPIN_ONCE = Cause(
-    'paced_by_spin_once',
-    'spin_once() comes back as soon as anything has happened, a tick of the clock too, so it '
-    'paces nothing.',
-    'Use self.create_timer() with the period in seconds, and rclpy.spin(node).',
-)
-OWN_LOOP = Cause(
-    'own_loop',
-    'Your program keeps its own time: nobody spins the node, so its clock stands still.',
-    'Use self.create_timer(1.0, ...) and rclpy.spin(node) instead of a loop.',
-)
+GRAIN_S = 0.015
+"""How exact a rhythm is asked to be [s]: a clock that is polled moves by up to 0.01 s."""
+FLOOD = 10
+"""How many times what is due is a flood: what is recorded of it is no more than its beginning."""
 
 
 def require_node(run: Run, node: str) -> None:
@@ -135,28 +120,40 @@ def require_partner(ends: Iterable[Event]) -> None:
 
 
 def require_messages(
-    run: Run, found: Sequence[Event], least: int, what: str = 'messages'
+    run: Run,
+    found: Sequence[Event] | None = None,
+    least: int = 1,
+    what: str = 'messages',
+    *,
+    topic: str = '',
 ) -> Sequence[Event]:
     """
     Return the messages if there are enough of them, or fail.
 
-    :param found: from :meth:`autograder.runs.recording.Recording.messages`
+    :param found: from :meth:`autograder.recording.Recording.messages`; by default all that
+        came on the topic
     :param what: what they are, with the topic
+    :param topic: full name of a watched topic; if nothing comes on it, its publisher is looked for
     """
+    if found is None or topic:
+        kind = run.names.published.get(topic)
+        if kind is None:
+            known = ', '.join(map(repr, run.names.published)) or 'none'
+            raise ExamInvalid(
+                f'require_messages: expected topic= to be one of those that the scenario watches, '
+                f'which are {known}, got {topic!r}.'
+            )
+        found = run.recording.messages(topic) if found is None else found
+        if not found and least > 0:
+            require_endpoint(run, 'publisher', topic, kind)
+        what = f'messages on {topic.rpartition("/")[2]}' if what == 'messages' else what
     if len(found) < least:
         raise Failed(
             expected=f'at least {least} {what}' if least > 1 else what,
-            observed=f'{len(found)}' if found else none_of(run, 'none'),
+            observed=f'{len(found) or "none"}',
             why=why_silent(run) if found else why_no_message(run),
         )
     return found
-
-
-def none_of(run: Run, word: str) -> str:
-    """Return the word for no message; what comes from a node that stops answering is luck."""
-    if run.recording.end_reason == 'unresponsive':
-        return f'{word} that could be waited for: your node stopped answering'
-    return word
 
 
 def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) -> None:
@@ -197,102 +194,80 @@ def field_of(message: Event, field: str) -> Any:
 
 
 def require_period(
-    run: Run, found: Sequence[Event], period_s: float, during_s: float, step_s: float = 0.25
+    run: Run,
+    found: Sequence[Event],
+    period_s: float,
+    during_s: float,
+    what: str = 'message',
+    explain: Callable[[], Cause | None] = lambda: None,
 ) -> None:
     """
-    Fail unless messages come once a period of simulated time, whenever the timer was created.
+    Fail unless messages or log lines come once a period, by whatever clock, to the end of a phase.
 
-    A message is seen at the first clock step at or after it is due, so a gap may be one step
-    longer or shorter; and one message more or less fits into the time that was watched.
+    One more or less fits into the time that was watched.
 
-    :param found: messages of one phase, in order
-    :param during_s: simulated length of the phase [s]
+    :param found: what came in one phase, in order
+    :param during_s: length of the phase [s]
+    :param what: what came, in the singular
+    :param explain: what the exam knows of other rhythms; it is asked before their gaps are
     """
-    seconds = [one['clock_ns'] / SECOND for one in found if one['clock_ns'] is not None]
-    if run.recording.in_wall_time:
-        return _require_period_in_wall_time(run, [one['wall_s'] for one in found], period_s)
+    seconds = [one['clock_ns'] / SECOND for one in found]
     gaps = [later - earlier for earlier, later in pairwise(seconds)]
-    due = during_s / period_s
-    # Each gap may be one step off, all together too: else 0.9 s would pass for 1 s.
-    drift = abs(sum(gaps) - len(gaps) * period_s)
-    steady = drift <= step_s and all(abs(gap - period_s) <= step_s for gap in gaps)
-    if abs(len(seconds) - due) <= 1.5 and steady:
-        return None
-    why = why_silent(run) or _why_other_rhythm(gaps, len(seconds) > due + 1.5, period_s, step_s)
-    # How often a steady or a system timer fires in simulated time is luck, so no count is told.
-    lucky = why is None and names_another_clock(run.files)
-    odd = [late for early, late in pairwise(seconds) if abs(late - early - period_s) > step_s]
-    raise Failed(
-        expected=f'one message every {period_s:g} s for {during_s:g} s of simulated time',
-        observed='messages in another rhythm'
-        if lucky
-        else f'{len(seconds)} messages'
-        + (f', with gaps from {min(gaps):.2g} to {max(gaps):.2g} s' if gaps else ''),
-        why=why_it_sleeps(run) or OTHER_CLOCK if lucky else why,
-        at=round(odd[0] * SECOND) if odd and not lucky else None,
-        every_s=period_s,
-    )
-
-
-def _require_period_in_wall_time(run: Run, times_s: list[float], period_s: float) -> None:
-    """Fail unless code with a loop of its own, which keeps real time, is regular in that."""
-    refuse_own_clock(run, f'one message every {period_s:g} s of simulated time')
-    if is_regular(run.recording, times_s, period_s):
+    more = len(seconds) - during_s / period_s
+    odd = [late for late, gap in zip(seconds[1:], gaps) if abs(gap - period_s) > GRAIN_S]
+    if abs(more) <= 1.5 and not odd:
         return
+    sleeps = why_it_sleeps(run) if more <= 1.5 else None
+    rhythm = sleeps or why_other_rhythm(found, period_s, during_s, what)
     raise Failed(
-        expected=f'one message every {period_s:g} s',
-        observed='another rhythm in the seconds of real time in which it was watched',
-        why=(why_silent(run) if len(times_s) < 2 else None) or OWN_LOOP,
+        expected=f'one {what} every {period_s:g} s for {during_s:g} s',
+        observed=_rhythm(what, len(seconds), gaps, during_s / period_s),
+        why=why_it_ended(run) or explain() or rhythm or why_silent(run),
+        at=round(odd[0] * SECOND) if odd else None,
         every_s=period_s,
     )
 
 
-def refuse_own_clock(run: Run, expected: str) -> None:
-    """
-    Fail if a program that listens goes on while the ROS clock stands still.
-
-    :param expected: what is due by that clock, in words
-    """
-    if run.recording.goes_on_alone:
-        raise Failed(expected=expected, observed=WHILE_IT_STOOD, why=why_own_time(run))
-
-
-def why_own_time(run: Run) -> Cause:
-    """Explain a program that was watched in wall time."""
-    if not run.recording.goes_on_alone:
-        return OWN_LOOP
-    code = '\n'.join(map(without_texts, run.files.values()))
-    others = names_another_clock(run.files) or 'thread' in code.lower()
-    if 'spin_once(' in code and 'create_timer' not in code and not others:
-        return PACED_BY_SPIN_ONCE
-    return why_it_sleeps(run) or ALONE
+def _rhythm(what: str, count: int, gaps: Sequence[float], due: float) -> str:
+    """Return in words how many messages came, and how far apart."""
+    if is_flood(count, due):
+        return f'far more {what}s'
+    if not gaps:
+        return f'one {what}' if count else f'no {what}'
+    least, most = f'{min(gaps):.2g}', f'{max(gaps):.2g}'
+    return f'{count} {what}s, {least if least == most else f"{least} to {most}"} s apart'
 
 
-def _why_other_rhythm(
-    gaps: Sequence[float], too_many: bool, period_s: float, step_s: float
+def why_other_rhythm(
+    found: Sequence[Event], period_s: float, during_s: float, what: str = 'message'
 ) -> Cause | None:
     """
-    Explain messages that come in another rhythm, if their gaps show why.
+    Explain messages or log lines that come in another rhythm, if the gaps between them show why.
 
-    :param gaps: simulated time between messages [s]
+    The parameters are those of :func:`require_period`.
     """
-    if too_many and 0.0 in gaps:
+    gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND for one, two in pairwise(found)]
+    if len(found) > during_s / period_s + 1.5 and 0.0 in gaps:
         return Cause(
             'several_at_once',
-            'Several messages come at the same moment.',
-            'Publish once in the callback of the timer, and make one timer only.',
+            f'Several {what}s come at the same moment.',
+            f'Make one timer only, with one {what} in its callback.',
         )
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
-    if len(gaps) > 1 and all(abs(gap - mean_s) <= step_s for gap in gaps):
-        # A timer that is shorter than a clock step fires once a step.
-        flood = mean_s > 0 and is_flood(period_s / mean_s, 1.0)
-        often = 'far too often' if flood else f'about once every {mean_s:.2g} s'
+    steady = len(gaps) > 1 and all(abs(gap - mean_s) <= GRAIN_S for gap in gaps)
+    if steady and abs(mean_s - period_s) > GRAIN_S:
         return Cause(
             'wrong_rate',
-            f'Your node publishes {often}.',
-            f'The first argument of create_timer() is the period in seconds: {period_s:g}.',
+            f'Your node sends one {what} every {mean_s:.2g} s.',
+            f'The first argument of create_timer() is the period in seconds, {period_s:g}. Each '
+            f'call of its callback has one {what}, and nothing else in the program waits.',
         )
     return None
+
+
+def is_flood(count: float, due: float) -> bool:
+    """Tell whether so many are far more than were due, so that no text should tell the count."""
+    return count > FLOOD * max(due, 1.0)
 
 
 def require_qos(ends: Iterable[Event], **wanted: Any) -> None:
@@ -367,16 +342,6 @@ def require_log(
         observed=f'{count_of(len(lines))} {LEVELS[level]} line{"" if len(lines) == 1 else "s"}',
         why=why if lines else why_not_logged(run, found, level),
     )
-
-
-def require_ros_clock(run: Run) -> None:
-    """Fail if the program keeps its own time, so that the rhythm of its lines proves nothing."""
-    if run.recording.in_wall_time:
-        raise Failed(
-            expected='lines in the rhythm of the simulated clock',
-            observed='a program with a clock of its own',
-            why=why_own_time(run),
-        )
 
 
 def count_of(number: int) -> str:

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import sys
 from typing import Any
 
-from autograder.judging.exam import Check, Failed, Run
-from autograder.runs.recording import Event, Recording
+from autograder.exam.exam import Check, Failed, Run
+from autograder.recording import Event, Recording
 
 TAIL = ('graph', 'end', 'process')
 MOMENTS = ('message', 'log', 'answer', 'no_answer', 'joined', 'offered')
@@ -102,7 +102,7 @@ def _failure(check: Check, run: Run, events: list[Any]) -> Failed | None:
 
 
 def _index_at(events: Any, at: int) -> int:
-    """Return the first event at or after a simulated time, or the last one before the end."""
+    """Return the first event at or after a virtual time, or the last one before the end."""
     for number, event in enumerate(events):
         clock = event.get('clock_ns')
         if clock is not None and clock >= at and event['event'] not in TAIL:

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from autograder.runs.recording import Event, Recording
-from autograder.runs.scenario import Offer, Scenario
+from autograder.exam.scenario import Offer, Scenario
+from autograder.recording import Event, Recording
 
 MANY_ENDPOINTS = 100
 """Publishers and subscriptions; a node of the course has fewer than ten."""
@@ -29,12 +29,6 @@ def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
     found = [*_about_topics(recording, scenario), *_about_nodes(recording)]
     if recording.of('graph') and max(_counts(recording)) > MANY_ENDPOINTS:
         found.append(f'more than {MANY_ENDPOINTS} publishers and subscriptions')
-    if recording.goes_on_alone:
-        found.append(
-            'the program goes on while the clock stands still; it was watched for some time'
-        )
-    elif recording.in_wall_time:
-        found.append('the program answers nothing it is asked; it was watched for a few seconds')
     if recording.end_reason == 'too_many_events':
         found.append('more messages and log lines than are recorded')
     if any('too_large' in message for message in recording.of('message')):
@@ -55,7 +49,7 @@ def _counts(recording: Recording) -> Iterator[int]:
 
 def _about_topics(recording: Recording, scenario: Scenario) -> Iterator[str]:
     """Say who publishes where the grader does, or where only rclpy should."""
-    if recording.of('foreign_clock') or recording.endpoints('publisher', '/clock'):
+    if recording.endpoints('publisher', '/clock'):
         yield 'the program publishes on /clock, which the grader owns'
     inputs = {*scenario.feed, *(step.topic for step in scenario.steps if isinstance(step, Offer))}
     for topic in sorted(inputs):

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
-from autograder.errors import GraderError
-from autograder.judging.causes import how_to_look
-from autograder.judging.exam import Cause, Check, Exam, Failed, Run
-from autograder.judging.reading_list import where_to_read
-from autograder.judging.results import CheckResult, Verdict
-from autograder.judging.untold import without_namespace
-from autograder.runs.recording import Recording
+from autograder.errors import GraderError, line_in
+from autograder.exam.exam import Cause, Check, Exam, Failed, Run
+from autograder.exam.read_more import where_to_read
+from autograder.judging.causes.ended import how_to_look
+from autograder.judging.causes.redaction import without_namespace
+from autograder.recording import Recording
+from autograder.results import CheckResult, Verdict
 
-SLOW = ('wall_time_limit', 'sleeps_in_callback')
-"""Causes that a faster machine gets further with: what had come by then is luck, and not told."""
-CUT_OFF = 'a part of it: the run was ended before all of it could come'
+EXAMS = Path(__file__).parents[1] / 'exams'
 
 
 def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
@@ -53,11 +52,6 @@ def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
     return False
 
 
-def _is_luck(run: Run, why: Cause) -> bool:
-    ends = (run.recording.end_reason, run.recording.process.get('killed'))
-    return 'wall_time_limit' in ends and why.cause_id in SLOW
-
-
 def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResult]) -> CheckResult:
     waits = [name for name in check.needs if earlier[name].verdict is not Verdict.PASSED]
     if waits:
@@ -81,15 +75,17 @@ def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResul
             points=round(check.points * failure.share, 2),
             max_points=check.points,
             expected=failure.expected,
-            observed=CUT_OFF if _is_luck(run, why) else failure.observed,
-            cause=why.text,
+            observed=failure.observed,
+            cause=run.names.fill(why.text),
             cause_id=why.cause_id,
-            try_this=why.try_this,
+            try_this=run.names.fill(why.try_this),
             read=where_to_read(why.cause_id) or check.read or exam.read,
         )
     except Exception as error:  # noqa: BLE001 - any other exception is ours, whatever its type
+        place = line_in(EXAMS, error)
         raise GraderError(
-            f'Check {check.name} of exam {exam.name} broke: {type(error).__name__}: {error}.',
-            'This says nothing about the submission; mend the exam and grade again.',
+            f'Check {check.name} of exam {exam.name} broke{f" in {place}" if place else ""}: '
+            f'{type(error).__name__}: {error}.',
+            'This says nothing about the submission; correct the exam and grade again.',
         ) from error
     return CheckResult(check.name, check.title, Verdict.PASSED, check.points, check.points)

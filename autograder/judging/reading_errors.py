@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 import re
 
-from autograder.judging.causes import close_name
-from autograder.judging.exam import Cause, Run
-from autograder.judging.learners_code import calls, subscription_depths, texts_in
-from autograder.judging.raised import exception_cause
+from autograder.exam.exam import Cause, Run
+from autograder.judging.causes.ended import close_name
+from autograder.judging.causes.exceptions import exception_cause
+from autograder.judging.causes.tracebacks import PUBLIC, Traceback
 from autograder.judging.readings import Reading, Sent, sent, shown_in
-from autograder.judging.tracebacks import PUBLIC, Traceback
-from autograder.runs.recording import ERROR, Event, INFO, WARN
+from autograder.recording import ERROR, Event, INFO, WARN
+from autograder.submission.code.learners_code import calls, subscription_depths, texts_in
 
 NO_UNIT = Cause(
     'unit_text',

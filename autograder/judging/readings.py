@@ -12,8 +12,8 @@ import math
 import re
 from typing import Any
 
-from autograder.judging.exam import Run
-from autograder.runs.recording import Event, INFO, WARN
+from autograder.exam.exam import Run
+from autograder.recording import Event, INFO, WARN
 
 THRESHOLD_C = 30.0
 NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
@@ -107,9 +107,9 @@ def share_of(run: Run, right: int, all_of_them: int) -> float:
     """
     Return the part of the points for what was right before a program ended in mid-run.
 
-    How far a slow program came until the limit of time is the machine's doing: no part of that.
+    How far a program came until the limit of processor time is the machine's doing: no part of it.
     """
-    if run.recording.end_reason == 'wall_time_limit':
+    if run.recording.end_reason == 'cpu_limit':
         return 0.0
     if all(group.sent for group in sent(run)) or not all_of_them:
         return 0.0

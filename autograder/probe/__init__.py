@@ -1,1 +1,1 @@
-"""What stands beside a student's program, drives it and writes down what it does."""
+"""Run next to a student's program, drive it and write down what it does."""

@@ -16,7 +16,7 @@ from typing import Any
 from probe_wire import qos_json  # type: ignore[import-not-found]  # beside this file
 from rclpy.node import Node
 
-# Subscriptions on these are nobody's business: they come with a node.
+# Ignore subscriptions on these topics: every node has them.
 HIDDEN_TOPICS = ('/parameter_events', '/rosout', '/clock')
 MOST_NODES, MOST_ENDPOINTS = 200, 500  # that are listed; all are counted
 LONGEST_NAME = 256
@@ -28,14 +28,14 @@ class Graph:
     """
     The graph around the probe's node.
 
-    :param node: which has a publisher on ``/clock``; nobody else is there yet under its name
+    :param node: which subscribes to ``/rosout``; nobody else is there yet under its name
     """
 
     def __init__(self, node: Node) -> None:
         """Learn how the ids of our own endpoints begin."""
         self.node = node
         self.own_name = node.get_fully_qualified_name()
-        infos = node.get_publishers_info_by_topic('/clock')
+        infos = node.get_subscriptions_info_by_topic('/rosout')
         own = next(info for info in infos if info.node_name == node.get_name())
         self.own_prefix = bytes(own.endpoint_gid[:12])
 

@@ -11,6 +11,7 @@ This file imports nothing of this project: only its text enters the probe's sand
 from __future__ import annotations
 
 import fcntl
+import select
 import socket
 import struct
 
@@ -26,7 +27,7 @@ NEWS = RTMGRP_LINK | RTMGRP_IPV4_IFADDR | RTMGRP_IPV4_ROUTE
 
 
 def works() -> bool:
-    """Tell whether the loopback interface has its address, and is on: it gets that first."""
+    """Return whether the loopback interface is up and has its address, which it gets first."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as datagrams:
         try:
             datagrams.bind((ADDRESS, 0))
@@ -38,10 +39,15 @@ def works() -> bool:
 
 
 def wait() -> None:
-    """Wait until the loopback interface is there; the grader bounds the wait."""
+    """Wait until the loopback interface is there, or the grader has closed our standard input."""
     if works():
         return
+    waits = select.poll()
+    waits.register(0, 0)  # its end is told without being asked for
     with socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, socket.NETLINK_ROUTE) as news:
         news.bind((PORT, NEWS))
+        waits.register(news, select.POLLIN)
         while not works():  # asked after each piece of news, and once it would be heard
+            if 0 in dict(waits.poll()):
+                raise SystemExit
             news.recv(1 << 16)

@@ -1,57 +1,56 @@
 """
 One run: the student's program in the sandbox, the probe beside it, and a recording out of it.
 
-The grader's side of the pipes is one loop over file descriptors.  It reads what the probe and the
-program write, bounded; looks every 50 ms at what the sandbox uses; and ends the run when the
-probe is done, a limit is passed or the wall clock says so.
+Both are on one virtual clock, so what the recording holds does not depend on the machine.  The
+grader's side of the pipes is one loop over file descriptors.  It reads what the probe and the
+program write, bounded, and ends the run when the probe is done or the watchdog says so.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 import json
 import os
 from pathlib import Path
 import secrets
 import selectors
 import shutil
+import signal
 import tempfile
 import time
 from typing import Any
 
-from autograder.errors import ProbeFailed, TooBusy
-from autograder.judging.exam import Scenario
-from autograder.runs.recording import header, Recording
+from autograder.clock.virtual_clock import virtual_clock, VirtualClock
+from autograder.errors import ProbeFailed
+from autograder.exam.scenario import Scenario
+from autograder.recording import header, Recording
+from autograder.runs.watchdog import WATCH_EVERY_S, Watchdog
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
 from autograder.sandboxes.probes import start_probe
 from autograder.sandboxes.processes import (
+    family,
     oom_kills,
     other_domains,
     ports,
-    proportional,
-    Threads,
-    usage,
-    wait_until_quiet,
-    wait_until_still,
 )
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
 KEPT_OUTPUT = 64 * 1024
 LARGEST_RECORDING = 32 << 20
-WATCH_EVERY_S = 0.05
-MOST_SLEPT_S = 0.25  # that one look can find; the shortest wait that decides anything takes four
-# What the probe is told, see probe.py.
-TICK, QUIET, EXITED = b't', b'q', b'e'
-BUSY_S = 3.0  # processor time without a node: imports take 0.3 s, and a slow machine thrice that
-STILL_S = 0.0025  # twice the period of a writer's questions, see fastdds.xml
-MOST_WALL = 5  # times the limit, before a machine counts as too busy for a verdict
+PROBE, STUDENT = 0, 1  # places on the virtual clock; at one instant the probe comes first
+LEAVES_S = 60.0  # bounds what a sandbox needs to end: milliseconds
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
 # A message package takes some 5 s of processor time; six times that, for slower machines.
 BUILD_LIMITS = Limits(cpu_s=30)
 # A build and a run, one after the other.
-PACKAGE_LIMITS = Limits(wall_s=2 * Limits.wall_s, cpu_s=BUILD_LIMITS.cpu_s + Limits.cpu_s)
+PACKAGE_LIMITS = Limits(cpu_s=BUILD_LIMITS.cpu_s + Limits.cpu_s)
 COURSE_PACKAGE = 'temp_monitor_pkg'
+_BREAKS = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGXCPU)
+BROKEN = tuple(code for sign in _BREAKS for code in (-sign, 128 + sign))
+"""Exit codes of a probe that broke on what it was sent; faults in its code give other codes."""
+_NO_TYPE = 'Try: name the package in environment/messages.txt, then make prepare.'
 
 
 def program_for(scenario: Scenario, submission: Path, python: str) -> tuple[Program, Limits]:
@@ -68,14 +67,18 @@ def program_for(scenario: Scenario, submission: Path, python: str) -> tuple[Prog
         return Program(argv, binds, course_messages=False), BUILD_LIMITS
     if scenario.program == 'package':
         argv = [python, '/grader/inside/run_package.py', '/submission', scenario.build_type]
-        argv += [scenario.file.removesuffix('.py'), '--ros-args', '-p', 'use_sim_time:=true']
+        argv += [scenario.file.removesuffix('.py'), *_ros_arguments(scenario)]
         # A package of the course's own name brings the messages itself.
         own = scenario.build_type == COURSE_PACKAGE
-        argv += scenario.arguments
         return Program(argv, binds, course_messages=not own), PACKAGE_LIMITS
     argv = [python, '/grader/inside/run_node.py', f'/submission/{scenario.file}']
-    argv += ['--ros-args', '-p', 'use_sim_time:=true', *scenario.arguments]
-    return Program(argv, binds), Limits()
+    return Program([*argv, *_ros_arguments(scenario)], binds), Limits()
+
+
+def _ros_arguments(scenario: Scenario) -> list[str]:
+    follows = ['-p', 'use_sim_time:=true'] if scenario.ros_clock else []
+    given = [*follows, *scenario.arguments]
+    return ['--ros-args', *given] if given else []
 
 
 @contextmanager
@@ -119,11 +122,15 @@ def observe(
     :raises SandboxUnavailable: if the sandbox refuses
     """
     began = time.monotonic()
-    with sandbox.turn(), laid_out(files) as (submission, home):
+    with sandbox.turn(), laid_out(files) as (submission, home), virtual_clock(2) as clock:
         program, limits = program_for(scenario, submission, sandbox.ros.python)
-        student = sandbox.start(program, limits, home)
+        # Packages are built in real time: run_package.py and build_package.py load the library
+        # into what they become.
+        placed = clock.command(STUDENT, later=scenario.program != 'node')
+        program = replace(program, argv=(*placed, *program.argv))
+        student = sandbox.start(program, limits, home, (clock.places[STUDENT].fileno(),))
         try:
-            watched = _Watched(student, limits, scenario, sandbox, home)
+            watched = _Watched(student, limits, scenario, sandbox, home, clock)
             watched.exam, watched.told = exam_name, told
             events = watched.run()
         finally:
@@ -142,11 +149,16 @@ class _Watched:
         scenario: Scenario,
         sandbox: Sandbox,
         home: Path,
+        clock: VirtualClock,
     ) -> None:
         self.student = student
-        self.limits = limits
-        self.probe = start_probe(sandbox, student, home)
-        self.threads, self.probe_threads = Threads(student.pid), Threads(self.probe.pid)
+        self.clock = clock
+        place = clock.places[PROBE].fileno()
+        self.probe = start_probe(sandbox, student, home, clock.command(PROBE), (place,))
+        clock.begin()
+        others = self.probe.pid, clock.driver.pid
+        builds = scenario.program != 'node'
+        self.watchdog = Watchdog(student, others, limits, clock, builds)
         self.scenario = scenario
         self.exam = ''
         self.events: list[dict[str, Any]] = []
@@ -157,43 +169,57 @@ class _Watched:
         self.printed = 0
         self.killed = ''
         self.exit: int | None = None
-        self.cpu_s = 0.0
+        self.ended_ns: int | None = None
         self.ready_s = 0.0
         self.done = False
         self.left = False
         self.domains: list[int] = []
-        self.began = self.looked = time.monotonic()
-        self.own_s = 0.0
+        self.released_ns = 0
         self.oom_kills = oom_kills()
 
     def run(self) -> list[dict[str, Any]]:
         """Drive the run to its end and return all events."""
         try:
             self._loop()
+            self._hear_of_its_end()
             self._look_around()
             self._nobody_else_ended_it()
         finally:
             said = self.probe.end()
-            self.threads.close()
-            self.probe_threads.close()
         self._read_the_rest()
         if not self.events or self.events[-1]['event'] != 'end':
             if self.killed and not self.ready_s:
                 raise ProbeFailed(f'The probe was not ready in time: {self.killed}.')
+            if not self.killed and self.ready_s and self.probe.code in BROKEN:
+                self.killed = 'probe_broken'
             if not self.killed:
-                code = self.probe.code
+                code, said = self.probe.code, said or 'no word'
                 raise ProbeFailed(
-                    f'exam {self.exam}: the probe broke off with code {code}: {said or "no word"}.'
+                    f'exam {self.exam}: the probe broke off with code {code}: {said}.',
+                    _NO_TYPE if 'ModuleNotFoundError' in said else '',
                 )
             self._keep_event({'event': 'end', 'clock_ns': None, 'reason': self.killed})
         if self.student.held():
             why = self.events[-1]['reason']
             raise ProbeFailed(f'The program had not begun when the run ended: {why}.')
         self._keep_event(self._process_event())
-        return self.events
+        return self.events if self.ended_ns is None else _until(self.events, self.ended_ns)
+
+    def _hear_of_its_end(self) -> None:
+        """Notice whether the program ended before its scenario did, in virtual time."""
+        over = self.events[-1] if self.events else {}
+        if over.get('event') != 'end':
+            return  # a limit has ended the run, or the probe has broken off
+        ended_ns = self.clock.ended_ns(STUDENT)
+        if ended_ns is None or ended_ns - self.released_ns > over['clock_ns']:
+            self.exit = None  # the run does not include what happens after the scenario
+            return
+        self.ended_ns = ended_ns - self.released_ns
+        if self.exit is None:
+            self.exit = self.student.process.wait(LEAVES_S)
 
     def _loop(self) -> None:
-        # A neutral name that no program can know beforehand.
+        # A neutral name that no program can know in advance.
         order = {**self.scenario.to_json(), 'name': f'n{secrets.token_hex(6)}'}
         self._tell_probe(json.dumps(order).encode() + b'\n')
         with selectors.DefaultSelector() as pipes:
@@ -215,8 +241,9 @@ class _Watched:
                     self._student_ended()
                 else:
                     self._read(pipes, key)
-            if time.monotonic() > self.looked + WATCH_EVERY_S:
-                self._look()
+            if self.watchdog.is_due():
+                begun = bool(self.events)
+                self.killed = self.killed or self.watchdog.look(self.recorded, self.printed, begun)
             if self.killed:
                 return
 
@@ -257,29 +284,15 @@ class _Watched:
             except ValueError as error:
                 raise ProbeFailed(f'The probe wrote a line that is no event: {error}.') from error
             if event['event'] == 'ready':
-                self.ready_s = time.monotonic()
+                # Virtual time stands still until the probe has heard that it goes on.
+                self.ready_s, self.released_ns = time.monotonic(), self.clock.elapsed_ns
                 self.student.release()
-                continue
-            if event['event'] == 'is_it_quiet':
-                # What either sent has arrived when the other's threads have taken it in: a
-                # datagram on the loopback interface wakes its reader before its writer goes on.
-                wait_until_quiet(self.threads, self.probe_threads)
-                self._tell_probe(QUIET)
-                continue
-            if event['event'] == 'is_it_still':
-                wait_until_still(STILL_S, self.threads, self.probe_threads)
-                self._tell_probe(QUIET)
+                self._tell_probe(b'g')
                 continue
             self._keep_event(event)
-            if event['event'] == 'end':
-                self._ended(event)
+            self.done = self.done or event['event'] == 'end'
         if self.recorded > LARGEST_RECORDING:
             self.killed = 'too_much_recorded'
-
-    def _ended(self, event: dict[str, Any]) -> None:
-        self.done = True
-        if event['reason'] == 'too_busy':
-            raise ProbeFailed('The machine was too busy: the probe got no turn while it watched.')
 
     def _keep_event(self, event: dict[str, Any]) -> None:
         self.events.append(event)
@@ -293,7 +306,6 @@ class _Watched:
             said = self.output['stderr'].decode(errors='replace').strip() or 'no word'
             what = f'The sandbox ended with code {self.exit} before the program began'
             raise ProbeFailed(f'{what}: {said}.')
-        self._tell_probe(EXITED)
 
     def _tell_probe(self, line: bytes) -> None:
         try:
@@ -301,56 +313,6 @@ class _Watched:
             self.probe.stdin.flush()
         except BrokenPipeError:
             pass  # it ended first
-
-    def _look(self) -> None:
-        """Charge the time since the last look, tell the probe, and compare with the limits."""
-        now = time.monotonic()
-        passed, self.looked = now - self.looked, now
-        resident, seconds = usage(self.student.pid) if self.exit is None else (0, self.cpu_s)
-        used, self.cpu_s = max(0.0, seconds - self.cpu_s), max(self.cpu_s, seconds)
-        # If it was this process that did not look for long, nobody else is to blame; only of a
-        # program that used nothing meanwhile is it known that it slept.
-        passed = min(passed, 2 * WATCH_EVERY_S if used else MOST_SLEPT_S)
-        before = int(self.own_s / WATCH_EVERY_S)
-        # A program's time is what it computes and what it sleeps. While it, or our probe, wants a
-        # processor and does not get it, the machine is busy and nobody is late.
-        self.own_s += min(passed, used) if self._somebody_runs() else passed
-        if ticks := int(self.own_s / WATCH_EVERY_S) - before:
-            self._tell_probe(TICK * ticks)
-        if now - self.began > MOST_WALL * self.limits.wall_s:
-            raise TooBusy(
-                f'The machine was too busy: {now - self.began:.0f} s passed, and the program had '
-                f'{self.own_s:.0f} s of them.'
-            )
-        self.killed = self.killed or self._over_limit(resident, seconds)
-
-    def _somebody_runs(self) -> bool:
-        for threads in (self.threads, self.probe_threads):
-            threads.look()
-        return self.threads.run() or self.probe_threads.run()
-
-    def _over_limit(self, resident: int, seconds: float) -> str:
-        """Return the name of the limit that is passed, or nothing."""
-        if self.own_s > self.limits.wall_s:
-            return 'wall_time_limit'
-        if self.printed > self.limits.output:
-            return 'output_limit'
-        if self.exit is not None:
-            return ''
-        if resident > self.limits.memory and proportional(self.student.pid) > self.limits.memory:
-            return 'memory_limit'
-        if seconds > self.limits.cpu_s:
-            return 'cpu_limit'
-        starting = not self.events
-        if starting and self.scenario.program == 'node' and seconds > BUSY_S:
-            return 'busy_before_node'
-        count, size = self.student.files()
-        if count > self.limits.inodes:
-            return 'inode_limit'
-        # A sandbox's folders have a size of their own.
-        if self.student.home and size > self.limits.folder:
-            return 'disk_limit'
-        return ''
 
     def _nobody_else_ended_it(self) -> None:
         """Refuse evidence of a program that the machine, or somebody on it, has ended."""
@@ -366,18 +328,29 @@ class _Watched:
         """See from outside what the probe cannot: other ROS domains, and further processes."""
         if self.student.home is None:  # else the network is that of the whole machine
             self.domains = other_domains(ports(self.student.pid))
-        self.threads.look()
         launcher = bool(self.student.namespaces) or self.student.supervised
         running = self.exit is None
-        self.left = len(self.threads.processes) > max(1, launcher + running)
+        self.left = len(list(family(self.student.pid))) > launcher + running
 
     def _process_event(self) -> dict[str, Any]:
         ends = {name: data.decode(errors='replace') for name, data in self.output.items()}
         facts = {
             'exit': self.exit,
+            'ended_ns': self.ended_ns,
             'killed': self.killed,
-            'cpu_s': round(self.cpu_s, 2),
+            'cpu_s': round(self.watchdog.cpu_s, 2),
             'left': self.left,
             'domains': self.domains,
         }
         return {'event': 'process', **facts, **ends}
+
+
+def _until(events: list[dict[str, Any]], ended_ns: int) -> list[dict[str, Any]]:
+    """Return what happened until the program ended, and how the graph was left."""
+    *before, end, process = events
+    kept = [
+        event
+        for event in before
+        if (event['clock_ns'] or 0) <= ended_ns or event.get('when') == 'end'
+    ]
+    return [*kept, {**end, 'clock_ns': ended_ns, 'reason': 'student_exited'}, process]

@@ -7,7 +7,7 @@ Digests tell whether they are; for people, a recording also names versions (:fun
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 import hashlib
 from importlib import metadata
@@ -20,32 +20,30 @@ import sys
 
 from autograder.sandboxes import probes
 from autograder.sandboxes.sandbox import HERE
-from environment.ros import FILE_NAME
+from environment.ros import FILE_NAME, further_messages
 
 AROUND = (
+    'clock/virtual_clock.py',
     'fastdds.xml',
-    'judging/clock_steps.py',
-    'judging/code_periods.py',
-    'judging/late_answers.py',
-    'judging/learners_code.py',
-    'judging/own_time.py',
-    'runs/examine.py',
+    'exam/scenario.py',
+    'grading/examine.py',
     'runs/observe.py',
-    'runs/scenario.py',
+    'runs/watchdog.py',
     'sandboxes/confined.py',
     'sandboxes/landlock.py',
     'sandboxes/probes.py',
     'sandboxes/processes.py',
     'sandboxes/sandbox.py',
-    'sandboxes/warm_probes.py',
 )
 """What runs programs, beside what runs in the sandbox."""
 ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')
 """Names under which rclpy may be installed."""
 GIT_S = 5.0
 """How long git may take: a name for people is not worth more."""
+FURTHER = 'packages of environment/messages.txt'
+"""What two machines must have in common, and what only runs that name such a package depend on."""
 TASKS = 1
-"""Format of what :mod:`autograder.runs.workers` sends and gets."""
+"""Format of what :mod:`autograder.runs.pool` sends and gets."""
 
 
 @lru_cache(maxsize=4)
@@ -63,22 +61,33 @@ def version(python: str = sys.executable) -> Mapping[str, str]:
         'machine': platform.machine(),
         'settings of ROS': _digest_of_settings(venv),
         'packages of ROS': _digest_of_packages(venv),
+        FURTHER: ', '.join(sorted({pin for pins in _further(venv).values() for pin in pins})),
     }
 
 
 def difference(wanted: Mapping[str, str], got: Mapping[str, str]) -> str:
     """Return how two versions differ, in words; empty if they are the same."""
     return '; '.join(
-        f'{name}: expected {wanted.get(name, "nothing")}, got {got.get(name, "nothing")}'
+        f'{name}: expected {wanted.get(name) or "nothing"}, got {got.get(name) or "nothing"}'
         for name in dict.fromkeys((*wanted, *got))
         if wanted.get(name) != got.get(name)
     )
 
 
-@lru_cache(maxsize=4)
-def environment_digest(python: str = sys.executable) -> str:
-    """Return a digest of all of it, for the names and the headers of recordings."""
-    return _digest(json.dumps(version(python), sort_keys=True).encode(), 32)
+def environment_digest(python: str, texts: Iterable[str]) -> str:
+    """
+    Return a digest of what decides a run, for the names and the headers of recordings.
+
+    A package of ``environment/messages.txt`` counts only for runs that name it: adding one leaves
+    all other recordings valid.
+
+    :param python: interpreter of the prepared environment
+    :param texts: the files of the program and the scenario
+    """
+    further = _further(Path(python).parents[1])
+    named = {name for text in texts for name in further if name in text}
+    parts = {**version(python), FURTHER: {name: further[name] for name in sorted(named)}}
+    return _digest(json.dumps(parts, sort_keys=True).encode(), 32)
 
 
 @lru_cache(maxsize=1)
@@ -127,16 +136,18 @@ def _rclpy() -> str:
 def _digest_of_grader() -> str:
     inside = sorted((HERE / 'inside').rglob('*.py'))
     filters = sorted((HERE / 'sandboxes' / 'seccomp').glob('*.bpf'))
-    files = [*(HERE / name for name in (*probes.FILES, *AROUND)), *inside, *filters]
+    clock = sorted((HERE / 'clock').glob('*.[ch]'))
+    files = [*(HERE / name for name in (*probes.FILES, *AROUND)), *clock, *inside, *filters]
     return _digest(b'\0'.join(path.name.encode() + b'\0' + path.read_bytes() for path in files))
 
 
 def _digest_of_settings(venv: Path) -> str:
     """Return a digest of how ROS is started, whatever the folders are called."""
     text = (venv / FILE_NAME).read_text(encoding='utf-8')
+    share = Path(json.loads(text)['workspace'], 'share')
     for folder, name in ((venv, 'VENV'), (HERE.parent, 'COURSE'), (sys.base_prefix, 'PYTHON')):
         text = text.replace(str(folder), f'<{name}>')
-    messages = sorted((HERE.parent / 'temp_monitor_pkg' / 'msg').glob('*.msg'))
+    messages = sorted(share.glob('temp_monitor_pkg/msg/*.msg'))
     cmake = sorted((HERE.parent / 'environment' / 'cmake').glob('*.cmake'))
     return _digest(text.encode() + b''.join(path.read_bytes() for path in (*messages, *cmake)))
 
@@ -145,7 +156,18 @@ def _digest_of_packages(venv: Path) -> str:
     """Return a digest of the ROS packages in the environment; none where ROS was sourced."""
     # By their folders: to read the metadata of all packages takes seconds.
     found = venv.glob('lib/python*/site-packages/ros_*.dist-info')
-    return _digest('\n'.join(sorted(path.name for path in found)).encode())
+    names = {path.name for path in found if _package_of(path) not in _further(venv)}
+    return _digest('\n'.join(sorted(names)).encode())
+
+
+def _package_of(info: Path) -> str:
+    """Return the package whose folder of metadata it is, ``ros_NAME-VERSION.dist-info``."""
+    return info.name.removeprefix('ros_').partition('-')[0]
+
+
+@lru_cache(maxsize=4)
+def _further(venv: Path) -> Mapping[str, list[str]]:
+    return further_messages(venv)
 
 
 def _digest(data: bytes, length: int = 16) -> str:

@@ -16,14 +16,15 @@ import subprocess
 import termios
 from typing import IO
 
+from environment.ros_domain import Claim
+
 
 @dataclass(frozen=True)
 class Limits:
     """
     What one run may use before it is ended.
 
-    :param wall_s: seconds on the wall clock
-    :param cpu_s: processor seconds, all processes together
+    :param cpu_s: processor seconds, all processes together, and the probe and the clock's driver
     :param memory: bytes of resident memory, all processes together
     :param processes: processes and threads
     :param folder: bytes in each writable folder
@@ -31,7 +32,6 @@ class Limits:
     :param output: bytes printed
     """
 
-    wall_s: float = 75.0  # a simulated minute of callbacks that sleep a second each fits in
     cpu_s: int = 20
     memory: int = 1 << 30
     processes: int = 64
@@ -91,7 +91,7 @@ class Confined:
     :param namespaces: open descriptors ``net`` and, where there is one, ``user``
     :param supervised: whether :mod:`autograder.inside.confine` ends what the program started
     :param home: the folder the program may write to, None where it has a file system of its own
-    :param domain: its ROS domain id
+    :param claimed: its ROS domain, None where it has a network of its own
     :param released: whether it was told to go on, and can have heard it
     :param ended_unread: whether it is known to have ended before it heard that; told once
     """
@@ -103,7 +103,7 @@ class Confined:
     namespaces: dict[str, int] = field(default_factory=dict)
     supervised: bool = False
     home: Path | None = None
-    domain: int = 0
+    claimed: Claim | None = None
     released: bool = False
     ended_unread: bool = False
 
@@ -151,6 +151,19 @@ class Confined:
             if stream is not None:
                 stream.close()
         self.gate.close()
+        if self.claimed is not None:
+            self.claimed.holder.close()
+
+    @property
+    def domain(self) -> int:
+        """Its ROS domain id."""
+        return self.claimed.domain if self.claimed else 0
+
+    @property
+    def enter(self) -> list[str]:
+        """The command that runs what follows it in these namespaces; empty if there are none."""
+        found = [f'--{kind}=/proc/self/fd/{fd}' for kind, fd in self.namespaces.items()]
+        return ['nsenter', *found, '--preserve-credentials', '--'] if found else []
 
     def files(self) -> tuple[int, int]:
         """Return how many files the program has made and how many bytes they hold."""

@@ -31,24 +31,33 @@ class Mode:
     """
     One way of running a program.
 
-    :param what: what it is, in words
+    :param what: a description of the mode
     :param lacks: what it does not protect, empty for full isolation
     :param keeps_secrets: whether no program can read hidden exams, so that they may be run
-    :param root: whether the grader of a class has to be root, or must not be
+    :param root: whether the grader of a class has to be root, or must not be; as root, the
+        program gets a throw-away user
+    :param namespaces: whether the program has file systems and a network of its own
+    :param landlock: whether Landlock and a system-call filter separate it from the machine
     """
 
     what: str
     lacks: tuple[str, ...] = ()
     keeps_secrets: bool = True
     root: bool = False
+    namespaces: bool = False
+    landlock: bool = False
 
 
 MODES = {
-    'bwrap-user': Mode('bubblewrap as a plain user', root=False),
-    'bwrap-root': Mode('bubblewrap from root, with a throw-away user', root=True),
-    'landlock-uid': Mode('Landlock with a throw-away user', (SHARED_NETWORK, NAMES), root=True),
-    'landlock': Mode('Landlock alone', (SHARED_NETWORK, NAMES, SHARED_USER, SIGNALS), root=False),
-    'none': Mode('no isolation', (EVERYTHING,), keeps_secrets=False, root=False),
+    'bwrap-user': Mode('bubblewrap as a plain user', namespaces=True),
+    'bwrap-root': Mode('bubblewrap from root, with a throw-away user', root=True, namespaces=True),
+    'landlock-uid': Mode(
+        'Landlock with a throw-away user', (SHARED_NETWORK, NAMES), root=True, landlock=True
+    ),
+    'landlock': Mode(
+        'Landlock alone', (SHARED_NETWORK, NAMES, SHARED_USER, SIGNALS), landlock=True
+    ),
+    'none': Mode('no isolation', (EVERYTHING,), keeps_secrets=False),
 }
 """By strength, best first."""
 

@@ -20,11 +20,12 @@ import secrets
 from autograder.errors import SandboxUnavailable
 from autograder.inside import system_calls
 from environment.ros import RosEnvironment
+from environment.ros_domain import Claim, claim, DOMAINS
 
 SYSTEM = ('/usr', '/bin', '/sbin', '/lib', '/lib64', '/etc/ld.so.cache', '/etc/alternatives')
 DEVICES = ('/dev/null', '/dev/zero', '/dev/full', '/dev/random', '/dev/urandom')
 SAME_USER_FROM = 3  # before, a program of the same user could cut the user's files short
-PORTS_A_DOMAIN, FIRST_PORT, DOMAINS = 250, 7400, 101
+PORTS_A_DOMAIN, FIRST_PORT = 250, 7400
 
 
 def refusal(root: bool) -> tuple[str, str]:
@@ -79,7 +80,7 @@ def readable(ros: RosEnvironment, course_messages: bool) -> tuple[list[str], lis
         package = f'{ros.workspace}/lib/python3*/site-packages/temp_monitor_pkg'
         closed |= {
             Path(module)
-            for module in (*glob(f'{package}/*.py'), *glob(f'{package}/__pycache__'))
+            for module in (*glob(f'{package}/*.py*'), *glob(f'{package}/__pycache__'))
             if not module.endswith('__init__.py')
         }
     read = list(SYSTEM)
@@ -102,23 +103,25 @@ def _around(path: Path, closed: set[Path]) -> Iterator[tuple[Path, bool]]:
         yield from _around(child, closed)
 
 
-def free_domain(table: str = '/proc/net/udp') -> int:
+def claim_free_domain(table: str = '/proc/net/udp') -> Claim:
     """
-    Return a random ROS domain id in which nobody on this machine is, as far as its ports tell.
+    Claim a random ROS domain that no kernel has claimed and no program uses, as its ports tell.
 
-    :raises SandboxUnavailable: if all are taken
+    :raises SandboxUnavailable: if there is none
     """
     used = set()
     for line in Path(table).read_text('ascii').splitlines()[1:]:
         port = int(line.split()[1].rpartition(':')[2], 16)
         used.add((port - FIRST_PORT) // PORTS_A_DOMAIN)
-    free = sorted(set(range(1, DOMAINS + 1)) - used)
-    if not free:
+    free = sorted(set(DOMAINS) - used)
+    secrets.SystemRandom().shuffle(free)
+    claimed = claim(free)
+    if claimed is None:
         raise SandboxUnavailable(
-            'On this machine somebody talks in each of the 101 ROS domains.',
+            f'Other programs use all {len(DOMAINS)} ROS domains of this machine.',
             'End other ROS programs, or use bubblewrap, which needs no free domain.',
         )
-    return secrets.choice(free)
+    return claimed
 
 
 @contextmanager

@@ -1,17 +1,17 @@
 """
 Start a run's probe in the network of the student's sandbox, apart from the student.
 
-As root a probe is a copy of a process that is kept ready in a sandbox of its own, see
-:mod:`autograder.probe.warm_probe`: one for each thread that runs submissions.  The copy is there
-in milliseconds, where a Python of its own takes longer to load rclpy than it then works.
-
-A plain user's probe joins the user namespace of the student's sandbox, in which no further one can
-be made; there, Landlock confines it where the kernel has it, and limits and a bare environment are
-all it has where not.  Without isolation it stands beside the student's program.
+As root, the probe has a separate sandbox, which shares the student's network and nothing else.  A
+plain user's probe joins the user namespace of the student's sandbox, in which no further namespace
+can be made.  There, Landlock confines the probe if the kernel has it; if not, limits and a bare
+environment are its only confinement.  Without isolation the probe runs next to the student's
+program.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import suppress
 from functools import partial
 import os
 from pathlib import Path
@@ -23,69 +23,90 @@ from autograder.sandboxes import sandbox as sandboxes
 from autograder.sandboxes.confined import Confined, end_group, Limits, Probe, Program
 from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox import HERE, Sandbox
-from autograder.sandboxes.warm_probes import warm_probes
 
 FILES = (
     'probe/probe.py',
     'probe/probe_graph.py',
     'probe/probe_loopback.py',
-    'probe/probe_round_trips.py',
     'probe/probe_steps.py',
     'probe/probe_wire.py',
     'probe/probe.xml',
-    'probe/warm_probe.py',
     'inside/lean_start.py',
-    'inside/system_calls.py',
 )
 """What the probe consists of."""
-# It works for as long as the program is watched, so the wall clock's limit comes first.
-LIMITS = Limits(cpu_s=120)
+LIMITS = Limits()
 
 
-def start_probe(sandbox: Sandbox, student: Confined, home: Path) -> Probe:
+def start_probe(
+    sandbox: Sandbox,
+    student: Confined,
+    home: Path,
+    clock: Sequence[str],
+    inherited: Sequence[int],
+) -> Probe:
     """
     Start a probe, which waits for its scenario.
 
     :param student: the held program
     :param home: the student's; a probe's own is made beside it where it needs one
-    :raises ProbeFailed: if it cannot be started
+    :param clock: command before its own, by which it finds the virtual clock
+    :param inherited: the descriptor that it names
     """
-    if sandbox.mode == 'bwrap-root':
-        binds = {str(HERE / name): f'/grader/{Path(name).name}' for name in FILES}
+    argv = (*clock, sandbox.ros.python)
+    fds = (*student.namespaces.values(), *inherited)
+    if sandbox.facts.namespaces and sandbox.facts.root:
         program = Program(
-            (sandbox.ros.python, '/grader/warm_probe.py'),
-            {**binds, str(landlock.filter_file()): '/grader/filter.bpf'},
+            (*argv, '/grader/probe.py'),
+            {str(HERE / name): f'/grader/{Path(name).name}' for name in FILES},
             variables=_variables(Path('/grader'), student.domain),
         )
-        return warm_probes(sandbox, program, LIMITS).make(student.namespaces['net'])
-    own, code = home.parent / 'probe', home.parent / 'code'
-    for folder in (own, code):
-        folder.mkdir(mode=0o755)
-    for name in FILES:  # Python lists the folder, whose neighbours are no business of it
-        shutil.copy(HERE / name, code)
-    program = Program(
-        (sandbox.ros.python, '/grader/probe.py'),
-        {str(code): '/grader'},
-        variables=_variables(code, student.domain),
-    )
-    run, variables = sandbox.outside(program, LIMITS, own, student.domain)
-    if sandbox.mode != 'none' and not landlock.refusal(root=os.geteuid() == 0)[0]:
-        run = [*sandbox.behind_landlock(program, own), *run]
-    fds = student.namespaces
-    if sandbox.mode == 'bwrap-user':
-        enter = ['nsenter', f'--net=/proc/self/fd/{fds["net"]}']
-        enter += [f'--user=/proc/self/fd/{fds["user"]}']
+        process = _in_a_sandbox(sandbox, program, student.enter, fds)
+    else:
+        own, code = home.parent / 'probe', home.parent / 'code'
+        for folder in (own, code):
+            folder.mkdir(mode=0o755)
+        for name in FILES:  # Python lists the folder, and must not see its neighbours
+            shutil.copy(HERE / name, code)
+        program = Program(
+            (*argv, '/grader/probe.py'),
+            {str(code): '/grader'},
+            variables=_variables(code, student.domain),
+        )
+        run, variables = sandbox.outside(program, LIMITS, own, student.domain)
+        if sandbox.keeps_secrets and not landlock.refusal(root=os.geteuid() == 0)[0]:
+            run = [*sandbox.behind_landlock(program, own, inherited), *run]
         assign = [f'{name}={value}' for name, value in variables.items()]
-        run = [*enter, '--preserve-credentials', '--', 'env', '-i', *assign, *run]
-        variables = sandboxes.BARE
-    process = subprocess.Popen(
-        run, pass_fds=tuple(fds.values()), env=variables, cwd=own, **sandboxes.PIPES
-    )
+        run = [*student.enter, 'env', '-i', *assign, *run]
+        process = subprocess.Popen(
+            run, pass_fds=fds, env=sandboxes.BARE, cwd=own, **sandboxes.PIPES
+        )
     assert process.stdin
     assert process.stdout
     assert process.stderr
-    kill = partial(end_group, process)
+    kill = partial(_kill, process)
     return Probe(process.pid, process.stdin, process.stdout, process.stderr, kill, process.wait)
+
+
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    """End a probe; one whose sandbox is just being set up may outlive its launcher."""
+    assert process.stdin
+    with suppress(BrokenPipeError):
+        process.stdin.close()  # without a scenario it ends by itself
+    end_group(process)
+
+
+def _in_a_sandbox(
+    sandbox: Sandbox, program: Program, enter: Sequence[str], fds: Sequence[int]
+) -> subprocess.Popen[bytes]:
+    """Start a probe in mounts and processes of its own, in a network that it enters."""
+    rules = os.open(landlock.filter_file(), os.O_RDONLY)
+    try:
+        descriptors = ['--seccomp', str(rules)]
+        options = sandbox.bwrap(program, LIMITS, descriptors, network=False)
+        command = sandbox.command(program, LIMITS)
+        return sandboxes.start_bwrap(options, command, (*fds, rules), enter)
+    finally:
+        os.close(rules)
 
 
 def _variables(folder: Path, domain: int) -> dict[str, str]:

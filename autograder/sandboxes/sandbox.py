@@ -16,24 +16,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 import fcntl
-import functools
 from glob import glob
 import json
 import os
 from pathlib import Path
 import platform
 import secrets
-import shutil
 import socket
 import subprocess
-import sys
 from typing import Any
 
 from autograder.errors import SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
 from autograder.sandboxes.confined import Confined, end_group, Limits, Program
 from autograder.sandboxes.isolation import fix_for, System
-from autograder.sandboxes.sandbox_trial import try_out
 from environment.ros import ros_environment, RosEnvironment
 
 HERE = Path(__file__).parents[1]
@@ -51,20 +47,21 @@ class Sandbox:
     def __init__(self, mode: str, ros: RosEnvironment | None = None) -> None:
         """Look up the ROS environment once."""
         self.mode = mode
+        self.facts = isolation.MODES[mode]
         self.ros = ros or ros_environment()
 
     @property
     def isolated(self) -> bool:
-        """Tell whether a program has file systems and a network of its own."""
-        return self.mode in ('bwrap-user', 'bwrap-root')
+        """Return whether a program has separate file systems and a separate network."""
+        return self.facts.namespaces
 
     @property
     def keeps_secrets(self) -> bool:
-        """Tell whether hidden exams may be used with this mode."""
-        return isolation.MODES[self.mode].keeps_secrets
+        """Return whether hidden exams may be used with this mode."""
+        return self.facts.keeps_secrets
 
     def turn(self) -> AbstractContextManager[None]:
-        """Return what to hold during a run: where the network is shared, one run at a time."""
+        """Return the lock that serialises runs on a shared network."""
         return nullcontext() if self.isolated else landlock.turn()
 
     # -- command lines ---------------------------------------------------------------------
@@ -100,7 +97,7 @@ class Sandbox:
         program: Program,
         limits: Limits,
         descriptors: Sequence[str],
-        capabilities: Sequence[str] = ('CAP_SETUID', 'CAP_SETGID', 'CAP_SETPCAP'),
+        network: bool = True,
     ) -> list[str]:
         """
         Return bubblewrap's options for a program.
@@ -108,13 +105,13 @@ class Sandbox:
         They are handed over through a pipe: its command line can be read inside the sandbox.
 
         :param descriptors: ``--info-fd N`` and the like
-        :param capabilities: what it starts with as root; these are there to be given up
+        :param network: whether it gets a network of its own, or stays where it is started
         """
-        root = self.mode == 'bwrap-root'
         argv = ['--unshare-ipc', '--unshare-pid', '--unshare-uts', '--unshare-cgroup-try']
-        argv += ['--unshare-net', '--cap-drop', 'ALL']
-        if root:
-            for capability in capabilities:
+        argv += ['--unshare-net'] if network else []
+        argv += ['--cap-drop', 'ALL']
+        if self.facts.root:
+            for capability in ('CAP_SETUID', 'CAP_SETGID', 'CAP_SETPCAP'):  # to be given up
                 argv += ['--cap-add', capability]
         else:
             argv += ['--unshare-user', '--disable-userns']
@@ -128,7 +125,7 @@ class Sandbox:
     def command(self, program: Program, limits: Limits) -> list[str]:
         """Return what bubblewrap starts: the program behind its limits and, as root, its uid."""
         drop = []
-        if self.mode == 'bwrap-root':
+        if self.facts.root:
             uid = str(throw_away_uid())
             drop = ['setpriv', '--reuid', uid, '--regid', uid, '--clear-groups']
             drop += ['--inh-caps=-all', '--ambient-caps=-all', '--bounding-set=-all']
@@ -176,13 +173,15 @@ class Sandbox:
         for module in glob(f'{self.ros.workspace}/lib/python3*/site-packages/temp_monitor_pkg/*'):
             if module.endswith('__pycache__'):
                 argv += hide(module)
-            elif module.endswith('.py') and not module.endswith('__init__.py'):
+            elif module.endswith(('.py', '.pyc')) and not module.endswith('__init__.py'):
                 argv += ['--ro-bind', '/dev/null', module]
         return argv
 
     # -- starting --------------------------------------------------------------------------
 
-    def start(self, program: Program, limits: Limits, home: Path) -> Confined:
+    def start(
+        self, program: Program, limits: Limits, home: Path, inherited: Sequence[int] = ()
+    ) -> Confined:
         """
         Start a program of ours, which waits for :meth:`Confined.release`.
 
@@ -190,10 +189,11 @@ class Sandbox:
         with the thread that started it.
 
         :param home: an existing empty folder, for modes without file systems of their own
+        :param inherited: descriptors that the program inherits under their numbers
         :raises SandboxUnavailable: if bubblewrap refuses
         """
         if not self.isolated:
-            return self._start_weak(program, limits, home)
+            return self._start_weak(program, limits, home, inherited)
         gate, theirs = socket.socketpair()
         info_read, info_write = os.pipe()
         rules = os.open(HERE / 'sandboxes' / 'seccomp' / f'{platform.machine()}.bpf', os.O_RDONLY)
@@ -201,7 +201,8 @@ class Sandbox:
         try:
             options = self.bwrap(program, limits, descriptors)
             command = self.command(program, limits)
-            process = start_bwrap(options, command, (info_write, rules), stdin=theirs)
+            held = (info_write, rules, *inherited)
+            process = start_bwrap(options, command, held, stdin=theirs)
         except OSError as error:
             os.close(info_read)
             gate.close()
@@ -227,22 +228,26 @@ class Sandbox:
                 f'bubblewrap refused: {what}.', fix_for(what, System.here())
             ) from error
         namespaces = {'net': net}
-        if self.mode == 'bwrap-user':
+        if not self.facts.root:
             # Not nsenter -t PID: bubblewrap moves on to a nested user namespace.
             namespaces['user'] = fcntl.ioctl(net, NS_GET_USERNS)
         return Confined(process, gate, pid, pidfd, namespaces)
 
-    def _start_weak(self, program: Program, limits: Limits, home: Path) -> Confined:
-        domain = landlock.free_domain()
-        argv, variables = self.outside(program, limits, home, domain)
-        if self.mode != 'none':
-            argv = [*self.behind_landlock(program, home), *argv]
+    def _start_weak(
+        self, program: Program, limits: Limits, home: Path, inherited: Sequence[int]
+    ) -> Confined:
+        claimed = landlock.claim_free_domain()
+        argv, variables = self.outside(program, limits, home, claimed.domain)
+        if self.facts.landlock:
+            argv = [*self.behind_landlock(program, home, inherited), *argv]
         gate, theirs = socket.socketpair()
         with theirs:
-            process = subprocess.Popen(argv, env=variables, cwd=home, **{**PIPES, 'stdin': theirs})
+            process = subprocess.Popen(
+                argv, pass_fds=inherited, env=variables, cwd=home, **{**PIPES, 'stdin': theirs}
+            )
         pidfd = os.pidfd_open(process.pid)
         confined = Confined(process, gate, process.pid, pidfd, home=home)
-        confined.supervised, confined.domain = self.mode != 'none', domain
+        confined.supervised, confined.claimed = self.facts.landlock, claimed
         return confined
 
     def outside(
@@ -254,13 +259,20 @@ class Sandbox:
             name: _outside(value, inside)
             for name, value in self.variables(program, str(home), domain).items()
         }
-        prefix = limits.argv(0 if self.mode == 'landlock-uid' else landlock.threads_of_user())
+        prefix = limits.argv(0 if self.facts.root else landlock.threads_of_user())
+        prefix = ['setpriv', '--pdeathsig', 'KILL', '--', *prefix]  # ends with its grader
         argv = [*prefix, *(_outside(word, inside) for word in program.argv)]
         return argv, {**variables, 'TMPDIR': str(home)}
 
-    def behind_landlock(self, program: Program, home: Path) -> list[str]:
-        """Return the launcher that puts a program behind Landlock."""
-        uid = throw_away_uid() if self.mode == 'landlock-uid' else 0
+    def behind_landlock(
+        self, program: Program, home: Path, inherited: Sequence[int] = ()
+    ) -> list[str]:
+        """
+        Return the launcher that puts a program behind Landlock.
+
+        :param inherited: descriptors that stay open
+        """
+        uid = throw_away_uid() if self.facts.root else 0
         if uid:
             os.chown(home, uid, uid)
         read, names = landlock.readable(self.ros, program.course_messages)
@@ -270,6 +282,7 @@ class Sandbox:
             'list': names,
             'write': [str(home), *landlock.DEVICES],
             'filter': str(landlock.filter_file()),
+            'inherited': list(inherited),
         }
         launcher = str(HERE / 'inside' / 'confine.py')
         # Not -I: what lies beside the launcher is to be found.
@@ -296,12 +309,17 @@ PIPES: dict[str, Any] = {
 
 
 def start_bwrap(
-    options: Sequence[str], command: Sequence[str], fds: Sequence[int], **pipes: Any
+    options: Sequence[str],
+    command: Sequence[str],
+    fds: Sequence[int],
+    enter: Sequence[str] = (),
+    **pipes: Any,
 ) -> subprocess.Popen[bytes]:
     """
     Start bubblewrap with its options in a pipe.
 
     :param fds: descriptors it inherits
+    :param enter: command before it, which enters namespaces
     :param pipes: what is to be different from :data:`PIPES`
     """
     listed, writing = os.pipe()
@@ -309,7 +327,7 @@ def start_bwrap(
         # Some 8 KB; a pipe takes 64 KB without a reader.
         os.write(writing, b'\0'.join(option.encode() for option in options) + b'\0')
         os.close(writing)
-        argv = ['bwrap', '--args', str(listed), '--', *command]
+        argv = [*enter, 'bwrap', '--args', str(listed), '--', *command]
         return subprocess.Popen(argv, pass_fds=(*fds, listed), env=BARE, **{**PIPES, **pipes})
     finally:
         os.close(listed)
@@ -330,88 +348,3 @@ def _outside(text: str, inside: Mapping[str, str]) -> str:
         if text == guest or text.startswith(f'{guest}/'):
             return host + text[len(guest) :]
     return text
-
-
-# -- choosing ------------------------------------------------------------------------------
-
-
-@functools.lru_cache(maxsize=4)
-def strongest(allow_weak: str = '') -> Sandbox:
-    """
-    Return the strongest way that works here, found out by using it.
-
-    :param allow_weak: the weakest mode of :data:`autograder.sandboxes.isolation.WEAK` that is
-        accepted; empty for nothing but isolation
-    :raises SandboxUnavailable: with the exact fix, and the weaker modes that would work
-    """
-    try:
-        return isolated()
-    except SandboxUnavailable as error:
-        refusal = error
-    root = os.geteuid() == 0
-    reasons = []
-    for mode in isolation.permitted(allow_weak, root):
-        try:
-            return weak(mode)
-        except SandboxUnavailable as error:
-            reasons.append(f'{mode}: {error}')
-    offers = isolation.permitted(isolation.WEAK[-1], root) if not allow_weak else ()
-    if offers:
-        reasons.append(
-            f'To accept less, name it: --allow-weak={" or --allow-weak=".join(offers)}.'
-        )
-    raise SandboxUnavailable(refusal.what, ' '.join([refusal.fix, *reasons])) from refusal
-
-
-def isolated() -> Sandbox:
-    """
-    Return the isolated sandbox that works here.
-
-    :raises SandboxUnavailable: with the exact fix
-    """
-    if shutil.which('bwrap') is None:
-        raise SandboxUnavailable('bubblewrap is not installed.', isolation.FIX_MISSING)
-    if not landlock.filter_file().is_file():
-        raise SandboxUnavailable(
-            f'There is no system-call filter for {platform.machine()}.',
-            'Add it with autograder/sandboxes/seccomp/make_filters.py.',
-        )
-    # Never bubblewrap's user namespace as root: the kernel would still see uid 0 inside.
-    sandbox = Sandbox('bwrap-root' if os.geteuid() == 0 else 'bwrap-user')
-    try_out(sandbox)
-    return sandbox
-
-
-def weak(mode: str) -> Sandbox:
-    """
-    Return a weaker sandbox.
-
-    :raises SandboxUnavailable: if it does not work here
-    """
-    sandbox = Sandbox(mode)
-    if mode == 'none':
-        return sandbox
-    what, fix = landlock.refusal(root=mode == 'landlock-uid')
-    if what:
-        raise SandboxUnavailable(what, fix)
-    if mode == 'landlock-uid':
-        needed = (*sandbox.ros.read_only, str(HERE / 'inside'))
-        if folder := landlock.closed_folder(needed):
-            raise SandboxUnavailable(
-                f'{folder} is closed to other users, and Python or the course is below it.',
-                f'Move them, or open the way: chmod o+x {folder}',
-            )
-    try_out(sandbox)
-    return sandbox
-
-
-def plain() -> Sandbox:
-    """Return the way without isolation, for visible checks on one's own code."""
-    return Sandbox('none')
-
-
-if __name__ == '__main__':
-    try:
-        print(f'sandbox: {strongest().mode} works')
-    except SandboxUnavailable as refusal:
-        sys.exit(f'sandbox: {refusal}')

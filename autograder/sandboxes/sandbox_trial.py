@@ -1,8 +1,8 @@
 """
 Try a sandbox out by using it: a mode counts as working here only if it does what a run needs.
 
-What is tried: inside, rclpy can be imported and the grader cannot be read; from outside, the probe
-finds its way into the sandbox's network.
+What is tried: inside, rclpy can be imported, the grader cannot be read and time is virtual; from
+outside, the probe finds its way into the sandbox's network.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import subprocess
 import tempfile
 from typing import TYPE_CHECKING
 
+from autograder.clock.virtual_clock import SYSTEM_TIME_NS, virtual_clock
 from autograder.errors import SandboxUnavailable
 from autograder.sandboxes import isolation
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
@@ -21,11 +22,11 @@ if TYPE_CHECKING:
     from autograder.sandboxes.sandbox import Sandbox
 
 TRIAL = """
-import rclpy, sys
+import rclpy, sys, time
 try:
     open(sys.argv[1]).close()
 except OSError:
-    print('in')
+    print('in' if abs(time.time() - float(sys.argv[2])) < 3600 else 'real')
 else:
     print('open')
 """
@@ -37,12 +38,18 @@ def try_out(sandbox: Sandbox) -> None:
 
     :raises SandboxUnavailable: if one of these does not work
     """
-    program = Program((sandbox.ros.python, '-c', TRIAL, __file__))
-    with sandbox.turn(), tempfile.TemporaryDirectory(prefix='trial-') as folder:
+    with (
+        sandbox.turn(),
+        tempfile.TemporaryDirectory(prefix='trial-') as folder,
+        virtual_clock(1) as clock,
+    ):
         Path(folder).chmod(0o755)
         home = Path(folder, 'home')
         home.mkdir()
-        confined = sandbox.start(program, Limits(wall_s=20), home)
+        now = str(SYSTEM_TIME_NS / 1e9)
+        argv = (*clock.command(0), sandbox.ros.python, '-c', TRIAL, __file__, now)
+        confined = sandbox.start(Program(argv), Limits(), home, (clock.places[0].fileno(),))
+        clock.begin()
         try:
             if sandbox.isolated:
                 _try_to_join(confined)
@@ -61,6 +68,9 @@ def try_out(sandbox: Sandbox) -> None:
         raise SandboxUnavailable(
             f'Isolation {sandbox.mode} lets a program read the grader.', isolation.SECTION
         )
+    if said.strip() == b'real':
+        what = f'With isolation {sandbox.mode}, a program does not load the virtual clock.'
+        raise SandboxUnavailable(what, 'Try: make doctor')
     if said.strip() != b'in':
         tail = ' '.join(error.decode(errors='replace').strip().splitlines()[-1:])
         raise SandboxUnavailable(
@@ -70,13 +80,9 @@ def try_out(sandbox: Sandbox) -> None:
 
 def _try_to_join(confined: Confined) -> None:
     """Join a sandbox's network as the probe will."""
-    fds = confined.namespaces
-    enter = ['nsenter', f'--net=/proc/self/fd/{fds["net"]}']
-    if 'user' in fds:
-        enter += [f'--user=/proc/self/fd/{fds["user"]}', '--preserve-credentials']
     joined = subprocess.run(
-        [*enter, '--', 'true'],
-        pass_fds=tuple(fds.values()),
+        [*confined.enter, 'true'],
+        pass_fds=tuple(confined.namespaces.values()),
         capture_output=True,
         text=True,
         check=False,

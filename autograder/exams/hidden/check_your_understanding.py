@@ -13,9 +13,9 @@ from typing import Any
 import yaml
 
 from autograder.errors import ExamInvalid
+from autograder.exam.exam import Cause, Check, Failed, Run
 from autograder.exams.visible.check_your_understanding import build, letter_of, QUESTIONS
-from autograder.handed_in.cells import LETTERS
-from autograder.judging.exam import Cause, Check, Failed, Run
+from autograder.submission.cells import LETTERS
 
 KEY = Path(__file__).with_suffix('.yaml')
 RUN_IT = 'Run the cells of that section again, and predict before each.'

@@ -1,9 +1,9 @@
-"""Lesson 06, part 3, as it is graded: zero is refused too, and the numbers nobody can know."""
+"""Lesson 06, part 3, as it is graded: zero is refused too, and the numbers are secret."""
 
 from __future__ import annotations
 
+from autograder.exam.inputs import generator
 from autograder.exams.visible.managed_pressure import build, Inputs
-from autograder.runs.inputs import generator
 
 _draw = generator('managed_pressure', 'limits and pressures')
 _first = round(_draw.uniform(3.1, 3.9), 2)

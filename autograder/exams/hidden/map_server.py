@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import random
 
+from autograder.exam.inputs import generator
 from autograder.exams.visible.map_server import build
-from autograder.runs.inputs import generator
 
 _ROOMS = ('hall', 'cellar', 'attic', 'yard', 'workshop', 'stairs', 'lab', 'office')
 

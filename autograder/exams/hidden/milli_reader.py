@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from autograder.exam.inputs import generator
 from autograder.exams.visible.milli_reader import build
-from autograder.runs.inputs import generator
 
 _draw = generator('milli_reader', 'numbers')
 exam = build(

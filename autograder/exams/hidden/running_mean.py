@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from autograder.exam.inputs import generator
 from autograder.exams.visible.running_mean import build
-from autograder.runs.inputs import generator
 
 _draw = generator('running_mean', 'numbers')
 

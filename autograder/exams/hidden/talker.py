@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from autograder.exam.inputs import generator
 from autograder.exams.visible.talker import build
-from autograder.runs.inputs import generator
 
 _draw = generator('talker', 'place')
 exam = build(
     f'/{"".join(_draw.choices("bdghjklmnprtvwz", k=6))}',
     seconds=_draw.choice((6.0, 7.0, 8.0)),
-    phase_s=round(_draw.uniform(0.02, 0.11), 3),
 )

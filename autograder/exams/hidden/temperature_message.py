@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from autograder.exam.inputs import generator
 from autograder.exams.visible.temperature_message import build, random_reading
-from autograder.runs.inputs import generator
 
 _draw = generator('temperature_message', 'readings')
 exam = build([random_reading(_draw) for _ in range(3)])

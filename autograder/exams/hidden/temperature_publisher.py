@@ -1,11 +1,13 @@
-"""Lesson 07, part 2, as it is graded: a whole minute, at a moment nobody can know."""
+"""Lesson 07, part 2, as it is graded: a whole minute of a ROS clock drawn from the secret."""
 
 from __future__ import annotations
 
+from autograder.exam.inputs import generator
 from autograder.exams.visible.temperature_publisher import build
-from autograder.runs.inputs import generator
 
+_draw = generator('temperature_publisher', 'clock')
 exam = build(
     seconds=60,
-    phase_s=round(generator('temperature_publisher', 'phase').uniform(0.02, 0.23), 3),
+    begins_s=round(_draw.uniform(0.01, 0.09), 9),
+    rate=round(_draw.choice((_draw.uniform(0.7, 0.85), _draw.uniform(1.15, 1.4))), 3),
 )

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import random
 
+from autograder.exam.inputs import generator
 from autograder.exams.visible.temperature_subscriber import build
 from autograder.judging.readings import Reading
-from autograder.runs.inputs import generator
 
 
 def edges(draw: random.Random) -> list[Reading]:

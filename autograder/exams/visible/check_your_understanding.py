@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import re
 
-from autograder.handed_in.cells import chosen_letter, LETTERS, NotALetterError
-from autograder.judging.exam import Cause, Exam, Failed, Run, Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
+from autograder.submission.cells import chosen_letter, LETTERS, NotALetterError
 
 QUESTIONS = tuple(f'q{number:02}' for number in range(1, 25))
 

@@ -5,14 +5,17 @@ The specification, as the lesson gives it: node ``courier``; a publisher of ``st
 on ``parcels`` with depth 10; the text ``for you`` exactly once, as soon as somebody is connected.
 The subscriptions come late and are volatile and reliable, so that what was published before they
 came is lost, and what was published when they came is not.  The second comes while the first is
-there, the third after both have left: who asks only whether somebody is there delivers again.
+there, the third after both have left: a node that asks only whether somebody is there delivers
+again.
 """
 
 from __future__ import annotations
 
 import re
 
-from autograder.judging.causes import why_no_message, why_silent
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Advance, Join, Leave, Look, Mark, Scenario, Step
+from autograder.judging.causes.ended import why_no_message, why_silent
 from autograder.judging.checks import (
     require_endpoint,
     require_field,
@@ -20,23 +23,18 @@ from autograder.judging.checks import (
     require_partner,
     SECOND,
 )
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.late_answers import refuse_unasked, STILL
-from autograder.runs.recording import Event
-from autograder.runs.scenario import Advance, Await, Join, Leave, Mark, Scenario, Step
+from autograder.recording import Event
 
 NODE = '/courier'
 TOPIC = '/parcels'
 TYPE = 'std_msgs/msg/String'
 TEXT = 'for you'
-AFTER_S = 3.0  # simulated time for a node that looks around with a timer [s]
-ALONE_S = 2.0  # and for one that notices that everybody has left [s]
-LATEST_S = 2.5  # who looks around every two seconds is not late yet [s]
+AFTER_S = 4.0  # for a node that looks around with a timer [s]
+QUIET_S = 6.0  # nothing is due, and a node that repeats itself is heard [s]
+ALONE_S = 2.0  # for a node that notices that everybody has left [s]
+LATEST_S = 2.5  # a node that looks around every two seconds is not late yet [s]
 EXERCISE = 'Exercise 2: the courier who waits'
 REMEMBER = 'Remember that it was delivered: cancel the timer, or set a flag and look at it.'
-AGAIN = Cause(
-    'repeats', 'A parcel is published although nobody has come: again and again.', REMEMBER
-)
 
 
 def parcels(run: Run, listener: str) -> list[Event]:
@@ -59,33 +57,38 @@ def offers_parcels(run: Run) -> None:
     require_partner(require_endpoint(run, 'publisher', TOPIC, TYPE))
 
 
-def _gone(run: Run) -> bool:
-    """Tell whether the node has taken itself away."""
+def _lives(run: Run, when: str) -> bool:
+    """Return whether the graph of a moment, ``delivered`` or ``end``, has its publisher."""
+    ends = [end for graph in run.recording.of('graph', when=when) for end in graph['endpoints']]
+    return any(end['topic'] == TOPIC and end['kind'] == 'publisher' for end in ends)
+
+
+def _why_gone(run: Run, text: str) -> Cause | None:
+    """
+    Explain a node that does not live on.
+
+    :param text: when it went, if nothing has gone wrong
+    """
     recording = run.recording
-    if recording.end_reason == 'complete':
-        return False
-    # Only main() destroys a node at the right moment; a method does it while the node is needed.
-    destroyed = re.search(r'\bself\.destroy_node\(', '\n'.join(run.files.values()))
-    return recording.process.get('exit') == 0 or bool(
-        destroyed and recording.end_reason in ('unresponsive', 'no_node_left')
-    )
+    if recording.process.get('exit') or recording.end_reason not in ('complete', 'student_exited'):
+        return why_silent(run)
+    advice = 'Let the node live on until it is stopped: self.timer.cancel() ends the search.'
+    return Cause('exited_early', text, advice)
 
 
 def delivers_to_who_comes_late(run: Run) -> None:
     """It waits: a subscription that comes late receives the parcel, and at once."""
-    # What is sent by a program that ends at once arrives, or not, by chance.
-    ended = _gone(run) and not run.recording.of('joined', listener='second')
     found = run.recording.phase('first').messages(TOPIC, 'first')
-    if found and not ended:
+    # What is sent by a program that ends at once arrives, or not, by chance.
+    lives = _lives(run, 'delivered')
+    if found and lives:
         _require_soon(run, found[0])
         return
-    if run.recording.of('joined', listener='first') and ended:
-        why = Cause(
-            'exited_early',
-            'The node was gone as soon as somebody was connected, and its message with it.',
-            'Let the node live on after the delivery: self.timer.cancel() ends the search.',
+    if run.recording.of('joined', listener='first') and not lives:
+        why = _why_gone(
+            run, 'The node was gone as soon as somebody was connected, and its message with it.'
         )
-    elif parcels(run, 'first') and not ended:
+    elif parcels(run, 'first'):
         why = Cause(
             'waits_for_two',
             'Nothing is delivered until a second subscription is there.',
@@ -95,18 +98,15 @@ def delivers_to_who_comes_late(run: Run) -> None:
         why = why_silent(run) or _why_nothing(run)
     raise Failed(
         expected='one message for a subscription that comes after some seconds',
-        observed='a node that is gone' if ended else 'a subscription that receives nothing',
+        observed='a subscription that receives nothing' if lives else 'a node that is gone',
         why=why,
     )
 
 
 def _require_soon(run: Run, parcel: Event) -> None:
     """Fail if the parcel came so late that nobody could have looked for who is there."""
-    joined = run.recording.of('joined', listener='first')
-    since, then = joined[0].get('clock_ns') if joined else None, parcel.get('clock_ns')
-    if since is None or then is None:
-        return
-    late_s = (then - since) / SECOND
+    joined = run.recording.of('joined', listener='first')[0]
+    late_s = (parcel['clock_ns'] - joined['clock_ns']) / SECOND
     if late_s > LATEST_S:
         raise Failed(
             expected='the parcel as soon as a subscription is connected',
@@ -168,12 +168,22 @@ def delivers_once(run: Run) -> None:
                 'Pass the depth 10 as quality of service.',
             ),
         )
-    again = run.recording.phase(STILL).messages(TOPIC, 'third')
-    refuse_unasked(run, again, f'parcel on {TOPIC}', AGAIN, rest='changes')
+    early = sum(one['number'] - 1 for one in parcels(run, 'first')[:1])
+    if early:
+        raise Failed(
+            expected='nothing before somebody is connected',
+            observed=f'{early} before',
+            why=Cause(
+                'published_too_early',
+                'Your program also publishes while nobody is connected, and what nobody receives '
+                'is lost.',
+                'Publish only when get_subscription_count() is above 0.',
+            ),
+        )
     listeners = ('first', 'second', 'third')
     first, second, third = (len(parcels(run, listener)) for listener in listeners)
-    complete = run.recording.end_reason == 'complete'
-    if (first, second, third) == (1, 0, 0) and complete:
+    lives = run.recording.end_reason == 'complete' and _lives(run, 'end')
+    if (first, second, third) == (1, 0, 0) and lives:
         return
     expected = '1 message for who comes first, none for those who come later'
     observed = f'{first} for the first, {second or "none"} for the second'
@@ -186,12 +196,8 @@ def delivers_once(run: Run) -> None:
 
 def _why_again(run: Run, first: int, second: int, third: int) -> Cause | None:
     """Explain more than one delivery, or a node that does not live on."""
-    if _gone(run):
-        return Cause(
-            'exited_early',
-            'The parcel was delivered, and some time later the node was gone.',
-            'Let the node live on until it is stopped: rclpy.spin(node) ends by itself then.',
-        )
+    if run.recording.end_reason != 'complete' or not _lives(run, 'end'):
+        return _why_gone(run, 'The parcel was delivered, and some time later the node was gone.')
     if why := why_silent(run):
         return why
     if first > 2 or (first > 1 and not second):
@@ -208,28 +214,29 @@ def _why_again(run: Run, first: int, second: int, third: int) -> Cause | None:
     return None
 
 
-def build(alone_s: float, between_s: float = AFTER_S) -> Exam:
+def build(alone_s: float, between_s: float = 1.0) -> Exam:
     """
     Return the exam for one late comer, one who comes later still, and one when both have left.
 
-    :param alone_s: simulated time before the first comes [s]
-    :param between_s: simulated time between the two [s]
+    :param alone_s: before the first comes [s]
+    :param between_s: before the second comes, when the parcel has been delivered [s]
     """
     steps: tuple[Step, ...] = (
-        Advance(alone_s, phase_s=0.1),
+        Advance(alone_s),
         Mark('first'),
         Join('first', TOPIC, TYPE),
-        Advance(between_s, phase_s=0.25),
-        Await(messages=1, seconds=1.0),
+        Advance(AFTER_S),
+        Look('delivered'),
+        Advance(between_s),
         Mark('second'),
         Join('second', TOPIC, TYPE),
-        Advance(AFTER_S, phase_s=0.25),
+        Advance(QUIET_S),
         Mark('third'),
         Leave('first'),
         Leave('second'),
-        Advance(ALONE_S, phase_s=0.25),
+        Advance(ALONE_S),
         Join('third', TOPIC, TYPE),
-        Advance(AFTER_S, phase_s=0.25),
+        Advance(AFTER_S),
     )
     exam = Exam(
         'courier',

@@ -2,40 +2,25 @@
 Lesson 01, first exercise: two nodes in one program.
 
 The specification, as the lesson gives it: the nodes ``lookout`` and ``keeper`` in the namespace
-``harbour``; the first logs one INFO line a second and the second one every two seconds, each from
-a timer and with its own logger; one executor serves both.
+``harbour``; the first logs one INFO line a second and the second one every two seconds, each with
+its own logger; one executor serves both.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import pairwise
+from dataclasses import replace
 import re
 
-from autograder.judging.causes import why_it_ended, why_no_node, why_silent
-from autograder.judging.checks import OTHER_CLOCK, own_logs, SECOND, why_own_time
-from autograder.judging.code_periods import timer_periods
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.own_time import names_another_clock, SHORTEST_S
-from autograder.judging.unlogged import debug_level, why_left_out, why_not_logged
-from autograder.runs.recording import Event, INFO
-from autograder.runs.scenario import Advance, Await, Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Advance, Call, Mark, Scenario
+from autograder.judging.causes.ended import why_no_node, why_silent
+from autograder.judging.causes.missing_logs import debug_level, why_left_out, why_not_logged
+from autograder.judging.checks import own_logs, require_period
+from autograder.recording import Event, INFO
 
 NAMESPACE = '/harbour'
 LOOKOUT, KEEPER = f'{NAMESPACE}/lookout', f'{NAMESPACE}/keeper'
-STEP_S = 0.25
-OTHER_SPUN = Cause(
-    'other_node_spun',
-    'Nobody spins that node. rclpy.spin(node) serves one node and does not come back, so a second '
-    'call of it is never reached.',
-    'Make one executor, add both nodes with add_node(), and call executor.spin().',
-)
-NEITHER_SPUN = Cause(
-    'never_spun',
-    'Nobody serves the two nodes: no executor spins, or a loop or a sleep holds it up, and no '
-    'timer can call anything.',
-    'Make one executor, add both nodes with add_node(), and call executor.spin() instead.',
-)
+WATCH = 'watch'  # the phase in which lines count; what a program says when it starts is before
 EXERCISE = 'Exercise 1: two nodes, one program'
 
 
@@ -75,13 +60,14 @@ def _why_missing(run: Run, node: str) -> Cause:
 
 def both_are_served(run: Run) -> None:
     """Somebody spins both nodes: each answers when it is asked."""
-    answered = {event['node'] for event in run.recording.of('barrier', answered=True)}
+    answered = {event['service'].rpartition('/')[0] for event in run.recording.of('answer')}
+    answered |= {event['node'] for event in run.recording.of('asked', answered=True)}
     silent = [node for node in (LOOKOUT, KEEPER) if node not in answered]
     if silent:
         raise Failed(
             expected='both nodes answer a question about their parameters',
             observed=f'no answer from {" and ".join(silent)}',
-            why=OTHER_SPUN if len(silent) == 1 else NEITHER_SPUN,
+            why=why_silent(run),
         )
 
 
@@ -95,82 +81,30 @@ def keeper_reports_every_two_seconds(run: Run) -> None:
     require_reports(run, KEEPER, 2)
 
 
-def second_of(entry: Event) -> int:
+def watched_lines(run: Run, node: str, level: int | None = None) -> list[Event]:
     """
-    Return the second of simulated time to which a log line belongs; 0 for one of the start.
+    Return what a node's own logger said once it was watched, in order.
 
-    A timer fires on the first clock step at or after its time: half a second later at most.
+    :param node: full name
     """
-    return round((entry['clock_ns'] or 0) / SECOND - STEP_S)
-
-
-def _watched_s(run: Run) -> int:
-    """Return for how many seconds of the clock lines are due where another node keeps its own."""
-    shown = (run.recording.of('end')[-1]['clock_ns'] or 0) / SECOND
-    # The clock waits for answers: who gives them slowly would have to show next to nothing.
-    return int(max(shown, SHORTEST_S))
+    return own_logs(replace(run, recording=run.recording.phase(WATCH)), node, level)
 
 
 def require_reports(run: Run, node: str, period_s: int) -> None:
     """
-    Fail unless a node logs one INFO line a period of simulated time, and nothing else.
-
-    What it says when it starts does not count, and neither does in which second it begins.
+    Fail unless a node logs one INFO line a period.
 
     :param node: full name
     """
-    alone = run.recording.goes_on_alone
-    own = run.recording.by_another_clock(node.strip('/').replace('/', '.'))
-    if own or (run.recording.in_wall_time and not alone):
-        raise Failed(
-            expected='lines in the rhythm of the simulated clock',
-            observed='a program with a clock of its own',
-            why=why_own_time(run) if own else NEITHER_SPUN,
-        )
-    seconds = _watched_s(run) if alone else run.facts['simulated_s']
-    entries = [entry for entry in own_logs(run, node) if second_of(entry) > 0]
-    lines = [entry for entry in entries if entry['level'] == INFO]
-    seen = [second_of(line) for line in lines]
-    # In real time, the last line may be one that is just due.
-    for until in (seconds, seconds - 1) if alone else (seconds,):
-        if any(
-            seen == list(range(first, until + 1, period_s)) for first in range(1, period_s + 1)
-        ):
-            return
-    require_timer(run)
-    raise Failed(
-        expected=f'{seconds // period_s} INFO lines from {node} in {seconds} s, '
-        f'one every {period_s} s',
-        observed=f'{len(seen) or "no"} INFO lines',
-        why=_why_other_rhythm(run, lines, seen, period_s)
-        if seen
-        else _why_no_report(run, node, entries, period_s),
-    )
+    lines, seconds = watched_lines(run, node, INFO), run.facts['seconds']
 
+    def explain() -> Cause | None:
+        if not lines:
+            others = watched_lines(run, node)
+            return why_not_logged(run, others, INFO) or why_no_report(run, period_s)
+        return why_left_out(run, INFO) if len(lines) < seconds // period_s else None
 
-def require_timer(run: Run) -> None:
-    """
-    Fail with the reason if the lines of a program follow another clock.
-
-    How many of them then come in simulated time is luck, so no text tells their number.
-    """
-    code = '\n'.join(run.files.values())
-    timer = 'create_timer' in code or 'create_rate' in code
-    if why_it_ended(run):
-        return
-    if names_another_clock(run.files) and (not timer or '_TIME' in code):
-        raise Failed(
-            expected='lines from a timer of the node, in the rhythm of its clock',
-            observed='lines in another rhythm',
-            why=OTHER_CLOCK,
-        )
-
-
-def _why_no_report(run: Run, node: str, entries: Sequence[Event], period_s: int) -> Cause | None:
-    """Explain a node without any report."""
-    if not run.recording.of('barrier', node=node, answered=True):
-        return OTHER_SPUN
-    return why_not_logged(run, entries, INFO) or why_no_report(run, period_s)
+    require_period(run, lines, period_s, seconds, 'INFO line', explain)
 
 
 def why_no_report(run: Run, period_s: int) -> Cause:
@@ -194,59 +128,22 @@ def why_no_report(run: Run, period_s: int) -> Cause:
         )
     return Cause(
         'silent',
-        f'The node runs for {run.facts["simulated_s"]} s, and none of its timers leads to a '
+        f'The node runs for {run.facts["seconds"]} s, and none of its timers leads to a '
         'line: it has not been created, or its period is too long, or its callback does not log.',
         f'Is {call} reached? The period is in seconds: 1000 is a quarter of an hour.',
     )
 
 
-def _why_other_rhythm(
-    run: Run, lines: Sequence[Event], seen: Sequence[int], period_s: int
-) -> Cause | None:
-    """Explain reports at other moments than those that are due."""
-    seconds = run.facts['simulated_s']
-    if len(seen) < seconds // period_s and (why := why_silent(run) or why_left_out(run, INFO)):
-        return why
-    return why_other_period(run, lines, period_s)
-
-
-def why_other_period(run: Run, lines: Sequence[Event], period_s: int) -> Cause | None:
+def build(seconds: int) -> Exam:
     """
-    Explain lines that come too often or too rarely.
+    Return the exam over some time.
 
-    :param lines: at least one, in order
+    :param seconds: how long the lines are watched [s]
     """
-    seconds = run.facts['simulated_s']
-    moments = {line['clock_ns'] for line in lines}
-    if len(moments) < len(lines) and len(moments) <= seconds // period_s + 1:
-        return Cause(
-            'several_at_once',
-            'Several lines come at the same moment.',
-            'Make one timer only, and log one line in its callback.',
-        )
-    if len(lines) == seconds // period_s:
-        return None
-    clocks_s = [(line['clock_ns'] or 0) / SECOND for line in lines]
-    gaps = [later - earlier for earlier, later in pairwise(clocks_s)]
-    right = f'The first argument of create_timer() is the period in seconds: {period_s}.0.'
-    # A single line has no rate, and neither have lines that come now and then.
-    if gaps and max(gaps) - min(gaps) <= 2 * STEP_S:
-        mean_s = sum(gaps) / len(gaps)
-        if abs(mean_s - period_s) > STEP_S / 2:
-            return Cause('wrong_rate', f'There is about one line every {mean_s:.2g} s.', right)
-    periods = timer_periods(run.files)
-    if periods and period_s not in periods:
-        return Cause('wrong_rate', 'No timer in your code has this period.', right)
-    return None
-
-
-def build(seconds: int, phase_s: float) -> Exam:
-    """
-    Return the exam over some simulated time.
-
-    :param seconds: simulated seconds, >= 5
-    :param phase_s: first clock value, 0 < phase_s < 0.25 [s]
-    """
+    asked = [
+        Call(node, 'get_parameters', 'rcl_interfaces/srv/GetParameters', patience_s=3.0)
+        for node in (LOOKOUT, KEEPER)
+    ]
     exam = Exam(
         'harbour',
         title='Two nodes, one program',
@@ -254,16 +151,9 @@ def build(seconds: int, phase_s: float) -> Exam:
         part=1,
         cells=('harbour',),
         requires=('harbour.py',),
-        scenario=Scenario(
-            file='harbour.py',
-            steps=(
-                Advance(1.5, phase_s=phase_s),
-                Await(logs=1),
-                Advance(seconds - 1.0, phase_s=STEP_S),
-            ),
-        ),
+        scenario=Scenario(file='harbour.py', steps=(*asked, Mark(WATCH), Advance(seconds))),
         read='Part 3: Names and worlds',
-        facts={'simulated_s': seconds},
+        facts={'seconds': seconds},
     )
     exam.check(points=2)(both_nodes_exist)
     exam.check(points=2, needs=['both_nodes_exist'], read='lesson 02, Part 1: Who spins')(
@@ -276,4 +166,4 @@ def build(seconds: int, phase_s: float) -> Exam:
     return exam
 
 
-exam = build(seconds=8, phase_s=0.1)
+exam = build(seconds=8)

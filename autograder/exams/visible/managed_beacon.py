@@ -4,14 +4,22 @@ Lesson 06, part 2: a beacon with a managed life.
 The specification, as the lesson gives it: lifecycle node ``beacon``; ``on_configure`` creates a
 publisher of ``std_msgs/msg/String`` on ``beacon_signal``; active, it publishes once a second;
 otherwise it is silent; ``on_cleanup`` takes the publisher away, so that the next configuration
-starts from nothing.  The namespace is chosen by whoever starts it.
+starts from nothing.  The namespace is chosen on the command line.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from autograder.judging.causes import why_no_endpoint, why_no_verdict
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Advance, Look, Mark, Scenario, state, Step, transition
+from autograder.judging.causes.ended import why_no_endpoint, why_no_verdict
+from autograder.judging.causes.lifecycle import (
+    why_ended,
+    why_mute,
+    why_no_publisher,
+    why_refused,
+)
 from autograder.judging.checks import (
     require_answers,
     require_endpoint,
@@ -19,16 +27,7 @@ from autograder.judging.checks import (
     require_partner,
     require_period,
 )
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.lifecycle_causes import (
-    why_ended,
-    why_mute,
-    why_no_publisher,
-    why_own_clock,
-    why_refused,
-)
-from autograder.runs.recording import Event
-from autograder.runs.scenario import Advance, Look, Mark, Scenario, state, Step, transition
+from autograder.recording import Event
 
 TYPE = 'std_msgs/msg/String'
 WAYS = ('configure', 'activate', 'deactivate', 'activate', 'deactivate', 'cleanup')
@@ -62,7 +61,6 @@ TOO_LATE = Cause(
     'The publisher is created later than in on_configure().',
     'Call self.create_lifecycle_publisher() in on_configure().',
 )
-GRID = 0.25  # a phase of one step goes on with the ticks of the Advance before
 EXERCISE = 'Exercise 1: a managed beacon'
 
 
@@ -98,9 +96,9 @@ def is_managed(run: Run) -> None:
     try:
         require_answers(run, service, [wanted], 'the question for its state')
     except Failed as failed:
-        answered = any('data' in answer for answer in run.recording.answers(service))
-        why = ACTS_ALONE if answered else failed.why
-        raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
+        if any('data' in answer for answer in run.recording.answers(service)):
+            failed.why = ACTS_ALONE
+        raise
 
 
 def creates_its_publisher(run: Run) -> None:
@@ -141,11 +139,8 @@ def takes_every_transition(run: Run) -> None:
         what = 'the transitions configure, activate, deactivate and cleanup'
         require_answers(run, f'{node_of(run)}/change_state', wanted, what)
     except Failed as failed:
-        raise Failed(
-            expected=failed.expected,
-            observed=failed.observed,
-            why=_why_no_transition(run) or failed.why,
-        ) from None
+        failed.why = _why_no_transition(run) or failed.why
+        raise
 
 
 def _why_no_transition(run: Run) -> Cause | None:
@@ -162,26 +157,31 @@ def _changes(run: Run) -> Sequence[Event]:
 
 
 def publishes_while_active(run: Run) -> None:
-    """Active, it publishes once a second on the ROS clock."""
-    # How much follows another clock in simulated time, if anything, is luck, and not told.
-    lucky = None if run.recording.in_wall_time or why_ended(run) else why_own_clock(run)
+    """Active, it publishes once a second."""
     for phase in ACTIVE:
-        found = run.recording.phase(phase).messages(topic_of(run))
-        if not found and not lucky:
+        if not run.recording.phase(phase).messages(topic_of(run)):
             raise Failed(
                 expected='messages on beacon_signal while it is active',
                 observed='none',
                 why=_why_off(run),
             )
-        try:
-            require_period(run, found, 1.0, float(run.facts['active_s']))
-        except Failed as failed:
-            if lucky:
-                observed = 'messages in another rhythm'
-                raise Failed(expected=failed.expected, observed=observed, why=lucky) from None
-            more = phase != ACTIVE[0] and len(found) > run.facts['active_s'] + 1
-            why = TIMER_LEFT if more else why_own_clock(run) or failed.why
-            raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
+        _require_beat(run, phase, TIMER_LEFT if phase != ACTIVE[0] else None)
+
+
+def _require_beat(run: Run, phase: str, why_more: Cause | None) -> None:
+    """
+    Fail unless messages of an active phase come once a second.
+
+    :param why_more: explains more messages than are due; None if their rhythm does
+    """
+    found, active_s = run.recording.phase(phase).messages(topic_of(run)), run.facts['active_s']
+    try:
+        require_period(run, found, 1.0, active_s)
+    except Failed as failed:
+        failed.expected += f' while it is {phase}'
+        if why_more and len(found) > active_s + 1:
+            failed.why = why_more
+        raise
 
 
 def _why_off(run: Run) -> Cause | None:
@@ -224,39 +224,31 @@ def cleans_up(run: Run) -> None:
             observed=str(again) if again else 'none',
             why=why_ended(run) or (None if publishers(run, 'configured') else TOO_LATE),
         )
-    found = run.recording.phase('active anew').messages(topic_of(run))
-    try:
-        require_period(run, found, 1.0, float(run.facts['active_s']))
-    except Failed as failed:
-        raise Failed(
-            expected=f'{failed.expected}, also after cleanup',
-            observed=failed.observed,
-            why=NOT_CLEANED if len(found) > run.facts['active_s'] + 1 else failed.why,
-        ) from None
+    _require_beat(run, 'active after cleanup', NOT_CLEANED)
 
 
-def build(namespace: str = '', seconds: float = 4.0, phase_s: float = 0.1) -> Exam:
+def build(namespace: str = '', seconds: float = 4.0) -> Exam:
     """
     Return the exam.
 
     :param namespace: in which the node is started, such as ``/lab``, or nothing
-    :param seconds: simulated time in each active phase, whole seconds [s]
-    :param phase_s: first clock value, 0 < phase_s < 0.25 [s]
+    :param seconds: how long each active phase lasts [s]
     """
     node, topic = f'{namespace}/beacon', f'{namespace}/beacon_signal'
-    pause, work = Advance(2.0, phase_s=GRID), Advance(seconds, phase_s=GRID)
+    # No tick of a timer that a transition has started meets the end of an active phase.
+    pause, work = Advance(2.0), Advance(seconds + 0.05)
     changes = {name: transition(node, name) for name in WAYS}
     configure, activate = changes['configure'], changes['activate']
     deactivate, cleanup = changes['deactivate'], changes['cleanup']
     steps: list[Step] = [
-        *(Mark('fresh'), state(node), Advance(2.0, phase_s=phase_s), Look('fresh')),
+        *(Mark('fresh'), state(node), pause, Look('fresh')),
         *(Mark('configured'), configure, pause, Look('configured')),
         *(Mark('active'), activate, work),
         *(Mark('paused'), deactivate, pause),
         *(Mark('active again'), activate, work),
         *(Mark('cleaned'), deactivate, cleanup, pause, Look('cleaned')),
         *(Mark('configured again'), configure, pause, Look('configured again')),
-        *(Mark('active anew'), activate, work),
+        *(Mark('active after cleanup'), activate, work),
     ]
     exam = Exam(
         'managed_beacon',

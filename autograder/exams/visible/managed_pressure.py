@@ -15,11 +15,22 @@ from dataclasses import dataclass
 import re
 from typing import Any
 
-from autograder.judging.causes import why_no_endpoint, why_silent
-from autograder.judging.checks import field_of, own_logs, require_answers, require_node
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.late_answers import refuse_unasked, STILL
-from autograder.judging.lifecycle_causes import (
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import (
+    Advance,
+    Call,
+    Feed,
+    FeedTopic,
+    Mark,
+    Qos,
+    Scenario,
+    set_parameter,
+    state,
+    Step,
+    transition,
+)
+from autograder.judging.causes.ended import why_no_endpoint, why_silent
+from autograder.judging.causes.lifecycle import (
     died_in_vain,
     EARLY_LIMIT,
     ERROR_NOT_FAILURE,
@@ -35,21 +46,9 @@ from autograder.judging.lifecycle_causes import (
     without_its_end,
     WRONG_DEFAULT,
 )
-from autograder.judging.unlogged import LEVELS, why_not_logged
-from autograder.runs.recording import ERROR, Event, Recording, WARN
-from autograder.runs.scenario import (
-    Await,
-    Call,
-    Feed,
-    FeedTopic,
-    Mark,
-    Qos,
-    Scenario,
-    set_parameter,
-    state,
-    Step,
-    transition,
-)
+from autograder.judging.causes.missing_logs import why_not_logged
+from autograder.judging.checks import field_of, own_logs, require_answers, require_node
+from autograder.recording import ERROR, Event, Recording, WARN
 
 NODE, TOPIC = '/pressure_monitor', '/pressure'
 TYPE = 'std_msgs/msg/Float64'
@@ -57,6 +56,7 @@ EXERCISE = 'Exercise 2: a monitor that refuses nonsense'
 EVENTS = f'{NODE}/transition_event'
 EVENT_TYPE = 'lifecycle_msgs/msg/TransitionEvent'
 CHANGE = f'{NODE}/change_state'
+ANSWER_S = 3.0  # after each input: a thread may look every two seconds for what has come
 NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
 
 
@@ -103,8 +103,8 @@ def refuses_a_senseless_limit(run: Run) -> None:
         _require(run, 'refused', CHANGE, [{'success': False}] * tries, what)
     except Failed as failed:
         answers = [one['data'] for one in part.answers(CHANGE) if 'data' in one]
-        why = why_accepted(run, any(one['success'] for one in answers)) or failed.why
-        raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
+        failed.why = why_accepted(run, any(one['success'] for one in answers)) or failed.why
+        raise
     for event in part.messages(EVENTS):
         if field_of(event, 'goal_state.label') == 'errorprocessing':
             raise Failed(
@@ -124,14 +124,13 @@ def _require(
     try:
         require_answers(part, service, wanted, what)
     except Failed as failed:
-        why = why_ended(run) or (None if died_in_vain(run) else failed.why)
-        raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
+        failed.why = why_ended(run) or (None if died_in_vain(run) else failed.why)
+        raise
 
 
 def tells_why(run: Run) -> None:
     """Each refusal is one ERROR line with the limit in it."""
     refused = inputs(run).refused
-    _refuse_unasked(run, ERROR)
     found = own_logs(Run(run.files, run.recording.phase('refused'), run.facts), NODE, ERROR)
     if len(found) == len(refused) and all(map(_shows, found, refused)):
         return
@@ -140,12 +139,6 @@ def tells_why(run: Run) -> None:
         observed=f'{len(found) or "no"} ERROR line{"" if len(found) == 1 else "s"}',
         why=_why_untold(run, found, refused),
     )
-
-
-def _refuse_unasked(run: Run, level: int) -> None:
-    """Fail if the node logged at a level when nothing was due."""
-    still = Run(run.files, run.recording.phase(STILL), run.facts)
-    refuse_unasked(run, own_logs(still, NODE, level), f'{LEVELS[level]} line')
 
 
 def _why_untold(run: Run, found: Sequence[Event], refused: Sequence[float]) -> Cause | None:
@@ -184,22 +177,21 @@ def _shows(entry: Event, limit: float) -> bool:
 
 def recovers(run: Run) -> None:
     """With a sensible limit it configures and activates after all."""
-    part = run.recording.phase('mended')
+    part = run.recording.phase('accepted')
     setting = f'{NODE}/set_parameters'
     wanted = [{'results': [{'successful': True, 'reason': ''}]}]
     try:
-        _require(run, 'mended', setting, wanted, 'setting the parameter limit')
+        _require(run, 'accepted', setting, wanted, 'setting the parameter limit')
     except Failed as failed:
-        answered = any('data' in answer for answer in part.answers(setting))
-        why = NO_PARAMETER if answered else failed.why
-        observed = 'the node refuses' if answered else failed.observed
-        raise Failed(expected=failed.expected, observed=observed, why=why) from None
+        if any('data' in answer for answer in part.answers(setting)):
+            failed.observed, failed.why = 'the node refuses', NO_PARAMETER
+        raise
     try:
-        _require(run, 'mended', CHANGE, [{'success': True}], 'configure')
+        _require(run, 'accepted', CHANGE, [{'success': True}], 'configure')
     except Failed as failed:
-        answered = any('data' in answer for answer in part.answers(CHANGE))
-        why = _why_still_refused(run, part) if answered else failed.why
-        raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
+        if any('data' in answer for answer in part.answers(CHANGE)):
+            failed.why = _why_still_refused(run, part)
+        raise
     _require(run, 'active', CHANGE, [{'success': True}], 'activate')
 
 
@@ -221,7 +213,6 @@ def _why_still_refused(run: Run, part: Recording) -> Cause:
 
 def warns_above_the_limit(run: Run) -> None:
     """Active, it logs exactly one WARN for each pressure strictly above the limit."""
-    _refuse_unasked(run, WARN)
     first, _ = inputs(run).limits
     _warns(run, 'active', inputs(run).active, first)
 
@@ -278,8 +269,9 @@ def _why_wrong(run: Run, at_limit: bool, found: int, logs: Sequence[Event]) -> C
     if found > 1:
         return Cause(
             'repeated_warning',
-            'The same pressure is warned about more than once: it has several subscriptions.',
-            'Create the subscription once, or destroy it in on_cleanup().',
+            'The same pressure is warned about more than once.',
+            'Log once in the callback, and nowhere else. Create the subscription once, or destroy '
+            'it in on_cleanup().',
         )
     if own_logs(run, NODE, WARN):
         return why_not_logged(run, logs, WARN) or Cause(
@@ -297,7 +289,7 @@ def _why_wrong(run: Run, at_limit: bool, found: int, logs: Sequence[Event]) -> C
 
 def ignores_while_not_active(run: Run) -> None:
     """Inactive, it warns of nothing, however high the pressure."""
-    for phase in ('mended', 'paused'):
+    for phase in ('accepted', 'paused'):
         found = own_logs(Run(run.files, run.recording.phase(phase), run.facts), NODE, WARN)
         if found:
             raise Failed(
@@ -333,8 +325,9 @@ def _warns_by(
         part = run.recording.phase(phase)
         followed = [_after(part, part.of('input'), number) for number in range(len(pressures))]
         by_other = [int(pressure > other) for pressure in pressures]
-        why = slip if _warned(run, part, followed) == by_other else failed.why
-        raise Failed(expected=failed.expected, observed=failed.observed, why=why) from None
+        if _warned(run, part, followed) == by_other:
+            failed.why = slip
+        raise
 
 
 def build(numbers: Inputs) -> Exam:
@@ -350,12 +343,12 @@ def build(numbers: Inputs) -> Exam:
     for number, limit in enumerate(numbers.refused):
         if number:
             steps.append(_limit(limit))
-        steps += [configure, Await(logs=1)]
-    steps += [state(NODE), Mark('mended'), _limit(first), configure]
-    steps += [_feed(numbers.inactive, optional=True)]
+        steps += [configure, Advance(ANSWER_S)]
+    steps += [state(NODE), Mark('accepted'), _limit(first), configure]
+    steps += [_feed(numbers.inactive)]
     steps += [Mark('active'), activate, _feed(numbers.active)]
-    steps += [Mark('paused'), deactivate, _feed(numbers.paused, optional=True)]
-    # Whoever refuses to be set before the cleanup is set after it, and right in both.
+    steps += [Mark('paused'), deactivate, _feed(numbers.paused)]
+    # A node may refuse to be set before the cleanup; then it is set after it.
     steps += [Mark('still'), _limit(second), activate, _feed(numbers.still), deactivate]
     steps += [Mark('again'), transition(NODE, 'cleanup'), _limit(second), configure, activate]
     steps += [_feed(numbers.again)]
@@ -371,7 +364,6 @@ def build(numbers: Inputs) -> Exam:
             watch={EVENTS: EVENT_TYPE},
             feed={TOPIC: FeedTopic(TYPE, Qos())},
             steps=steps,
-            first_log_s=0,
         ),
         read='Part 3: When a transition goes wrong',
         facts={'inputs': numbers},
@@ -390,8 +382,9 @@ def _limit(value: float) -> Call:
     return set_parameter(NODE, 'limit', value)
 
 
-def _feed(pressures: Sequence[float], optional: bool = False) -> Feed:
-    return Feed(TOPIC, [{'data': value} for value in pressures], optional=optional)
+def _feed(pressures: Sequence[float]) -> Feed:
+    messages = [{'data': value} for value in pressures]
+    return Feed(TOPIC, messages, optional=True, every_s=ANSWER_S, rest_s=0.0)
 
 
 exam = build(

@@ -12,17 +12,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from autograder.judging.causes import why_no_endpoint, why_silent
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Feed, FeedTopic, Join, Qos, Scenario
+from autograder.judging.causes.ended import why_no_endpoint, why_silent
+from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import require_endpoint, require_node, require_qos, SECOND
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.late_answers import refuse_unasked, STILL, STILL_AT_FIRST
-from autograder.judging.untold import own_words
-from autograder.runs.scenario import Advance, Feed, FeedTopic, Join, Look, Qos, Scenario
 
 TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'
 HISTORY = Qos(durability='TRANSIENT_LOCAL', depth=50)
-REST_S = 3.0  # simulated time without surveys, in which a timer would publish again [s]
+LISTEN_S = 2.0  # for each listener, in which a timer would publish again
+REST_S = 5.0  # after the last survey, likewise
 LATCH = Cause(
     'not_latched',
     'The publisher keeps nothing for those who come later.',
@@ -72,12 +72,7 @@ def new_maps(run: Run) -> list[str]:
         ]
         for listener in (None, 'early')
     ]
-    found = [text for text in max(heard, key=len) if text != FIRST]
-    if publishers_of_maps(run) > 1:
-        # What several publishers send arrives in any order.
-        places = {text: place for place, text in enumerate(run.facts['surveys'])}
-        found.sort(key=lambda text: places.get(text, len(places)))
-    return found
+    return [text for text in max(heard, key=len) if text != FIRST]
 
 
 def publishers_of_maps(run: Run) -> int:
@@ -102,7 +97,6 @@ def offers_a_latched_map(run: Run) -> None:
 
 def has_a_map_from_the_start(run: Run) -> None:
     """Who comes before the first survey gets the map unknown, once."""
-    _refuse_unasked(run, STILL_AT_FIRST)
     found = maps_of(run, 'early')
     if found[:1] == [FIRST] and found.count(FIRST) == 1:
         return
@@ -113,21 +107,15 @@ def has_a_map_from_the_start(run: Run) -> None:
     )
 
 
-def _refuse_unasked(run: Run, *phases: str) -> None:
-    """Fail if a map came in one of these phases, in which none was due."""
-    for phase in phases:
-        refuse_unasked(run, run.recording.phase(phase).messages('/map', 'early'), 'map')
-
-
 def _why_no_first_map(run: Run, found: Sequence[str]) -> Cause | None:
+    if why := why_silent(run) or _why_unmatched(run, 'early'):
+        return why
     if found.count(FIRST) > 1:
         return Cause(
             'repeats',
             'The first map is published again and again.',
             'Publish it once, at the end of __init__; transient local does the rest.',
         )
-    if why := why_silent(run) or _why_unmatched(run, 'early'):
-        return why
     before = [text for text in found if text not in run.facts['surveys']]
     if before and before[0].strip().lower() == FIRST:
         return Cause('wrong_text', 'Upper and lower case and spaces count.', f'Write {FIRST!r}.')
@@ -155,7 +143,6 @@ def _why_unmatched(run: Run, listener: str) -> Cause | None:
 
 def publishes_each_survey(run: Run) -> None:
     """Each survey becomes the new map, unchanged and once."""
-    _refuse_unasked(run, STILL_AT_FIRST, STILL)
     surveys = list(run.facts['surveys'])
     found = new_maps(run)
     if found != surveys:
@@ -217,7 +204,6 @@ def keeps_only_the_newest(run: Run) -> None:
     ends = run.recording.endpoints('publisher', '/map')
     expiring = [end['qos']['lifespan_ns'] for end in ends if end['qos']['lifespan_ns']]
     if expiring:
-        # Whether it has expired before our late listener comes is a matter of wall time.
         raise Failed(
             expected='a newest map for who comes late, however late',
             observed=f'maps that expire after {expiring[0] / SECOND:g} s',
@@ -227,11 +213,12 @@ def keeps_only_the_newest(run: Run) -> None:
                 'Leave lifespan out.',
             ),
         )
-    _refuse_unasked(run, STILL_AT_FIRST, STILL)
     # Of its own maps: what they say is another check's business.
     newest = [*run.facts['surveys'], *new_maps(run)][-1]
-    found = maps_of(run, 'late')
-    if found != [newest]:
+    # What several publishers keep arrives in any order.
+    order = {text: place for place, text in enumerate((FIRST, *run.facts['surveys']))}
+    found = sorted(maps_of(run, 'late'), key=lambda text: (order.get(text, len(order)), text))
+    if set(found) != {newest}:
         raise Failed(
             expected=f'the newest map, {_named(run, newest)}, and nothing else, '
             'for who comes late',
@@ -239,14 +226,15 @@ def keeps_only_the_newest(run: Run) -> None:
             why=why_silent(run)
             or _why_unmatched(run, 'late')
             or _why_many(run, found)
-            or (FIRST_AGAIN if found == [FIRST] and new_maps(run) else None)
+            or (FIRST_AGAIN if set(found) == {FIRST} and new_maps(run) else None)
             or _why_other_maps(run, new_maps(run), run.facts['surveys']),
         )
 
 
 def _why_many(run: Run, found: Sequence[str]) -> Cause | None:
     """Explain more than one map for who comes late."""
-    if len(found) < 2:
+    kept = len(set(found))
+    if kept < 2:
         return None
     publishers = publishers_of_maps(run)
     if publishers > 1:
@@ -257,7 +245,7 @@ def _why_many(run: Run, found: Sequence[str]) -> Cause | None:
         )
     return Cause(
         'keeps_too_many',
-        f'The publisher keeps {len(found)} maps or more for those who come late.',
+        f'The publisher keeps {kept} maps or more for those who come late.',
         'Give its profile depth=1: keep the last one.',
     )
 
@@ -275,7 +263,7 @@ def _shown(run: Run, texts: Sequence[str]) -> str:
     shown = []
     for text, same in groupby(texts):
         count = len(list(same))
-        # How often a loop repeats one before we leave is luck, and which comes twice is secret.
+        # Which survey comes twice is secret.
         many = count > 2 or text not in surveys or len(texts) > len(surveys)
         often = AGAIN if many else '' if run.secret else 'twice'
         shown.append(f'{_named(run, text)} {often if count > 1 else ""}'.rstrip())
@@ -301,13 +289,15 @@ def build(surveys: Sequence[str]) -> Exam:
             watch={'/map': TYPE},
             feed={'/survey': FeedTopic(TYPE, Qos())},
             steps=(
-                Look('ready'),
-                Join('early', '/map', TYPE, HISTORY),
-                Feed('/survey', [{'data': text} for text in surveys], optional=True),
-                Advance(REST_S),
-                Join('late', '/map', TYPE, HISTORY),
+                Join('early', '/map', TYPE, HISTORY, LISTEN_S),
+                Feed(
+                    '/survey',
+                    [{'data': text} for text in surveys],
+                    optional=True,
+                    rest_s=REST_S,
+                ),
+                Join('late', '/map', TYPE, HISTORY, LISTEN_S),
             ),
-            first_log_s=0,
         ),
         read='Part 4: Those who come late',
         facts={'surveys': list(surveys)},

@@ -4,7 +4,7 @@ Lesson 04, part 2: from one message type to another.
 The specification, as the lesson gives it: node ``milli_reader`` hears ``temp_monitor_pkg/msg/Num``
 on ``raw`` and publishes, one for one, a ``temp_monitor_pkg/msg/Temperature`` on ``readings``: the
 number divided by 1000, Celsius, the description as sensor, and the time of the node's own clock.
-Simulated time moves between the numbers, so a stamp from any other clock shows.
+The program follows a ROS clock that is far from the computer's, so a stamp from any other shows.
 """
 
 from __future__ import annotations
@@ -12,7 +12,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 import math
 
-from autograder.judging.causes import why_silent
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Advance, Feed, RosClock, Scenario, Step
+from autograder.judging.causes.ended import why_silent
+from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import (
     field_of,
     require_endpoint,
@@ -21,37 +24,25 @@ from autograder.judging.checks import (
     require_partner,
     SECOND,
 )
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.late_answers import refuse_unasked, STILL
-from autograder.judging.untold import own_words
-from autograder.runs.recording import Event
-from autograder.runs.scenario import Advance, Feed, Look, Scenario, Step
+from autograder.recording import Event
 
 NODE = '/milli_reader'
 SOURCE, TARGET = '/raw', '/readings'
 SOURCE_TYPE = 'temp_monitor_pkg/msg/Num'
 TARGET_TYPE = 'temp_monitor_pkg/msg/Temperature'
-BETWEEN_S = 2.0  # simulated time before each number [s]
 MOST_MICROSECONDS = 1_000_000  # in a second
-CLOSE_S = 0.5  # how far a stamp may be from the moment it was heard [s]
+OTHER_CLOCK_S = 1000  # this far from the ROS clock, a stamp is from another one
+CLOCK = RosClock(begins_s=5_000.1)  # so no tick has whole seconds
 EXERCISE = 'Exercise 4.2: from one type to another'
 
 
 def readings(run: Run) -> list[Event]:
-    """
-    Return what came on the target topic, in order.
-
-    Several threads may answer a burst in any order, and which, is luck: then it is that of the
-    numbers, if each has its reading.
-    """
+    """Return what came on the target topic, in the order of the numbers if each has one."""
     found = [event for event in run.recording.messages(TARGET) if 'data' in event]
-    names, burst = run.facts['names'], int(run.facts['burst'])
-    if not burst or len(found) != len(names):
+    names, by_name = run.facts['names'], {field_of(event, 'sensor_id'): event for event in found}
+    if len(found) != len(names) or set(by_name) != set(names):
         return found
-    by_name = {field_of(event, 'sensor_id'): event for event in found[-burst:]}
-    if len(by_name) != burst or set(by_name) != set(names[-burst:]):
-        return found
-    return [*found[:-burst], *(by_name[name] for name in names[-burst:])]
+    return [by_name[name] for name in names]
 
 
 def starts_its_node(run: Run) -> None:
@@ -67,41 +58,49 @@ def hears_and_publishes(run: Run) -> None:
 
 def answers_one_for_one(run: Run) -> None:
     """For each number it publishes exactly one reading."""
-    refuse_unasked(run, run.recording.phase(STILL).messages(TARGET), 'message on readings')
-    singles = len(run.facts['numbers']) - run.facts['burst']
-    for index in range(singles):
-        found = [event for event in readings(run) if event['after_input'] == index]
-        if len(found) != 1:
+    found, numbers = run.recording.messages(TARGET), len(run.facts['numbers'])
+    for count, event in enumerate(found, 1):
+        sent = 0 if event['after_input'] is None else event['after_input'] + 1
+        if count > sent:
             raise Failed(
-                expected=f'1 message on readings after number {index + 1}',
-                observed=f'{len(found) or "none"}',
-                why=why_silent(run)
-                or (
-                    Cause(
-                        'several_answers',
-                        'More than one reading is published for one number.',
-                        'Publish once in the callback, and from nowhere else.',
-                    )
-                    if found
-                    else Cause(
-                        'no_answer',
-                        'Nothing is published when a number arrives.',
-                        'Publish in the callback of the subscription, for each message.',
-                    )
-                ),
+                expected='1 message on readings for each number',
+                observed=f'{count} after {sent} number{"" if sent == 1 else "s"}',
+                why=_why_too_many(sent),
             )
-    found = [event for event in readings(run) if (event['after_input'] or 0) >= singles]
-    if len(found) != run.facts['burst']:
+    if len(found) < numbers:
         raise Failed(
-            expected=f'{run.facts["burst"]} messages on readings after as many numbers at once',
+            expected=f'{numbers} messages on readings for as many numbers',
             observed=f'{len(found) or "none"}',
-            why=why_silent(run)
-            or Cause(
-                'misses_some',
-                'Where several numbers come at once, they do not get a reading each.',
-                'Publish in the callback of the subscription, once for each message.',
-            ),
+            why=why_silent(run) or _why_too_few(len(found)),
         )
+
+
+def _why_too_many(sent: int) -> Cause:
+    if not sent:
+        return Cause(
+            'speaks_unasked',
+            'Your node publishes a reading before any number has come.',
+            'Publish in the callback of the subscription, and from nowhere else.',
+        )
+    return Cause(
+        'several_answers',
+        'More than one reading is published for one number.',
+        'Publish once in the callback, and from nowhere else.',
+    )
+
+
+def _why_too_few(found: int) -> Cause:
+    if not found:
+        return Cause(
+            'no_answer',
+            'Nothing is published when a number arrives.',
+            'Publish in the callback of the subscription, for each message.',
+        )
+    return Cause(
+        'misses_some',
+        'Not every number gets a reading. Several numbers may come at once.',
+        'Publish in the callback of the subscription, once for each message.',
+    )
 
 
 def divides_by_a_thousand(run: Run) -> None:
@@ -176,36 +175,20 @@ def names_unit_and_sensor(run: Run) -> None:
 
 def stamps_with_its_own_clock(run: Run) -> None:
     """The timestamp is the time of the node's own clock when the number arrives."""
-    for event in readings(run):
-        if event['clock_ns'] is None:
-            continue
+    for number, event in zip(run.recording.of('input'), readings(run), strict=False):
         sec, nanosec = (field_of(event, f'timestamp.{part}') for part in ('sec', 'nanosec'))
-        clock = event['clock_ns'] / SECOND
-        # Between the number and a late answer to it, time may have passed.
-        if not _sent_s(run, event) - CLOSE_S <= sec + nanosec / SECOND <= clock + CLOSE_S:
+        told = CLOCK.at(number['clock_ns'])
+        # Between the number and a late answer to it, the time has gone on.
+        if not told <= sec * SECOND + nanosec <= CLOCK.at(event['clock_ns']):
             raise Failed(
-                expected='the time on the ROS clock when the number came, as timestamp'
-                if run.secret
-                else f'a timestamp near {clock:.2f} s, the time on the ROS clock',
-                observed=_shown_stamp(run, sec, nanosec),
-                why=_why_stamp(run, sec, nanosec, clock),
+                expected=f'the time on the ROS clock when the number came, {told / SECOND:.2f} s',
+                # A hidden number may be in it.
+                observed='another time' if run.secret else f'{sec}.{nanosec:09d} s',
+                why=_why_stamp(sec, nanosec, told // SECOND),
             )
 
 
-def _sent_s(run: Run, reading: Event) -> float:
-    """Return the time on the ROS clock when the number before a reading was sent [s]."""
-    sent = run.recording.of('input', index=reading['after_input'])
-    return float((sent[0] if sent else reading)['clock_ns'] or 0) / SECOND
-
-
-def _shown_stamp(run: Run, sec: int, nanosec: int) -> str:
-    if sec >= 1e9:
-        return 'the time of day'  # which differs from run to run
-    # The fraction may be that of our clock.
-    return f'another time, in second {sec}' if run.secret and nanosec else f'{sec}.{nanosec:09d} s'
-
-
-def _why_stamp(run: Run, sec: int, nanosec: int, clock: float) -> Cause:
+def _why_stamp(sec: int, nanosec: int, told_s: int) -> Cause:
     take = 'Take it in the callback: reading.timestamp = self.get_clock().now().to_msg().'
     if sec == nanosec == 0:
         return Cause(
@@ -213,22 +196,21 @@ def _why_stamp(run: Run, sec: int, nanosec: int, clock: float) -> Cause:
             'The stamp is 0: it was never set, or taken before the clock ran, as in __init__.',
             take,
         )
-    if sec > clock + 1000:
+    if abs(sec - told_s) > OTHER_CLOCK_S:
         return Cause(
             'other_clock',
             "The stamp is not from the node's own clock: a clock of another kind does not follow "
             'the ROS time, and sec counts seconds.',
             take,
         )
-    if nanosec == 0 and sec == int(clock):
+    if nanosec == 0 and sec == told_s:
         return Cause(
             'no_nanoseconds',
             'The stamp has whole seconds only: nanosec was never set.',
             take,
         )
-    if sec == int(clock) and nanosec < MOST_MICROSECONDS:
-        counts = 'counts' if run.secret else f'is {nanosec}: that many'
-        slip = f'nanosec {counts} milliseconds or microseconds, not nanoseconds.'
+    if sec == told_s and nanosec < MOST_MICROSECONDS:
+        slip = 'nanosec counts milliseconds or microseconds, not nanoseconds.'
         return Cause('nanoseconds', slip, take)
     return Cause(
         'stale_stamp', 'The stamp was taken at another moment, or its parts are wrong.', take
@@ -243,17 +225,13 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
     :param names: the description of each
     :param burst: how many of them are sent at once at the end, at most five
     """
-    # What dies in its first callback has shown its endpoints by then.
-    steps: list[Step] = [Look('ready')]
     sent = [
         {'num': number, 'description': name} for number, name in zip(numbers, names, strict=True)
     ]
     singles = len(sent) - burst
-    for index, message in enumerate(sent[:singles]):
-        steps.append(Advance(BETWEEN_S, phase_s=0.25 if index else 0.1))
-        steps.append(Feed(SOURCE, [message]))
+    steps: list[Step] = [Advance(2.0), Feed(SOURCE, sent[:singles])]
     if burst:
-        steps += [Advance(BETWEEN_S, phase_s=0.25), Feed(SOURCE, sent[singles:], burst=True)]
+        steps.append(Feed(SOURCE, sent[singles:], burst=True))
     exam = Exam(
         'milli_reader',
         title='From one message type to another',
@@ -266,10 +244,10 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
             watch={TARGET: TARGET_TYPE},
             feed={SOURCE: SOURCE_TYPE},
             steps=tuple(steps),
-            first_log_s=0.0,
+            ros_clock=CLOCK,
         ),
         read='Part 5: The choice',
-        facts={'numbers': tuple(numbers), 'names': tuple(names), 'burst': burst},
+        facts={'numbers': tuple(numbers), 'names': tuple(names)},
     )
     exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(

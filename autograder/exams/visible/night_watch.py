@@ -9,25 +9,24 @@ namespace in the code.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 import re
 
-from autograder.exams.visible.harbour import (
-    require_timer,
-    second_of,
-    why_no_report,
-    why_other_period,
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Advance, Mark, Scenario
+from autograder.exams.visible.harbour import WATCH, watched_lines, why_no_report
+from autograder.judging.causes.missing_logs import LEVELS, why_left_out, why_not_logged
+from autograder.judging.checks import (
+    GRAIN_S,
+    own_logs,
+    require_node,
+    require_period,
+    SECOND,
+    why_other_rhythm,
 )
-from autograder.judging.causes import why_silent
-from autograder.judging.checks import own_logs, require_node, require_ros_clock
-from autograder.judging.code_periods import timer_periods
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.own_time import is_flood
-from autograder.judging.results import shortened
-from autograder.judging.unlogged import LEVELS, why_left_out, why_not_logged
-from autograder.runs.recording import Event, INFO, WARN
-from autograder.runs.scenario import Advance, Await, Scenario
+from autograder.recording import Event, INFO, WARN
+from autograder.results import shortened
 
-STEP_S = 0.25
 EVERY = 5
 EXERCISE = 'Exercise 2: the night watch'
 
@@ -38,8 +37,16 @@ def node_of(run: Run) -> str:
 
 
 def reports(run: Run) -> list[Event]:
-    """Return what the node's own logger said once it had started, whatever the level."""
-    return [entry for entry in own_logs(run, node_of(run)) if second_of(entry) > 0]
+    """Return the lines of the node's own logger, whatever their level, while it is watched."""
+    return watched_lines(run, node_of(run))
+
+
+def watches(run: Run) -> list[Event]:
+    """Return the lines that are counted: the first watches may come when the program starts."""
+    said, found = own_logs(run, node_of(run)), reports(run)
+    until_first = said[: len(said) - len(found) + 1]
+    ones = [place for place, entry in enumerate(until_first) if 1 in numbers_in(entry)]
+    return said[ones[-1] :] if ones else found
 
 
 def numbers_in(entry: Event) -> list[int]:
@@ -53,45 +60,18 @@ def starts_in_the_namespace(run: Run) -> None:
 
 
 def reports_every_second(run: Run) -> None:
-    """It logs one line a second, with its own logger, from a timer."""
-    require_ros_clock(run)
-    found, seconds = _no_flood(run), run.facts['simulated_s']
-    if [second_of(entry) for entry in found] == list(range(1, seconds + 1)):
-        return
-    require_timer(run)
-    raise Failed(
-        expected=f'{seconds} lines in {seconds} s, one in every second',
-        observed=f'{len(found) or "no"} lines',
-        why=_why_not_every_second(run, found),
+    """It logs one line a second, with its own logger."""
+    found = reports(run)
+    require_period(
+        run, found, 1.0, run.facts['seconds'], 'line', lambda: _why_not_every_second(run, found)
     )
 
 
-def _no_flood(run: Run) -> list[Event]:
-    """Return the lines, unless there are so many that which of them arrive is luck."""
-    if is_flood(len(own_logs(run, node_of(run))), run.facts['simulated_s']):
-        raise Failed(
-            expected='one line a second',
-            observed='far more lines than that',
-            why=Cause(
-                'flood',
-                'Far more lines come than one a second.',
-                'Log once in the callback of one timer, and nowhere else.',
-            ),
-        )
-    return reports(run)
-
-
-def _why_not_every_second(run: Run, found: list[Event]) -> Cause | None:
-    seconds = run.facts['simulated_s']
+def _why_not_every_second(run: Run, found: Sequence[Event]) -> Cause | None:
     if not found:
         return why_not_logged(run, found, INFO, _has_another) or why_no_report(run, 1)
-    if len(found) < seconds and (why := why_silent(run) or _why_left_out(run)):
-        return why
-    return (
-        _why_not_one_line(run, found)
-        or _why_some_missing(run, found)
-        or why_other_period(run, found, 1)
-    )
+    left_out = _why_left_out(run) if len(found) < run.facts['seconds'] else None
+    return left_out or _why_not_one_line(run, found) or _why_some_missing(run, found)
 
 
 def _why_left_out(run: Run) -> Cause | None:
@@ -100,20 +80,21 @@ def _why_left_out(run: Run) -> Cause | None:
 
 def _why_some_missing(run: Run, found: Sequence[Event]) -> Cause | None:
     """Explain lines that are too few, although the timer ticks once a second."""
-    seconds = run.facts['simulated_s']
-    fifths = list(range(EVERY, seconds + 1, EVERY))
+    gaps_s = [(two['clock_ns'] - one['clock_ns']) / SECOND for one, two in pairwise(found)]
+    whole_s = {round(gap_s) for gap_s in gaps_s}
+    if 0 in whole_s or any(abs(gap_s - round(gap_s)) > GRAIN_S for gap_s in gaps_s):
+        return None
     # The numbers show that it has counted the others.
-    counted = all(second_of(entry) in numbers_in(entry) for entry in found)
-    if counted and [second_of(entry) for entry in found] == fifths:
+    if whole_s == {EVERY} and all(_has_a_fifth(entry['text']) for entry in found):
         return why_not_logged(run, [], INFO, _has_another) or Cause(
             'only_fifths',
             'Every fifth watch is logged, and the others are not.',
             'Use if and else: a WARN for the fifth, self.get_logger().info(...) for the others.',
         )
-    if len(found) < seconds and timer_periods(run.files) == {1.0}:
+    if len(whole_s) != 1:
         return Cause(
             'lines_missing',
-            'The period of your timer is 1 s, and yet lines are missing.',
+            'Your lines keep the rhythm of one second, but some are missing.',
             'Does each call of the callback log a line? Is the timer made in __init__(), and '
             'never cancelled? Start the node, and look at logs().',
         )
@@ -130,23 +111,20 @@ def _has_another(text: str) -> bool:
 
 def _why_not_one_line(run: Run, found: Sequence[Event]) -> Cause | None:
     """Explain watches with two lines or with none, which shift all that follow."""
-    if run.recording.in_wall_time:
-        return None  # how many are heard in real time is luck
-    seconds = run.facts['simulated_s']
-    fifths, moments = seconds // EVERY, {entry['clock_ns'] for entry in found}
-    if len(found) - seconds == fifths and len(moments) <= seconds:
+    seconds, moments = run.facts['seconds'], {entry['clock_ns'] for entry in found}
+    if len(found) - len(moments) == seconds // EVERY:
         return Cause(
             'both_levels',
             'A fifth watch is logged twice.',
             'Use if and else: one line a watch, either INFO or WARN.',
         )
-    if seconds - len(found) == fifths and not _warned(found):
+    if seconds - len(found) == seconds // EVERY and not _warned(found):
         return why_not_logged(run, [], WARN, _has_a_fifth) or Cause(
             'fifth_missing',
             'A fifth watch is not logged at all.',
             'Use if and else: one line a watch, also for the fifth.',
         )
-    cause = why_other_period(run, found, 1)
+    cause = why_other_rhythm(found, 1.0, seconds, 'line')
     return cause if cause and cause.cause_id == 'several_at_once' else None
 
 
@@ -158,30 +136,13 @@ def _warned(found: Sequence[Event]) -> list[int]:
 def lines_are_numbered(run: Run) -> None:
     """The lines carry the number of the watch: 1, 2, 3, and so on."""
     found = _enough(run)
-    first = _first_watch(run, found) or 1
-    for line, entry in enumerate(found, 1):
-        if first + line - 1 not in numbers_in(entry):
+    for number, entry in enumerate(found, 1):
+        if number not in numbers_in(entry):
             raise Failed(
-                expected=f'the number {first + line - 1} in line {line}',
+                expected=f'the number {number} in line {number}',
                 observed=repr(shortened(entry['text'])),
-                why=_why_not_one_line(run, found)
-                or (None if run.recording.in_wall_time else _why_misnumbered(line, found)),
+                why=_why_not_one_line(run, found) or _why_misnumbered(number, found),
             )
-
-
-def _first_watch(run: Run, found: Sequence[Event]) -> int:
-    """
-    Return the watch of the first line, or 0 if nothing tells it.
-
-    A program that keeps its own time may have spoken before anybody heard it: its first number
-    counts if the others go on from it.
-    """
-    if not run.recording.in_wall_time:
-        return 1
-    for first in numbers_in(found[0]):
-        if all(first + more in numbers_in(one) for more, one in enumerate(found)):
-            return first
-    return 0
 
 
 def _why_misnumbered(number: int, found: Sequence[Event]) -> Cause | None:
@@ -230,17 +191,14 @@ def _why_misnumbered(number: int, found: Sequence[Event]) -> Cause | None:
 def every_fifth_is_a_warning(run: Run) -> None:
     """Every fifth line is a WARN, all others are INFO."""
     found = _enough(run)
-    # Lines without the right numbers are fifths from the first warning on, where nobody counts.
-    warned = _warned(found)
-    first = _first_watch(run, found) or (1 - warned[0] if warned else 1) % EVERY
-    for number, entry in enumerate(found, first):
+    for number, entry in enumerate(found, 1):
         wanted = WARN if number % EVERY == 0 else INFO
         if entry['level'] != wanted:
             raise Failed(
                 expected=f'level {LEVELS[wanted]} for watch {number}',
                 observed=f'level {LEVELS.get(entry["level"], entry["level"])}',
                 why=_why_not_one_line(run, found)
-                or (_why_wrong_level(number, entry['level'], found) if first == 1 else None),
+                or _why_wrong_level(number, entry['level'], found),
             )
 
 
@@ -314,26 +272,18 @@ def _why_wrong_level(number: int, level: int, found: Sequence[Event]) -> Cause |
 
 
 def _enough(run: Run) -> list[Event]:
-    """Return the lines, if a warning is among those that are due."""
-    found = _no_flood(run)
-    # Real time is watched for a few seconds only; one warning is among five lines.
-    least = EVERY if run.recording.in_wall_time else 2 * EVERY
-    if len(found) < least:
-        require_timer(run)
-        raise Failed(
-            expected=f'at least {least} lines to look at',
-            observed=f'{len(found) or "none"}',
-            why=_why_not_every_second(run, found),
-        )
+    """Return the lines, if two warnings are among those that are due."""
+    found = watches(run)
+    if len(found) < 2 * EVERY:
+        reports_every_second(run)  # fails, and says why
     return found
 
 
-def build(seconds: int, phase_s: float, namespace: str) -> Exam:
+def build(seconds: int, namespace: str) -> Exam:
     """
-    Return the exam over some simulated time.
+    Return the exam over some time.
 
-    :param seconds: simulated seconds, >= 11
-    :param phase_s: first clock value, 0 < phase_s < 0.25 [s]
+    :param seconds: how long the lines are watched [s], >= 4 * EVERY
     :param namespace: chosen on the command line, such as ``/harbour``
     """
     exam = Exam(
@@ -346,14 +296,10 @@ def build(seconds: int, phase_s: float, namespace: str) -> Exam:
         scenario=Scenario(
             file='night_watch.py',
             arguments=('-r', f'__ns:={namespace}'),
-            steps=(
-                Advance(1.5, phase_s=phase_s),
-                Await(logs=1),
-                Advance(seconds - 1.0, phase_s=STEP_S),
-            ),
+            steps=(Mark(WATCH), Advance(seconds)),
         ),
         read='Part 4: Logging',
-        facts={'simulated_s': seconds, 'namespace': namespace},
+        facts={'seconds': seconds, 'namespace': namespace},
     )
     exam.check(points=2, read='Part 3: Names and worlds')(starts_in_the_namespace)
     exam.check(points=3, needs=['starts_in_the_namespace'], read=EXERCISE)(reports_every_second)
@@ -362,4 +308,4 @@ def build(seconds: int, phase_s: float, namespace: str) -> Exam:
     return exam
 
 
-exam = build(seconds=11, phase_s=0.1, namespace='/north')
+exam = build(seconds=21, namespace='/north')

@@ -12,16 +12,16 @@ from collections.abc import Sequence
 from itertools import pairwise
 import math
 
-from autograder.judging.causes import why_silent
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Advance, Feed, Scenario, Step
+from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import require_endpoint, require_node, require_partner
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.late_answers import refuse_unasked, STILL
-from autograder.runs.scenario import Feed, Scenario
 
 NODE = '/running_mean'
 SOURCE, TARGET = '/readings', '/mean'
 TYPE = 'std_msgs/msg/Float64'
 EXERCISE = 'Exercise 3: a running mean'
+EVERY_S = 2.5  # from one number to the next: a thread may answer some seconds late [s]
 
 
 def means_of(numbers: Sequence[float]) -> list[float]:
@@ -85,9 +85,11 @@ def reads_and_writes(run: Run) -> None:
 
 def answers_every_number(run: Run) -> None:
     """For each number it publishes exactly one message."""
-    refuse_unasked(run, run.recording.phase(STILL).messages(TARGET), f'message on {TARGET}')
-    before = first_nan(run)
-    for index in range(before):
+    if run.recording.of('message', topic=TARGET, after_input=None):
+        raise Failed(
+            expected='nothing before the first number', observed='a message', why=_UNASKED
+        )
+    for index in range(first_nan(run)):
         found = answers(run, range(index, index + 1))
         if len(found) != 1:
             raise Failed(
@@ -107,6 +109,11 @@ _LEAVES_OUT = Cause(
     'leaves_out',
     'Some numbers are answered, and this one is not.',
     'Publish for each number that is not NaN, the first one and those below zero included.',
+)
+_UNASKED = Cause(
+    'speaks_unasked',
+    'A message is published although no number has come.',
+    'Publish in the callback of the subscription, and from nowhere else.',
 )
 _REPEATS = Cause(
     'several_answers',
@@ -227,7 +234,7 @@ def _in_order(found: list[float], due: Sequence[float], burst: int) -> list[floa
     """
     Return means with those of a burst in their order, if all are there.
 
-    Several threads may answer in any order, and which, is luck.
+    Several threads may answer in any order.
 
     :param burst: how many of those due belong to it
     """
@@ -283,14 +290,11 @@ def _why_not_after_nan(run: Run, found: Sequence[float], before: int) -> Cause |
             'A 0.0 is left out like NaN, and it is a number like any other.',
             'Ask with math.isnan(message.data): a bare if not message.data is true for 0.0, too.',
         )
-    right = means_of(numbers)
-    if like(right) and len(found) < len(right) - before:
-        return Cause(
-            'misses_some',
-            'Where several numbers come at once, not each of them is answered.',
-            'Publish in the callback of the subscription, once for each message.',
-        )
-    if any(math.isclose(one, right[-1]) for one in found) and run.facts['burst']:
+    right = means_of(numbers)[before:]
+    if len(found) > len(right):
+        return _REPEATS
+    alone = len(right) - len(run.facts['burst'])
+    if alone <= len(found) < len(right) and all(map(_is_close, found[:alone], right)):
         return Cause(
             'misses_some',
             'Where several numbers come at once, they do not get an answer each.',
@@ -318,9 +322,9 @@ def build(singles: Sequence[float], burst: Sequence[float] = ()) -> Exam:
     :param burst: sent at once at the end, at most five, none of them NaN
     """
     numbers = [{'data': 'nan' if math.isnan(one) else one} for one in (*singles, *burst)]
-    steps = [Feed(SOURCE, numbers[: len(singles)])]
+    steps: list[Step] = [Advance(EVERY_S), Feed(SOURCE, numbers[: len(singles)], every_s=EVERY_S)]
     if burst:
-        steps.append(Feed(SOURCE, numbers[len(singles) :], burst=True))
+        steps.append(Feed(SOURCE, numbers[len(singles) :], burst=True, every_s=EVERY_S))
     exam = Exam(
         'running_mean',
         title='The running mean',
@@ -333,7 +337,6 @@ def build(singles: Sequence[float], burst: Sequence[float] = ()) -> Exam:
             watch={TARGET: TYPE},
             feed={SOURCE: TYPE},
             steps=tuple(steps),
-            first_log_s=0.0,
         ),
         read='Part 4: One topic, one type',
         facts={'singles': tuple(singles), 'burst': tuple(burst)},

@@ -7,8 +7,8 @@ The specification, as the lesson gives it: node ``sensor_watch``; a subscription
 ERROR line that names the policy when a publisher's offer is too weak.
 
 First comes a publisher that promises no deadline, and goes.  Then one that fits: it sends some
-distances and falls silent.  Deadlines run in wall time, so the silence is waited for: it lasts for
-several periods, and more than one miss must be logged in it.
+distances, keeps its promise, and falls silent.  How many deadlines are missed then is known: the
+first comes one period after the last distance, the others follow period by period.
 """
 
 from __future__ import annotations
@@ -18,28 +18,27 @@ from dataclasses import replace
 from itertools import takewhile
 import re
 
-from autograder.judging.causes import why_no_endpoint, why_silent
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Scenario
+from autograder.judging.causes.ended import why_no_endpoint, why_silent
+from autograder.judging.causes.missing_logs import why_not_logged
+from autograder.judging.causes.redaction import without_numbers
 from autograder.judging.checks import (
+    count_of,
     own_logs,
     require_endpoint,
     require_node,
     require_qos,
     SECOND,
 )
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.results import shortened
-from autograder.judging.unlogged import why_not_logged
-from autograder.judging.untold import without_numbers
-from autograder.runs.recording import ERROR, Event, INFO, Recording, WARN
-from autograder.runs.scenario import Await, Feed, Leave, Look, Mark, Offer, Qos, Scenario
+from autograder.recording import ERROR, Event, INFO, Recording, WARN
+from autograder.results import shortened
 
 TYPE = 'std_msgs/msg/Float64'
 NODE = '/sensor_watch'
 DEADLINE_NS = 300_000_000
-SILENCE_S = 1.5
-FEWEST_WARNINGS = 2  # five deadlines are missed in the silence, some of them at once
-MORE_THAN_COME = 1000
-"""So that the whole silence is waited for, however much a program logs."""
+EVERY_S = 0.2  # from one distance to the next
+SILENCE_S = 1.45  # from the last distance to the end: four deadlines, and time to log the last
 BY_RCLPY = 'New publisher discovered on topic'
 """How the line of rclpy's own callback for refused publishers begins."""
 REQUEST = {
@@ -55,7 +54,7 @@ TWICE = Cause(
 )
 WARNS_ONCE = Cause(
     'first_miss_only',
-    'Only the first missed deadline gives a WARN line, and the sensor stays silent for several.',
+    'The sensor misses several deadlines, and not each of them gives a WARN line.',
     'Log in every call of the callback for deadline, without a flag, once= or throttle.',
 )
 WARNS_TWICE = Cause(
@@ -63,11 +62,10 @@ WARNS_TWICE = Cause(
     'Each missed deadline gives more than one WARN line.',
     'Put all there is to say into one line.',
 )
-WARNS_WHEN_HEARD = Cause(
+NOT_A_MISS = Cause(
     'warns_of_something_else',
-    'The WARN line comes from the callback that hears a distance, and WARN is for missed '
-    'deadlines.',
-    'Log what was heard as INFO.',
+    'WARN is for missed deadlines, and your node logs it when none is missed.',
+    'Log a refused publisher as ERROR, and everything else as INFO.',
 )
 ONE_LINE = Cause(
     'several_errors',
@@ -87,11 +85,18 @@ def during(run: Run, phase: str) -> Run:
     return replace(run, recording=run.recording.phase(phase))
 
 
-def before_speaking(run: Run) -> list[Event]:
-    """Return what the node has logged before there was a sensor that fits."""
-    until = ('mark', 'speaking')
+def warnings_before_silence(run: Run) -> list[Event]:
+    """Return the WARN lines of the time in which no deadline is missed."""
+    until = ('mark', 'silence')
     events = takewhile(lambda one: (one['event'], one.get('name')) != until, run.recording.events)
-    return own_logs(replace(run, recording=Recording(run.recording.header, tuple(events))), NODE)
+    before = Recording(run.recording.header, tuple(events))
+    return own_logs(replace(run, recording=before), NODE, WARN)
+
+
+def missed_deadlines(run: Run) -> int:
+    """Return how many deadlines, as the subscription requests them, are missed in the silence."""
+    asked = [end['qos']['deadline_ns'] for end in _ends(run) if end['qos']['deadline_ns']]
+    return int(SILENCE_S * SECOND // min(asked)) if asked else 0
 
 
 def starts_its_node(run: Run) -> None:
@@ -172,65 +177,28 @@ def _why_unheard(run: Run) -> Cause | None:
 
 def warns_of_silence(run: Run) -> None:
     """A missed deadline gives a WARN line, and nothing else does."""
-    early = [line for line in before_speaking(run) if line['level'] == WARN]
+    early = warnings_before_silence(run)
     if early:
         raise Failed(
             expected='no WARN line before the sensor has fallen silent',
             observed=repr(shortened(str(early[0]['text']), 80)),
-            why=_why_default(early)
-            or Cause(
-                'warns_of_something_else',
-                'WARN is for missed deadlines; here nobody has missed one yet.',
-                'A refused publisher is an ERROR, everything else an INFO.',
-            ),
+            why=_why_default(early) or NOT_A_MISS,
         )
     silence = own_logs(during(run, 'silence'), NODE)
-    missed = [line for line in silence if line['level'] == WARN]
-    if _warns_when_heard(run, missed):
-        raise Failed(
-            expected='INFO lines for distances, and WARN lines for missed deadlines only',
-            observed='a WARN line when a distance arrives',
-            why=WARNS_WHEN_HEARD,
-        )
-    if len(missed) < FEWEST_WARNINGS:
-        earlier = [one for one in own_logs(during(run, 'speaking'), NODE) if one['level'] == WARN]
-        raise Failed(
-            expected='one WARN line for each missed deadline, of which there are several in '
-            f'{SILENCE_S:g} s of silence',
-            observed='1 WARN line' if missed else 'no WARN line',
-            why=(_why_unheard(run) or WARNS_ONCE)
-            if missed or earlier
-            else _why_no_warning(run, silence),
-        )
-    if _takes_turns([(line.get('function'), line.get('line')) for line in missed]):
-        raise Failed(
-            expected='one WARN line for each missed deadline',
-            observed='several, from different lines of your code',
-            why=WARNS_TWICE,
-        )
-
-
-def _warns_when_heard(run: Run, missed: Sequence[Event]) -> bool:
-    """
-    Tell whether a WARN line comes from where distances are logged.
-
-    :param missed: the WARN lines of the silence, in which nothing is heard; a function that logs
-        these too may be a helper for all lines
-    """
-    speaking = own_logs(during(run, 'speaking'), NODE)
-    hears = {line.get('function') for line in speaking if line['level'] == INFO}
-    hears -= {line.get('function') for line in missed}
-    return any(one['level'] == WARN and one.get('function') in hears for one in speaking)
-
-
-def _takes_turns(places: Sequence[object]) -> bool:
-    """Tell whether the same places of the code log one after the other, again and again."""
-    count = len(set(places))
-    return (
-        1 < count <= len(places) // 2
-        and len(set(places[:count])) == count
-        and all(one == other for one, other in zip(places, places[count:], strict=False))
+    found, due = sum(line['level'] == WARN for line in silence), missed_deadlines(run)
+    if found == due > 0:
+        return
+    raise Failed(
+        expected=f'one WARN line for each deadline missed in {SILENCE_S:g} s of silence',
+        observed=f'{count_of(found)} WARN line{"" if found == 1 else "s"}',
+        why=_why_other_count(run, found, due) if found else _why_no_warning(run, silence),
     )
+
+
+def _why_other_count(run: Run, found: int, due: int) -> Cause:
+    if found < due:
+        return _why_unheard(run) or WARNS_ONCE
+    return WARNS_TWICE if due and found % due == 0 else NOT_A_MISS
 
 
 def _why_default(lines: Sequence[Event]) -> Cause | None:
@@ -256,7 +224,7 @@ def _why_no_warning(run: Run, silence: Sequence[Event]) -> Cause | None:
             'Your subscription requests no deadline, so none can be missed.',
             'Give its profile deadline=Duration(seconds=0.3).',
         )
-    if asked and min(asked) > SILENCE_S * SECOND / 2:
+    if asked and not missed_deadlines(run):
         return Cause(
             'long_deadline',
             f'Your subscription requests a deadline of {min(asked) / SECOND:g} s, and the '
@@ -339,17 +307,22 @@ def build(distances: Sequence[float]) -> Exam:
         scenario=Scenario(
             file='sensor_watch.py',
             steps=(
-                Look('ready'),
                 Mark('weak'),
                 Offer('lazy', '/distance', TYPE, Qos('BEST_EFFORT')),
-                Await(logs=1),
+                Advance(1.0),
                 Leave('lazy'),
                 Mark('speaking'),
                 Offer('sensor', '/distance', TYPE, Qos('BEST_EFFORT', deadline_s=0.3)),
-                Feed('sensor', [{'data': distance} for distance in distances], optional=True),
-                Await(logs=len(distances)),
+                Feed(
+                    'sensor',
+                    [{'data': distance} for distance in distances],
+                    optional=True,
+                    every_s=EVERY_S,
+                    rest_s=0.0,
+                ),
                 Mark('silence'),
-                Await(logs=MORE_THAN_COME, seconds=SILENCE_S),
+                Advance(SILENCE_S - EVERY_S),
+                Mark('over'),
             ),
         ),
         read='Part 5: Promises over time',

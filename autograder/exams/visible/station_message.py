@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 import re
 
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Scenario
 from autograder.exams.visible.temperature_message import require_registered
-from autograder.judging.causes import close_name
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.message_checks import require_declarations, require_fields, why_no_build
-from autograder.runs.scenario import Scenario
+from autograder.judging.causes.ended import close_name
+from autograder.judging.message_package import require_declarations, require_fields, why_no_build
 
 MSG, MANIFEST, CMAKE = 'msg/Station.msg', 'package.xml', 'CMakeLists.txt'
 PACKAGE = 'station_interfaces'
@@ -204,7 +204,10 @@ def build() -> Exam:
         part=1,
         cells=('station_msg', 'station_package_xml', 'station_cmakelists'),
         requires=(MSG, MANIFEST, CMAKE),
-        scenario=Scenario(program='build', build_type=TYPE, appear_s=50.0, first_log_s=0.0),
+        scenario=Scenario(
+            program='build',
+            build_type=TYPE,
+        ),
         read='Part 2: The package',
     )
     exam.check(points=3, static=True, read='Part 1: The text')(defines_the_fields)

@@ -12,10 +12,10 @@ import random
 import re
 from typing import Any
 
-from autograder.judging.causes import close_name
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.message_checks import require_declarations, require_fields, why_no_build
-from autograder.runs.scenario import Feed, Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Feed, Scenario
+from autograder.judging.causes.ended import close_name
+from autograder.judging.message_package import require_declarations, require_fields, why_no_build
 
 FIELDS = (
     ('float64', 'temperature_value'),
@@ -258,8 +258,6 @@ def build(sent: Sequence[dict[str, Any]]) -> Exam:
             watch={'/echo_out': TYPE},
             feed={'/echo_in': TYPE},
             steps=(Feed('/echo_in', tuple(sent)),),
-            appear_s=50.0,
-            first_log_s=0.0,
         ),
         read='Part 1: The message',
         facts={'sent': list(sent)},

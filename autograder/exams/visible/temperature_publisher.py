@@ -6,81 +6,61 @@ The specification, as the lesson gives it: node ``temperature_publisher``; one
 ``temp_sensor_01``; the stamp is the node's clock; readings vary and stay between -40 and 125 °C
 (the range of common digital sensors, such as the DS18B20's -55 to 125 °C); quality of service
 reliable and volatile, which is what depth 10 gives.
+
+The exam is about the ROS clock: the program runs with ``use_sim_time``, and ROS time runs at
+a different rate from system time.  The wrong clock shows in the rhythm and in the stamps.
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 import math
 
-from autograder.judging.causes import why_no_endpoint, why_no_message, why_silent
-from autograder.judging.checks import (
-    none_of,
-    OWN_LOOP,
-    PACED_BY_SPIN_ONCE,
-    refuse_own_clock,
-    require_node,
-    SECOND,
-)
-from autograder.judging.clock_steps import in_parts
-from autograder.judging.code_places import seed_in_callback
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.learners_code import FieldUse, use_of_field
-from autograder.judging.own_time import (
-    is_flood,
-    is_regular,
-    keeps_its_timer,
-    least_messages,
-    names_another_clock,
-)
-from autograder.judging.stalled import why_it_sleeps
-from autograder.runs.recording import Event
-from autograder.runs.scenario import Advance, Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Advance, Mark, RosClock, Scenario
+from autograder.judging.causes.ended import why_no_endpoint, why_no_message, why_silent
+from autograder.judging.causes.not_answering import why_it_sleeps
+from autograder.judging.checks import GRAIN_S, is_flood, require_node, SECOND
+from autograder.recording import Event
+from autograder.submission.code.code_places import seed_in_callback
+from autograder.submission.code.learners_code import FieldUse, use_of_field
 
 NODE = '/temperature_publisher'
 TOPIC = '/temperature_topic'
 TYPE = 'temp_monitor_pkg/msg/Temperature'
 SENSOR = 'temp_sensor_01'
 COLDEST_C, HOTTEST_C = -40.0, 125.0
-BEFORE_THE_LIMIT = 10
-"""Readings in the time that a run may take, if each waits as long as the probe waits for it."""
+STEP_S = 0.1  # of the ROS clock, so that a timer of 0.1 s can count to ten
+BEGINS_S = 2.0  # how late the rhythm may begin, in ROS time
 OTHER_CLOCK = Cause(
     'other_clock',
     "Your messages do not come in the rhythm of the node's own clock.",
     'Use self.create_timer(1.0, ...), and leave use_sim_time as the command line sets it.',
 )
+PACED_BY_SPIN_ONCE = Cause(
+    'paced_by_spin_once',
+    'spin_once() returns as soon as anything has happened, such as a step of the ROS clock, so it '
+    'paces nothing.',
+    'Use self.create_timer() with the period in seconds, and rclpy.spin(node).',
+)
 EXERCISE = 'Exercise 2: the publisher node'
 
 
 def readings(run: Run) -> list[Event]:
-    """
-    Return the readings that count, in order.
-
-    Time begins when the program has shown that it listens, or is watched because it does not.
-    What it sends before, in ``__init__``, may or may not be heard.
-    """
-    return [
-        event
-        for event in run.recording.messages(TOPIC)
-        if 'data' in event and event['clock_ns'] is not None
-    ]
+    """Return the readings, in order."""
+    return [event for event in run.recording.messages(TOPIC) if 'data' in event]
 
 
 def enough_readings(run: Run) -> list[Event]:
     """
     Return the readings if they are enough to judge what *every* reading is like.
 
-    :raises Failed: if fewer than half of what is due has come; of a program that was ended for its
-        slowness, what surely comes on any machine
+    :raises Failed: if less than a quarter of what is due has come
     """
-    found = readings(run)
-    due = int(run.facts['simulated_s']) // 2
-    if run.recording.in_wall_time:
-        due = least_messages(run.recording, 1.0)
-    if run.recording.end_reason == 'wall_time_limit':
-        due = min(due, BEFORE_THE_LIMIT)
-    if len(found) < due:
+    found, due = readings(run), int(run.facts['seconds'])
+    if len(found) < due // 4:
         raise Failed(
-            expected=f'{run.facts["simulated_s"]} readings, of which this looks at every one',
+            expected=f'{due} readings, of which this looks at every one',
             observed=f'only {len(found)}',
             why=why_silent(run),
         )
@@ -105,111 +85,90 @@ def publishes_readings(run: Run) -> None:
     if not readings(run):
         raise Failed(
             expected=expected,
-            observed=none_of(run, 'the publisher, but no message'),
+            observed='the publisher, but no message',
             why=why_no_message(run),
         )
 
 
 def publishes_once_per_second(run: Run) -> None:
     """It publishes exactly once per second, measured on the ROS clock."""
-    seconds = int(run.facts['simulated_s'])
-    if run.recording.in_wall_time:
-        return _once_per_second_in_wall_time(run)
-    found = [event['clock_ns'] for event in readings(run)]
-    wrong = _first_wrong_second(found, seconds)
-    if wrong is None:
-        return None
-    expected = f'{seconds} messages in {seconds} s of simulated time, one in every second'
-    if not _keeps_the_clock(run, found) and not why_silent(run):
-        raise Failed(
-            expected=expected,
-            observed='messages in another rhythm',
-            why=why_it_sleeps(run) or OTHER_CLOCK,
-        )
-    why = _why_wrong_rhythm(run, found, seconds)
+    seconds = int(run.facts['seconds'])
+    minute = run.recording.phase('minute')
+    found = [event['clock_ns'] for event in minute.messages(TOPIC)]
+    right, wrong_ns = _seconds_in_rhythm(run, found)
+    if wrong_ns is None:
+        return
     many = 'far more' if is_flood(len(found), seconds) else len(found)
-    observed = f'{many} messages; first difference in second {wrong}'
-    if why is not None and why.cause_id == 'paced_by_spin_once':  # how many, is luck
-        observed = 'a message whenever anything happens'
     raise Failed(
-        expected=expected,
-        observed=observed,
-        why=why,
-        at=_moment_of(found, wrong),
-        every_s=1.0,
+        expected=f'{seconds} messages in {seconds} s of ROS time, one in every second',
+        observed=f'{many} messages; first difference in second {right + 1}',
+        why=_why_wrong_rhythm(run, found),
+        at=wrong_ns,
+        every_s=1.0 / run.facts['clock'].rate,
     )
 
 
-def _keeps_the_clock(run: Run, clocks_ns: list[int]) -> bool:
-    """Tell whether the node's clock paces the messages, so that their number is no luck."""
-    if not names_another_clock(run.files):
-        return True
-    step_s = _ticks(run)[1] / SECOND
-    return keeps_its_timer(run.files, [clock / SECOND for clock in clocks_ns], step_s)
+def _begin_ns(run: Run) -> int:
+    """Return when the minute begins [virtual ns]."""
+    marks = run.recording.of('mark', name='minute')
+    return int(marks[0]['clock_ns']) if marks else 0
 
 
-def _why_wrong_rhythm(run: Run, clocks_ns: list[int], seconds: int) -> Cause | None:
-    """Explain messages that follow the node's clock, at the wrong moments."""
+def _seconds_in_rhythm(run: Run, found: list[int]) -> tuple[int, int | None]:
+    """
+    Return how many messages come in the rhythm, and when another one comes or is missed [ns].
+
+    ROS time is known to a step, so a message may be a step early or late.
+
+    :param found: virtual times of the messages [ns]
+    """
+    clock: RosClock = run.facts['clock']
+    step_ns = round(clock.step_s * SECOND)
+    end_ns = _begin_ns(run) + round(run.facts['seconds'] / clock.rate * SECOND)
+    due_ns = clock.at(_begin_ns(run))
+    if found and clock.at(found[0]) < due_ns + BEGINS_S * SECOND:
+        due_ns = clock.at(found[0])
+    for number, moment_ns in enumerate(found):
+        if abs(clock.at(moment_ns) - due_ns) > step_ns:
+            return number, moment_ns
+        due_ns += SECOND
+    return len(found), end_ns if due_ns + step_ns < clock.at(end_ns) else None
+
+
+def _why_wrong_rhythm(run: Run, found: list[int]) -> Cause | None:
+    """
+    Explain messages in another rhythm.
+
+    :param found: virtual times of the messages [ns]
+    """
     if why := why_silent(run):
         return why
+    gaps = [later - earlier for earlier, later in pairwise(found)]
+    if gaps and all(abs(gap / SECOND - 1.0) <= GRAIN_S for gap in gaps):
+        return OTHER_CLOCK
     code = '\n'.join(run.files.values())
     if 'spin_once(' in code and 'create_timer' not in code:
         return PACED_BY_SPIN_ONCE
-    if len(clocks_ns) > seconds and len(set(clocks_ns)) < len(clocks_ns):
+    if 0 in gaps:
         return Cause(
             'several_at_once',
             'Several messages come at the same moment.',
             'Publish once in the callback of the timer, and make one timer only.',
         )
-    rate = len(clocks_ns) / seconds
+    if sleeps := why_it_sleeps(run):
+        return sleeps
+    clock: RosClock = run.facts['clock']
+    # From the first message to the last: a late beginning or an early end is not a wrong rate.
+    rate = len(gaps) * SECOND / clock.rate / sum(gaps) if gaps else 0.0
     if abs(rate - 1.0) > 0.01:
         # A timer that is shorter than a clock step fires once a step.
-        often = 'far more than once' if is_flood(rate, 1.0) else f'about {rate:.3g} times'
+        often = 'far more than once' if is_flood(rate, 1.0) else f'about {rate:.2g} times'
         return Cause(
             'wrong_rate',
             f'Your node publishes {often} a second.',
             'The first argument of create_timer() is the period in seconds: 1.0.',
         )
     return None
-
-
-def _first_wrong_second(clocks_ns: list[int], seconds: int) -> int | None:
-    """
-    Return the first second without exactly one message, from 1, or None.
-
-    The timer fires on the first clock step at or after each whole second: half a second later at
-    most, see :mod:`autograder.judging.clock_steps`.
-    """
-    nearest = _seconds_of(clocks_ns)
-    for second in range(1, seconds + 1):
-        if nearest.count(second) != 1:
-            return second
-    return 0 if any(not 1 <= second <= seconds for second in nearest) else None
-
-
-def _seconds_of(clocks_ns: list[int]) -> list[int]:
-    """Return the whole second that each message is nearest to, after it."""
-    return [round(clock / SECOND - 0.25) for clock in clocks_ns]
-
-
-def _moment_of(clocks_ns: list[int], second: int) -> int:
-    """Return when a wrong second shows [ns]: at its second message, or when its first was due."""
-    own = [clock for clock, near in zip(clocks_ns, _seconds_of(clocks_ns)) if near == second]
-    return own[1] if len(own) > 1 else second * SECOND
-
-
-def _once_per_second_in_wall_time(run: Run) -> None:
-    # Code with its own loop keeps real time.
-    refuse_own_clock(run, 'one message in every second of the ROS clock')
-    times = [event['wall_s'] for event in readings(run)]
-    if is_regular(run.recording, times, 1.0):
-        return
-    why = why_silent(run) if len(times) < 2 else None
-    raise Failed(
-        expected='one message a second',
-        observed='another rhythm in the seconds of real time in which it was watched',
-        why=why or OWN_LOOP,
-    )
 
 
 def names_the_unit(run: Run) -> None:
@@ -237,78 +196,46 @@ def _all_equal(run: Run, field: str, wanted: str) -> None:
 
 def stamps_follow_the_clock(run: Run) -> None:
     """The timestamp of every reading is the node's own clock at that moment."""
-    ticks = _ticks(run)
+    clock: RosClock = run.facts['clock']
     for event in enough_readings(run):
-        if event['clock_ns'] is None:
-            continue  # sent before the clock started, by a loop of its own
         stamp = event['data']['timestamp']
-        seconds = stamp['sec'] + stamp['nanosec'] / SECOND
-        clock = event['clock_ns'] / SECOND
         stamp_ns = stamp['sec'] * SECOND + stamp['nanosec']
-        if not _is_a_tick(run, ticks, stamp_ns, event['clock_ns']):
+        now_ns = clock.at(event['clock_ns'])
+        # The clock shows nothing between two steps; at one of them, a thread may read it before.
+        shown = (now_ns, now_ns - round(clock.step_s * SECOND))
+        early = event['clock_ns'] < _begin_ns(run)
+        if stamp_ns not in shown and not (early and stamp_ns == 0):
+            seconds, now = stamp_ns / SECOND, now_ns / SECOND
             raise Failed(
-                expected=_wanted_stamp(run, seconds, clock),
-                observed=_describe_stamp(run, seconds, clock),
-                why=(
-                    OWN_LOOP
-                    if run.recording.in_wall_time and not run.recording.goes_on_alone
-                    else _stamp_cause(run, seconds, clock, stamp)
-                ),
+                expected='a stamp of the ROS time of that reading'
+                if run.secret
+                else f'a stamp of {now:g} s, the ROS time of that reading',
+                observed=_describe_stamp(run, seconds, now),
+                why=_stamp_cause(run, stamp, now),
             )
 
 
-def _is_a_tick(run: Run, ticks: tuple[int, int], stamp_ns: int, clock_ns: int) -> bool:
-    """
-    Tell whether a stamp is what the node's clock showed when the reading was taken.
-
-    The clock shows nothing between two ticks, so the stamp is a tick to the nanosecond: the last
-    one, or the one before if the message came just after the next.
-
-    :param ticks: from :func:`_ticks`
-    """
-    if run.recording.in_wall_time:
-        return bool(0 <= clock_ns - stamp_ns <= 0.3 * SECOND)
-    first_ns, step_ns = ticks
-    if stamp_ns == 0:  # what the clock showed before its first tick
-        return clock_ns <= first_ns
-    on_grid = (stamp_ns - first_ns) % step_ns == 0
-    # As old as a step of the exam: a timer may take a reading that another one publishes.
-    oldest_ns = max(step_ns, round(run.facts['minute'].step_s * SECOND))
-    return on_grid and 0 <= clock_ns - stamp_ns <= oldest_ns
-
-
-def _ticks(run: Run) -> tuple[int, int]:
-    """Return the first tick of the clock in this run, and the step to the next [ns]."""
-    ticks = in_parts(run.facts['minute'], run.recording.divided).to_json()
-    return int(ticks['first_ns']), int(ticks['step_ns'])
-
-
-def _wanted_stamp(run: Run, seconds: float, clock: float) -> str:
-    # Which reading is the first wrong one is chance where a program keeps its own time.
-    if run.recording.in_wall_time or run.secret or seconds > 1e9:
-        return 'a stamp of the simulated time of that reading'
-    return f'a stamp near {clock:.1f} s, the simulated time of that reading'
-
-
-def _describe_stamp(run: Run, seconds: float, clock: float) -> str:
+def _describe_stamp(run: Run, seconds: float, now: float) -> str:
     # Wall-clock values differ from run to run, so they are described and not shown.
     if seconds > 1e9:
         return "a stamp of this computer's own time of day"
     # The fraction of an older stamp is the moment at which our clock began.
     if run.secret and seconds % 1:
-        return f'a stamp of {"an earlier" if seconds < clock else "a later"} moment'
+        return f'a stamp of {"an earlier" if seconds < now else "a later"} moment'
     return f'a stamp of {seconds:.9g} s'
 
 
-def _stamp_cause(run: Run, seconds: float, clock: float, stamp: dict[str, int]) -> Cause | None:
+def _stamp_cause(run: Run, stamp: dict[str, int], now: float) -> Cause | None:
     right = 'Set msg.timestamp = self.get_clock().now().to_msg() in the callback.'
-    if seconds == 0:
-        return _why_zero(use_of_field(run.files, 'timestamp'), right)
-    if seconds > 1e9:
+    if stamp['sec'] == stamp['nanosec'] == 0:
+        return why_silent(run) or _why_zero(use_of_field(run.files, 'timestamp'), right)
+    if stamp['sec'] > 1e9:
         return Cause('wall_clock', 'The stamp comes from the system time.', right)
-    if stamp['nanosec'] == 0 and stamp['sec'] == int(clock):
+    if stamp['nanosec'] == 0 and stamp['sec'] == int(now):
         return Cause('whole_seconds', 'The fraction of the second is lost.', right)
-    return Cause('stale_stamp', 'The stamp is not taken at the moment of the reading.', right)
+    return why_it_sleeps(run) or Cause(
+        'stale_stamp', 'The stamp is not taken at the moment of the reading.', right
+    )
 
 
 def _why_zero(code: FieldUse, right: str) -> Cause:
@@ -334,7 +261,7 @@ def readings_are_plausible(run: Run) -> None:
     """The readings are plausible temperatures, and they vary."""
     values = [float(event['data']['temperature_value']) for event in enough_readings(run)]
     # A formula that counts runs away with a flood: what it gives for those that were due, counts.
-    due = int(run.facts['simulated_s'])
+    due = int(run.facts['seconds'])
     first = values[:due] if is_flood(len(values), due) else values
     odd = [value for value in first if not COLDEST_C <= value <= HOTTEST_C]
     if odd:
@@ -395,15 +322,17 @@ def offers_reliable_qos(run: Run) -> None:
             )
 
 
-def build(seconds: int, phase_s: float) -> Exam:
+def build(seconds: int, begins_s: float, rate: float) -> Exam:
     """
-    Return the exam over some simulated time.
+    Return the exam over some ROS time.
 
-    :param seconds: simulated seconds, >= 5
-    :param phase_s: first clock value, 0 < phase_s < 0.25 [s]
+    ROS time begins near 0, as in a simulation that starts with the program.
+
+    :param seconds: ROS seconds, >= 5
+    :param begins_s: first ROS time, > 0 and < STEP_S, so that no step is a whole second [s]
+    :param rate: ROS seconds a second of system time, <= 0.85 or >= 1.15
     """
-    # Half a second more than whole, so that the last tick is due and no further one is.
-    minute = Advance(seconds + 0.5, phase_s=phase_s)
+    clock = RosClock(begins_s, rate, STEP_S)
     exam = Exam(
         'temperature_publisher',
         title='The temperature publisher',
@@ -414,10 +343,11 @@ def build(seconds: int, phase_s: float) -> Exam:
         scenario=Scenario(
             file='temp_publisher.py',
             watch={TOPIC: TYPE},
-            steps=(minute,),
+            steps=(Mark('minute'), Advance(seconds / rate), Mark('over')),
+            ros_clock=clock,
         ),
         read='Part 2: The publisher',
-        facts={'simulated_s': seconds, 'minute': minute},
+        facts={'seconds': seconds, 'clock': clock},
     )
     exam.check(points=2, read=EXERCISE)(starts_its_node)
     exam.check(points=2)(publishes_readings)
@@ -433,4 +363,4 @@ def build(seconds: int, phase_s: float) -> Exam:
     return exam
 
 
-exam = build(seconds=10, phase_s=0.1)
+exam = build(seconds=10, begins_s=0.07, rate=1.25)

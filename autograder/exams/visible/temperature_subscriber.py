@@ -12,10 +12,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 import math
 
-from autograder.judging.causes import why_silent
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Feed, Scenario
+from autograder.judging.causes.ended import why_silent
+from autograder.judging.causes.missing_logs import (
+    LEVELS,
+    why_dropped,
+    why_elsewhere,
+    why_other_logger,
+    why_printed,
+)
+from autograder.judging.causes.not_answering import nobody_answers
 from autograder.judging.checks import require_endpoint, require_node, require_partner
-from autograder.judging.exam import Cause, Exam, Failed, Run
-from autograder.judging.late_answers import refuse_unasked, STILL
 from autograder.judging.reading_errors import (
     LOGGED_TWICE,
     NEEDLESS_ERROR,
@@ -38,15 +46,7 @@ from autograder.judging.readings import (
     shown_in,
     THRESHOLD_C,
 )
-from autograder.judging.unlogged import (
-    LEVELS,
-    why_dropped,
-    why_elsewhere,
-    why_other_logger,
-    why_printed,
-)
-from autograder.runs.recording import ERROR, INFO, WARN
-from autograder.runs.scenario import Feed, Scenario
+from autograder.recording import ERROR, INFO, WARN
 
 NODE = '/temperature_subscriber'
 TOPIC = '/temperature_topic'
@@ -55,7 +55,7 @@ REPEATED = Cause(
     'repeated_warning',
     'The same reading is warned about more than once.',
     'One call of self.get_logger().warning(...) in the callback, one subscription, and no timer '
-    'for it.',
+    'or thread for it.',
 )
 NOT_LOGGED = Cause(
     'not_logged',
@@ -151,7 +151,6 @@ def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Ca
 
 def warns_when_too_hot(run: Run) -> None:
     """It logs exactly one WARN for each reading above 30 °C."""
-    _refuse_unasked(run)
     short, long = None, None
     groups = [group for group in sent(run) if any(one.hot for one in group.readings)]
     groups = [group for group in groups if all(one.unit == 'Celsius' for one in group.readings)]
@@ -178,20 +177,14 @@ def warns_when_too_hot(run: Run) -> None:
     )
 
 
-def _refuse_unasked(run: Run, *levels: int) -> None:
-    """Fail if it warned when nothing had arrived: after which reading one came is luck then."""
-    for level in (WARN, *levels):
-        found = run.recording.phase(STILL).logs(level=level)
-        refuse_unasked(run, found, f'{LEVELS[level]} line')
-
-
 def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
     why = why_silent(run)
     if why:
         return why
     if too_many and group.count(WARN) <= len(group.readings):
-        return _why_false_alarm(group)
-    if not too_many and len(group.readings) > 1 and group.count(INFO) < len(group.readings):
+        return _why_false_alarm(run, group)
+    shown = all(shown_in(one, group.logs, INFO) for one in group.readings)
+    if not too_many and len(group.readings) > 1 and not shown:
         return why_burst_is_cut(run)
     if too_many:
         return REPEATED
@@ -222,14 +215,13 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
 
 def stays_quiet_otherwise(run: Run) -> None:
     """It logs no warning for any other reading: 30.0 °C exactly is not above 30 °C."""
-    _refuse_unasked(run)
     groups = cool_groups(run)
     for group in groups:
         if group.count(WARN):
             raise Failed(
                 expected=f'no WARN line after {_what(group)}',
                 observed=_lines(group.count(WARN), 'WARN'),
-                why=_why_false_alarm(group),
+                why=_why_false_alarm(run, group),
             )
     handled = [group for group in groups if group.logs]
     if len(handled) < len(groups):
@@ -265,11 +257,19 @@ def _never_warns(run: Run) -> Cause:
     )
 
 
+def _goes_on_warning(run: Run) -> bool:
+    """Tell whether warnings go on in the end, when no reading is left to warn about."""
+    last = sent(run)[-1]
+    return last.count(WARN) > len(last.readings)
+
+
 def _at_limit(group: Sent) -> bool:
     return any(one.value == THRESHOLD_C for one in group.readings)
 
 
-def _why_false_alarm(group: Sent) -> Cause | None:
+def _why_false_alarm(run: Run, group: Sent) -> Cause | None:
+    if _goes_on_warning(run):
+        return REPEATED
     if _at_limit(group):
         return Cause(
             'warns_at_threshold',
@@ -285,7 +285,6 @@ def _why_false_alarm(group: Sent) -> Cause | None:
 
 def converts_fahrenheit(run: Run) -> None:
     """It understands readings in Fahrenheit: 86 °F is 30 °C."""
-    _refuse_unasked(run)
     groups = [
         group for group in sent(run) if any(one.unit == 'Fahrenheit' for one in group.readings)
     ]
@@ -308,7 +307,7 @@ def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
         converted = None if too_many else why_silent(run) or why_conversion(run, group)
         return converted or _why_no_warning(run, group, too_many)
     if alarms := [one for one in cool_groups(run) if one.count(WARN) and not _at_limit(one)]:
-        return why_silent(run) or _why_false_alarm(alarms[0])
+        return why_silent(run) or _why_false_alarm(run, alarms[0])
     return why_silent(run) or Cause(
         'ignores_unit',
         'The number is compared without conversion, or the conversion gives another number.',
@@ -318,7 +317,6 @@ def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
 
 def reports_an_unknown_unit(run: Run) -> None:
     """An unknown unit gives one ERROR line, a known unit none; no warning, and it goes on."""
-    _refuse_unasked(run, ERROR)
     groups = [group for group in sent(run) if group.readings[0].celsius is None]
     for group in groups:
         if group.count(WARN) or group.count(ERROR) != 1:
@@ -344,6 +342,8 @@ def reports_an_unknown_unit(run: Run) -> None:
 def _why_unknown_unit(run: Run, group: Sent) -> Cause | None:
     if group.count(ERROR) and not group.count(WARN):
         return ONE_LINE
+    if _goes_on_warning(run):
+        return REPEATED
     return (why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR)) or Cause(
         'unknown_unit',
         'A number without a known unit cannot be compared with 30 °C.',
@@ -353,14 +353,13 @@ def _why_unknown_unit(run: Run, group: Sent) -> Cause | None:
 
 def does_not_warn_about_nan(run: Run) -> None:
     """A reading that is not a number (NaN) brings no warning, and the node goes on."""
-    _refuse_unasked(run)
     groups = [group for group in sent(run) if math.isnan(group.readings[0].value)]
     for group in groups:
         if group.count(WARN):
             raise Failed(
                 expected='no WARN line after NaN',
                 observed=_lines(group.count(WARN), 'WARN'),
-                why=why_nan(run),
+                why=REPEATED if _goes_on_warning(run) else why_nan(run),
             )
     _was_listening(run, groups)
     _can_warn(run)
@@ -369,11 +368,12 @@ def does_not_warn_about_nan(run: Run) -> None:
 def _was_listening(run: Run, groups: Sequence[Sent]) -> None:
     """Fail unless the odd reading was sent and a later, proper one was still handled."""
     everything = sent(run)
-    if groups and everything[-1] not in groups and everything[-1].logs:
+    goes_on = bool(everything[-1].logs) and not nobody_answers(run)
+    if groups and everything[-1] not in groups and goes_on:
         return
     raise Failed(
         expected='a node that goes on after every reading',
-        observed='no log line afterwards',
+        observed='no sign of life afterwards',
         why=_why_not_logged(run, None, None),
     )
 
@@ -392,8 +392,7 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
     """
     Return the exam for some readings.
 
-    :param singles: sent one by one; the first and the last are cool and proper: the line of a
-        first reading may be late, see the log barrier of :mod:`autograder.probe.probe`
+    :param singles: sent one by one; the first and the last are cool and proper
     :param burst: sent at once at the end, Celsius only; at most five, so that the sensor-data
         profile's depth is enough
     """

@@ -2,11 +2,11 @@
 Write the system-call filters that every sandbox loads, one file per processor family.
 
 A developer's tool: it needs libseccomp and ``pip install pyseccomp``; the grader only reads the
-files beside it.  After a change run ``python autograder/sandboxes/seccomp/make_filters.py``,
+files next to it.  After a change run ``python autograder/sandboxes/seccomp/make_filters.py``,
 commit both.
 
 The filter is the last fence, not the first: namespaces, dropped capabilities and resource limits
-stand before it.  It closes what they leave open, measured with real rclpy nodes inside:
+come before it.  It closes what they leave open, measured with real rclpy nodes inside:
 
 * new namespaces and mounts (bubblewrap's root mode has no user namespace to forbid them),
 * socket families that a network namespace does not isolate, such as AF_VSOCK,

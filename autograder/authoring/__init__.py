@@ -1,0 +1,1 @@
+"""For who writes the course: release, checks of lessons and exams, the students' copy."""

@@ -1,0 +1,166 @@
+"""
+What an exam sends, compared with the definitions of its messages: names of fields, and values.
+
+The definitions are read as text, from where ROS packages are installed, so nothing of ROS is
+imported.  A value is refused if the probe could not send it: it would break off in the middle of
+somebody's run, or send something else.  A text such as ``'nan'`` is a float, as in a recording.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from difflib import get_close_matches
+from functools import lru_cache
+import math
+from pathlib import Path
+import re
+from typing import Any
+
+_FIELD = re.compile(
+    r'(?P<base>[\w/]+)(?:<=(?P<longest>\d+))?(?:\[(?P<most><=)?(?P<size>\d*)\])?\s+(?P<name>\w+)'
+    r'(?P<constant>\s*=)?'
+)
+_WHOLE = re.compile(r'(u?)int(8|16|32|64)')
+_LARGEST_FLOAT32 = 3.402823466e38
+_LONGEST_SHOWN = 60
+
+
+def value_mistakes(
+    kind: str, data: Mapping[str, Any], prefixes: Sequence[Path], part: str = 'msg'
+) -> Iterator[str]:
+    """
+    Yield what a message cannot hold, a line for each field.
+
+    :param kind: a type such as ``std_msgs/msg/String``
+    :param data: fields of a message, or of a service's request
+    :param prefixes: where ROS packages are installed, as in ``AMENT_PREFIX_PATH``
+    :param part: ``msg``, or ``srv`` for the request of a service
+    """
+    yield from _in_message(kind, data, tuple(prefixes), part, '')
+
+
+def _in_message(
+    kind: str, data: object, prefixes: tuple[Path, ...], part: str, place: str
+) -> Iterator[str]:
+    fields = fields_of(kind, prefixes, part)
+    if fields is None:
+        return  # its text is not installed: that the type is not there is said elsewhere
+    if not isinstance(data, Mapping):
+        yield _wrong(f'the fields of {kind} by name', place, data)
+        return
+    for name, value in data.items():
+        if name not in fields:
+            close = get_close_matches(str(name), fields, n=1, cutoff=0.6)
+            hint = f'; did you mean {close[0]!r}?' if close else ''
+            where = f' in {place}' if place else ''
+            yield f'expected a field of {kind}{where}, got {name!r}{hint}'
+        else:
+            where = f'{place}.{name}' if place else str(name)
+            yield from _in_field(fields[name], value, prefixes, where)
+
+
+def _in_field(
+    field: re.Match[str], value: Any, prefixes: tuple[Path, ...], place: str
+) -> Iterator[str]:
+    """Yield what is wrong with the value of one field, which may be an array."""
+    if field['size'] is None:
+        yield from _in_element(field, value, prefixes, place)
+        return
+    size = int(field['size'] or 0)
+    most = 'at most ' if field['most'] else ''
+    wanted = f'a list of {most}{size} values' if size else 'a list'
+    if not isinstance(value, (list, tuple)):
+        yield _wrong(wanted, place, value)
+    elif size and (len(value) > size if most else len(value) != size):
+        yield f'expected {wanted} for {place}, got {len(value)}'
+    else:
+        for index, one in enumerate(value):
+            yield from _in_element(field, one, prefixes, f'{place}[{index}]')
+
+
+def _in_element(
+    field: re.Match[str], value: Any, prefixes: tuple[Path, ...], place: str
+) -> Iterator[str]:
+    base = field['base']
+    if '/' in base:
+        yield from _in_message(base, value, prefixes, 'msg', place)
+    elif wanted := _unlike(base, field['longest'], value):
+        yield _wrong(wanted, place, value)
+
+
+def _unlike(base: str, longest: str | None, value: Any) -> str:
+    """Return what a primitive type holds, empty if that is what the value is."""
+    if whole := _WHOLE.fullmatch(base):
+        return _no_whole_number(value, bool(whole[1]), int(whole[2]))
+    if base == 'char':
+        return _no_whole_number(value, True, 8)
+    if base in ('float32', 'float64'):
+        return _no_float(value, _LARGEST_FLOAT32 if base == 'float32' else math.inf)
+    if base in ('string', 'wstring'):
+        most = int(longest) if longest else math.inf
+        right = isinstance(value, str) and len(value) <= most
+        return '' if right else f'a text of at most {most} characters' if longest else 'a text'
+    if base == 'bool':
+        return '' if isinstance(value, bool) else 'True or False'
+    # JSON, in which the probe is told, has no bytes.
+    return 'no value, since a byte cannot be sent' if base == 'byte' else ''
+
+
+def _no_whole_number(value: Any, unsigned: bool, bits: int) -> str:
+    low, high = (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    right = isinstance(value, int) and not isinstance(value, bool) and low <= value <= high
+    return '' if right else f'a whole number from {low} to {high}'
+
+
+def _no_float(value: Any, largest: float) -> str:
+    number = math.inf
+    if isinstance(value, (int, float, str)) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except (ValueError, OverflowError):
+            return 'a number'
+        return '' if abs(number) <= largest or not math.isfinite(number) else 'a float32'
+    return 'a number'
+
+
+def _wrong(wanted: str, place: str, value: object) -> str:
+    shown = repr(value)
+    if len(shown) > _LONGEST_SHOWN:
+        shown = f'{shown[:_LONGEST_SHOWN]}…'
+    return f'expected {wanted}{f" for {place}" if place else ""}, got {shown}'
+
+
+@lru_cache(maxsize=256)
+def fields_of(
+    kind: str, prefixes: tuple[Path, ...], part: str = 'msg'
+) -> Mapping[str, re.Match[str]] | None:
+    """
+    Return the fields of a message, or of a service's request, without constants.
+
+    :param kind: such as ``std_msgs/msg/String``, or ``std_msgs/String`` as in a definition
+    :returns: by name, each as its line is taken apart; None if its text is not installed
+    """
+    package, _, rest = kind.partition('/')
+    for prefix in prefixes:
+        path = prefix / 'share' / package / part / f'{rest.rpartition("/")[2]}.{part}'
+        if path.is_file():
+            request = re.split(r'^---', path.read_text('utf-8'), maxsplit=1, flags=re.MULTILINE)
+            return _taken_apart(package, request[0])
+    return None
+
+
+def _taken_apart(package: str, text: str) -> dict[str, re.Match[str]]:
+    found = {}
+    for line in text.splitlines():
+        match = _FIELD.match(line.partition('#')[0].strip())
+        if match and not match['constant']:
+            found[match['name']] = _whole_name(package, match)
+    return found
+
+
+def _whole_name(package: str, match: re.Match[str]) -> re.Match[str]:
+    """Put the package before the type of a field that is defined in the same package."""
+    base = match['base']
+    if base[0].islower():  # a primitive, or a type with its package
+        return match
+    return _FIELD.match(f'{package}/{match[0]}') or match

@@ -1,0 +1,92 @@
+"""
+How much a lesson asks to be read at once: words of a text cell, lines of a code cell.
+
+The notebooks that learners like best have 30 to 50 words a text cell and 1 to 5 lines a code cell
+(measured on well-known ones); walls of text and cells of 90 lines mark those they leave.
+``course check`` prints the figures of each lesson and refuses what is beyond.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+import re
+from statistics import median
+
+from autograder.submission.cells import CellSyntaxError, parse_cell
+from autograder.submission.notebook import Notebook
+
+WORDS = (25, 60)
+"""Median words of a text cell, least and most."""
+LINES = (1, 5)
+"""Median lines of a code cell that is no file, least and most."""
+MOST_LINES = 12
+MOST_LINES_IN_A_FILE = 100
+
+
+@dataclass(frozen=True)
+class Portions:
+    """
+    The figures of one lesson.
+
+    :param words: words of each text cell
+    :param lines: lines of each code cell that is no file
+    :param file_lines: lines of each cell that is a file of a package
+    """
+
+    words: tuple[int, ...]
+    lines: tuple[int, ...]
+    file_lines: tuple[int, ...]
+
+    def line(self, lesson: str) -> str:
+        """Return the figures as one line for people."""
+        return (
+            f'{lesson:28} {len(self.words):3} texts, median {median(self.words):4g} words;  '
+            f'{len(self.lines):3} cells of code, median {median(self.lines):3g} lines, '
+            f'most {max(self.lines)}'
+        )
+
+    def problems(self) -> Iterator[str]:
+        """Yield what is beyond the range of good lessons."""
+        for what, values, (least, most) in (
+            ('words a text cell', self.words, WORDS),
+            ('lines a code cell', self.lines, LINES),
+        ):
+            if not least <= median(values) <= most:
+                yield f'expected a median of {least} to {most} {what}, got {median(values):g}.'
+        for what, values, limit in (
+            ('code cell', self.lines, MOST_LINES),
+            ('file', self.file_lines, MOST_LINES_IN_A_FILE),
+        ):
+            if values and max(values) > limit:
+                yield f'expected no {what} above {limit} lines, got one of {max(values)}.'
+
+
+def portions(notebook: Notebook) -> Portions:
+    """Return the figures of a lesson with text and code."""
+    texts = [cell['source'] for cell in notebook['cells'] if cell['cell_type'] == 'markdown']
+    code = [cell['source'] for cell in notebook['cells'] if cell['cell_type'] == 'code']
+    files = [source for source in code if _is_file(source)]
+    return Portions(
+        tuple(words(text) for text in texts),
+        tuple(lines(source) for source in code if source not in files),
+        tuple(lines(source) for source in files),
+    )
+
+
+def words(text: str) -> int:
+    """Count the words that a reader sees, without drawings and markup."""
+    shown = re.sub(r'```.*?```|<[^<>]+>', ' ', text, flags=re.DOTALL)
+    return len(re.findall(r"\w[\w'.-]*", shown))
+
+
+def lines(source: str) -> int:
+    """Count the lines that are not empty."""
+    return sum(1 for line in source.splitlines() if line.strip())
+
+
+def _is_file(source: str) -> bool:
+    try:
+        return parse_cell(source) is not None
+    except CellSyntaxError:
+        return False

@@ -1,0 +1,211 @@
+"""
+The course as a whole: ``python -m autograder.authoring.release check | release``.
+
+``check`` proves that what is committed fits together; ``release`` generates ``notebooks/``, checks
+the course, and packs what students receive.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+import re
+import sys
+import tempfile
+from typing import TYPE_CHECKING
+
+from autograder.authoring.portions import portions
+from autograder.authoring.student_bundle import NO_PARTS, pack
+from autograder.errors import ExamInvalid, GraderError
+from autograder.gradebook.cell_points import unfit_points
+from autograder.layout import Layout
+from autograder.submission.extract import CHECK_PREFIX
+from autograder.submission.notebook import marks_of, Notebook, read_release
+
+if TYPE_CHECKING:
+    from autograder.exam.exam import Exam
+
+CHECK_CELL = re.compile(r"^check\((['\"])(?P<exam>\w+)\1\)$")
+
+
+# -- check ----------------------------------------------------------------------------------
+
+
+def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
+    """
+    Return what does not fit together, one line each; empty if all is well.
+
+    :param exams: instead of the course's own, for tests
+    """
+    found = [*drift(layout)]
+    seen: dict[str, str] = {}
+    for path in notebook_files(layout):
+        where = path.relative_to(layout.root).as_posix()
+        notebook = read_release(path)
+        found += stored_outputs(notebook, where)
+        if path.is_relative_to(layout.solutions):
+            found += repeated_ids(notebook, where, seen)
+            found += unfit_checks(notebook, where, path.parent.name, exams)
+            found += [f'{where}: {line}' for line in portions(notebook).problems()]
+    if exams is None:
+        found += unfit_exams(layout)
+    return found
+
+
+def unfit_exams(layout: Layout) -> Iterator[str]:
+    """Yield what is wrong with the exams themselves: types, fields, two versions that differ."""
+    from autograder.authoring.exam_mistakes import ament_prefixes, mistakes_of
+    from autograder.exams import for_assignment
+
+    prefixes = ament_prefixes()
+    for assignment in layout.assignments():
+        for exam in for_assignment(assignment):
+            yield from mistakes_of(exam, prefixes, layout.notebooks)
+
+
+def notebook_files(layout: Layout) -> Iterator[Path]:
+    """Yield the notebooks of the course."""
+    for folder in (layout.solutions, layout.notebooks):
+        yield from sorted(folder.glob('*/*.ipynb'))
+
+
+def drift(layout: Layout) -> Iterator[str]:
+    """Yield the generated files that differ from what the solutions give."""
+    from autograder.gradebook import converters
+
+    assignments = sorted({path.parent.name for path in layout.solutions.glob('*/*.ipynb')})
+    with tempfile.TemporaryDirectory(prefix='release_') as folder:
+        fresh = Path(folder)
+        for assignment in assignments:
+            converters.generate(layout, assignment, fresh, database=False)
+        wanted = _contents(fresh)
+    there = _contents(layout.notebooks)
+    for name in sorted(wanted.keys() | there.keys()):
+        if wanted.get(name) != there.get(name):
+            got = 'another text' if name in wanted and name in there else 'none'
+            expected = 'what solutions/ gives' if name in wanted else 'no such file'
+            got = got if name in wanted else 'a file'
+            yield f'notebooks/{name}: expected {expected}, got {got}. Try: make release.'
+
+
+def _contents(folder: Path) -> dict[str, bytes]:
+    """Return all files of a folder but what a learner makes in it."""
+    if not folder.is_dir():
+        return {}
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob('*')
+        if path.is_file() and not NO_PARTS & set(path.relative_to(folder).parts)
+    }
+
+
+def stored_outputs(notebook: Notebook, where: str) -> Iterator[str]:
+    """Yield the cells that keep outputs or execution counts."""
+    for number, cell in enumerate(notebook['cells'], 1):
+        if cell.get('outputs') or cell.get('execution_count') is not None:
+            yield f'{where}, cell {number}: expected no stored output. Try: clear all outputs.'
+
+
+def repeated_ids(notebook: Notebook, where: str, seen: dict[str, str]) -> Iterator[str]:
+    """Yield grade ids that are used twice in the course; fill ``seen``."""
+    for cell in notebook['cells']:
+        grade_id = marks_of(cell).get('grade_id')
+        if grade_id in seen:
+            yield f'{where}, cell {grade_id}: this grade id is also used in {seen[grade_id]}.'
+        elif grade_id:
+            seen[grade_id] = where
+
+
+def unfit_checks(
+    notebook: Notebook, where: str, assignment: str, exams: Sequence[Exam] | None
+) -> Iterator[str]:
+    """Yield check cells and exams that do not belong together."""
+    if exams is None:
+        from autograder.exams import for_assignment
+
+        exams = for_assignment(assignment)
+    known = {exam.name: exam for exam in exams}
+    answers: set[str] = set()
+    for cell in notebook['cells']:
+        marks = marks_of(cell)
+        if marks.get('solution'):
+            answers.add(marks['grade_id'])
+        elif marks.get('grade') and cell['cell_type'] == 'code':
+            yield from _unfit_check(cell, f'{where}, cell {marks["grade_id"]}', known, answers)
+    yield from unfit_points(notebook, where, exams)
+
+
+def _unfit_check(
+    cell: Notebook, where: str, known: dict[str, Exam], answers: set[str]
+) -> Iterator[str]:
+    """Yield what is wrong with the text of one check cell and with its place."""
+    marks = marks_of(cell)
+    match = CHECK_CELL.match(cell['source'].strip())
+    name = match['exam'] if match else ''
+    if marks['grade_id'] != f'{CHECK_PREFIX}{name}':
+        expected = f"check('{marks['grade_id'].removeprefix(CHECK_PREFIX)}')"
+        yield f'{where}: expected the one line {expected}, got {cell["source"][:60]!r}.'
+        return
+    needed = known[name].cells if name in known else ()
+    for grade_id in sorted(set(needed) - answers):
+        yield f'{where}: the exam needs the answer {grade_id}, which is not above it.'
+
+
+# -- release --------------------------------------------------------------------------------
+
+
+def regenerate(layout: Layout) -> tuple[str, ...]:
+    """
+    Generate ``notebooks/`` from ``solutions/``.
+
+    :returns: the assignments
+    :raises GraderError: with nbgrader's own words
+    """
+    from autograder.gradebook import converters
+
+    assignments = sorted({path.parent.name for path in layout.solutions.glob('*/*.ipynb')})
+    if not assignments:
+        raise GraderError(f'{layout.solutions}: expected ASSIGNMENT/NOTEBOOK.ipynb, got none.')
+    for assignment in assignments:
+        converters.generate(layout, assignment, layout.notebooks, database=False)
+    return tuple(assignments)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """
+    Run one command.
+
+    :returns: 0 if all is well, 1 if something does not fit together, 2 if it cannot be done
+    """
+    parser = argparse.ArgumentParser(
+        prog='python -m autograder.authoring.release', description=__doc__
+    )
+    parser.add_argument('command', choices=('check', 'release'))
+    chosen = parser.parse_args(arguments)
+    layout = Layout.here()
+    try:
+        if chosen.command == 'check':
+            for path in sorted(layout.solutions.glob('*/*.ipynb')):
+                print(portions(read_release(path)).line(path.parent.name))
+            lines = check(layout)
+            print('\n'.join(lines) or 'The notebooks and the exams fit together.')
+            return 1 if lines else 0
+        assignments = regenerate(layout)
+        if lines := check(layout):
+            print('\n'.join(lines))
+            said = 'course: nothing was packed. Try: repair this, then make release'
+            print(said, file=sys.stderr)
+            return 1
+        bundle = layout.work / 'student_bundle.zip'
+        count = pack(layout, bundle)
+    except (GraderError, ExamInvalid) as error:
+        print(f'course: {error}', file=sys.stderr)
+        return 2
+    print(f'notebooks/ holds {", ".join(assignments)}.')
+    print(f'{bundle.relative_to(layout.root)} holds {count} files for students.')
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,226 @@
+"""
+The bundled class: submissions named by outcome and cause, put together from small files.
+
+``tests/submissions/<assignment>/<outcome>__<cause>/`` holds only the files in which a submission
+differs from the reference solution, as plain files without their magic line, and
+``expected.json``::
+
+    {"about": "...", "notebook": "...", "points": {exam: points},
+     "failed": {exam: {check: cause_id}}, "in_class": true}
+
+A submission with ``"in_class": false`` proves a check in the tests and is not in the class that
+``make grade`` shows on a fresh clone.
+``notebook`` names what happened to the notebook as a whole, see :data:`DAMAGES`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+import json
+from pathlib import Path
+import shutil
+import tempfile
+from typing import Any
+
+from autograder.errors import GraderError
+from autograder.layout import Layout
+from autograder.submission.cells import body_of, CellFile, UNSOLVED
+from autograder.submission.extract import answer_files
+from autograder.submission.notebook import marks_of, Notebook, read_release, StudentCell
+from autograder.submission.submission import rebuild
+
+MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg', 'answer': '%%answer'}
+
+
+def _bytes(notebook: Notebook) -> bytes:
+    """Return a notebook as JupyterLab saves it."""
+    return (json.dumps(notebook, indent=1, ensure_ascii=False) + '\n').encode()
+
+
+def _first_node(notebook: Notebook) -> dict[str, Any]:
+    """Return the cell of the first node."""
+    for cell in notebook['cells']:
+        if cell['source'].startswith('%%node') and marks_of(cell).get('solution'):
+            return dict(cell)
+    raise GraderError('The release has no %%node cell to damage.')
+
+
+def _renamed_cell(notebook: Notebook) -> bytes:
+    """Copy the first node's cell, as Jupyter renames it, and delete the original."""
+    grade_id = marks_of(_first_node(notebook))['grade_id']
+    for cell in notebook['cells']:
+        if marks_of(cell).get('grade_id') == grade_id:
+            marks_of(cell)['grade_id'] = f'{grade_id}-copy1'
+    return _bytes(notebook)
+
+
+def _duplicated_cell(notebook: Notebook) -> bytes:
+    """Put an unfinished copy below the first node's cell."""
+    cell = json.loads(json.dumps(_first_node(notebook)))
+    cell['source'] = f'{cell["source"].splitlines()[0]}\n# second try, not finished\n'
+    places = [marks_of(other).get('grade_id') for other in notebook['cells']]
+    notebook['cells'].insert(places.index(marks_of(cell)['grade_id']) + 1, cell)
+    return _bytes(notebook)
+
+
+def _truncated(notebook: Notebook) -> bytes:
+    """Break off, as if the disk had been full when the notebook was saved."""
+    data = _bytes(notebook)
+    return data[: len(data) * 2 // 3]
+
+
+def _not_a_notebook(notebook: Notebook) -> bytes:
+    """Save the web page around the notebook instead."""
+    return b'<!DOCTYPE html>\n<html><head><title>JupyterLab</title></head><body></body></html>\n'
+
+
+DAMAGES: dict[str, Callable[[Notebook], bytes]] = {
+    '': _bytes,
+    'renamed_cell': _renamed_cell,
+    'duplicated_cell': _duplicated_cell,
+    'truncated': _truncated,
+    'not_a_notebook': _not_a_notebook,
+}
+UNTOUCHED = 'untouched'
+"""For ``notebook``: the release as it was received, without the reference's answers."""
+
+
+def samples(layout: Layout, assignment: str, everything: bool = False) -> Iterator[Path]:
+    """
+    Yield the folders of the sample submissions of an assignment, by name.
+
+    :param everything: include those that are only for the tests
+    """
+    folder = layout.sample_class / assignment
+    if folder.is_dir():
+        for path in sorted(folder.iterdir()):
+            if (path / 'expected.json').is_file() and (
+                everything or expected_of(path).get('in_class', True)
+            ):
+                yield path
+
+
+def expected_of(sample: Path) -> dict[str, Any]:
+    """Return what a sample submission should be graded as."""
+    data = json.loads((sample / 'expected.json').read_text(encoding='utf-8'))
+    if not isinstance(data, dict):
+        raise GraderError(f'{sample.name}/expected.json: expected an object.')
+    return data
+
+
+def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
+    """
+    Return the file that a sample student hands in.
+
+    :raises GraderError: if the sample names a file or a damage that does not exist
+    """
+    release = read_release(layout.release(assignment))
+    damage = str(expected_of(sample).get('notebook', ''))
+    if damage == UNTOUCHED:
+        return _untouched(layout, assignment)
+    if damage not in DAMAGES:
+        raise GraderError(
+            f'{sample.name}/expected.json: notebook is {damage!r}.',
+            f'Known: {", ".join(sorted({*DAMAGES, UNTOUCHED}))}.',
+        )
+    answers = _reference(layout, assignment)
+    files = {file.path: grade_id for grade_id, file in answer_files(release).items()}
+    for path in sorted(path for path in sample.rglob('*') if path.is_file()):
+        inside = path.relative_to(sample).as_posix()
+        if inside == 'expected.json' or '__pycache__' in inside:
+            continue
+        grade_id = files.get(inside, path.stem if path.suffix == '.md' else '')
+        if grade_id not in answers:
+            known = ', '.join([*files, 'GRADE_ID.md'])
+            raise GraderError(f'{sample.name}/{inside}: no such answer.', f'Known: {known}.')
+        text = path.read_text(encoding='utf-8')
+        wanted = answer_files(release).get(grade_id)
+        answers[grade_id] = f'{_magic_line(wanted)}\n{text}' if wanted else text
+    cells = [
+        StudentCell(grade_id, _kind_of(release, grade_id), text.rstrip('\n'))
+        for grade_id, text in answers.items()
+    ]
+    notebook, _ = rebuild(release, cells)
+    return DAMAGES[damage](notebook)
+
+
+def _untouched(layout: Layout, assignment: str) -> bytes:
+    """
+    Return the student version as it is generated.
+
+    Not the one in the release folder if somebody has solved the lesson there.
+    """
+    release = read_release(layout.release(assignment))
+    answers = [cell['source'] for cell in release['cells'] if marks_of(cell).get('solution')]
+    if all(UNSOLVED in answer or 'YOUR ANSWER HERE' in answer for answer in answers):
+        return _bytes(release)
+    from autograder.gradebook import converters
+
+    with tempfile.TemporaryDirectory(prefix='release-') as folder:
+        converters.generate(layout, assignment, Path(folder), database=False)
+        return (Path(folder) / assignment / layout.release(assignment).name).read_bytes()
+
+
+def _magic_line(file: CellFile) -> str:
+    """Return the first line of a file's cell."""
+    return f'{MAGIC[file.kind]} {file.name}'
+
+
+def _kind_of(release: Notebook, grade_id: str) -> str:
+    """Return the cell type of an answer."""
+    kinds = {marks_of(cell).get('grade_id'): cell['cell_type'] for cell in release['cells']}
+    return str(kinds[grade_id])
+
+
+def _reference(layout: Layout, assignment: str) -> dict[str, str]:
+    """Return the reference solution's answers by grade id, with blanked solution marks."""
+    path = layout.solutions / assignment / layout.release(assignment).name
+    return {
+        marks_of(cell)['grade_id']: body_of(cell['source']).rstrip('\n')
+        for cell in read_release(path)['cells']
+        if marks_of(cell).get('solution')
+    }
+
+
+def write_sample_class(layout: Layout, folder: Path) -> int:
+    """
+    Write all sample submissions as a class of students; what is there stays.
+
+    :param folder: receives ``<outcome>__<cause>/<assignment>/<notebook>.ipynb``
+    :returns: how many there are
+    :raises GraderError: if this copy of the course has none
+    """
+    count = 0
+    for assignment in layout.assignments():
+        name = layout.release(assignment).name
+        for sample in samples(layout, assignment):
+            place = folder / sample.name / assignment
+            place.mkdir(parents=True, exist_ok=True)
+            (place / name).write_bytes(compose(layout, assignment, sample))
+            count += 1
+    if not count:
+        raise GraderError(
+            'This copy of the course has no sample class.',
+            f'Put submissions into {folder} as STUDENT/ASSIGNMENT/NOTEBOOK.ipynb.',
+        )
+    return count
+
+
+def take_out_sample_class(layout: Layout) -> int:
+    """
+    Remove the sample students from a course, before its own class comes: no marks are theirs.
+
+    :returns: how many there were
+    """
+    from autograder.gradebook.forget import forget_made
+
+    names = {path.name for one in layout.assignments() for path in samples(layout, one, True)}
+    gone = set()
+    for above in (layout.submitted, layout.work / 'autograded', layout.work / 'feedback'):
+        for name in sorted(names):
+            if (above / name).is_dir() and not (above / name).is_symlink():
+                shutil.rmtree(above / name)
+                gone.add(name)
+    if gone:
+        forget_made(layout, names)
+    return len(gone)

@@ -1,0 +1,77 @@
+"""
+Does the grader deserve trust on this machine?  The reference must pass, the bare release must not.
+
+Run at the end of the set-up and after an exam was edited.  The recordings are kept, so grading
+starts where this ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from autograder.exam.exam import Exam
+from autograder.grading.pipeline import Engine, grade_notebook, Lesson, load_lesson
+from autograder.layout import Layout
+from autograder.results import SubmissionResult
+from autograder.submission.notebook import marks_of
+
+
+def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
+    """
+    Grade the reference solution and the untouched release of every assignment.
+
+    :returns: for each of them whether it is as it must be, and one line for people
+    :raises GraderError: for a fault of the course or of the grader
+    """
+    for assignment in layout.assignments():
+        lesson = load_lesson(layout, assignment, engine)
+        mistakes = [line for exam in lesson.exams for line in _mistakes(exam, layout)]
+        if mistakes:
+            yield from ((False, f'{assignment}: {line}') for line in mistakes)
+            continue
+        if not lesson.exams:
+            yield _nothing_to_grade(lesson)
+            continue
+        source = layout.solutions / assignment / lesson.notebook
+        result = grade_notebook(source.read_bytes(), lesson, 'the reference solution', engine)
+        yield _line(lesson, result, result.max_points)
+        bare = layout.release(assignment).read_bytes()
+        result = grade_notebook(bare, lesson, 'the untouched release', engine)
+        yield _line(lesson, result, 0.0)
+
+
+def _mistakes(exam: Exam, layout: Layout) -> list[str]:
+    """Return what can be said of an exam without a run: a run of it might never end well."""
+    from autograder.authoring.exam_mistakes import ament_prefixes, mistakes_of
+
+    if not isinstance(exam, Exam):
+        return []
+    return mistakes_of(exam, ament_prefixes(), layout.notebooks)
+
+
+def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
+    """Return whether a lesson without exams is meant to have none, and a line that says so."""
+    checks = [
+        marks['grade_id']
+        for cell in lesson.release['cells']
+        if cell['cell_type'] == 'code' and (marks := marks_of(cell)).get('grade')
+    ]
+    if checks:
+        return False, f'{lesson.assignment}: {", ".join(checks)} expected an exam, got none.'
+    return True, f'{lesson.assignment}: nothing to grade, as it must.'
+
+
+def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool, str]:
+    if result.fault:  # without a verdict there are no points to compare
+        return False, f'{lesson.assignment}: {result.student} has no verdict. {result.fault}'
+    right = bool(result.exams) and result.points == wanted
+    text = f'{lesson.assignment}: {result.student} has {result.points:g} of {result.max_points:g}'
+    if right:
+        return True, f'{text}, as it must.'
+    why = ', '.join(
+        f'{exam.exam}/{check.check}: {check.verdict.value}'
+        for exam in result.exams
+        for check in exam.checks
+        if (check.points > 0) != (wanted > 0)
+    )
+    return False, f'{text}, expected {wanted:g}. {why}'

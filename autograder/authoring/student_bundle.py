@@ -1,0 +1,89 @@
+"""
+What students receive, and the zip file of it.
+
+The list below names everything: a new file stays with the instructors until it is added here.
+"""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+import zipfile
+
+from autograder.files import keep
+from autograder.layout import Layout
+from environment import packed_package
+from environment.places import COURSE_PACKAGE
+
+ALLOWED = (
+    'LICENSE',
+    'Makefile',
+    'environment.md',
+    'drawing/',
+    'environment/',
+    'notebooks/',
+    'roslab/',
+    f'{COURSE_PACKAGE}/config/',
+    f'{COURSE_PACKAGE}/launch/',
+    # What check(...) runs: the visible exams, their judge, and the sandbox.
+    'autograder/__init__.py',
+    'autograder/clock/',
+    'autograder/commands/__init__.py',
+    'autograder/commands/check.py',
+    'autograder/commands/exit_codes.py',
+    'autograder/errors.py',
+    'autograder/exam/',
+    'autograder/exams/__init__.py',
+    'autograder/exams/visible/',
+    'autograder/explaining/',
+    'autograder/fastdds.xml',
+    'autograder/files.py',
+    'autograder/grading/__init__.py',
+    'autograder/grading/examine.py',
+    'autograder/inside/',
+    'autograder/judging/',
+    'autograder/layout.py',
+    'autograder/probe/',
+    'autograder/recording.py',
+    'autograder/results.py',
+    'autograder/runs/',
+    'autograder/sandboxes/',
+    'autograder/submission/',
+)
+"""What students receive: files, and folders with a slash at their end."""
+UNDER_ANOTHER_NAME = {'README.md': 'docs/students.md'}
+"""What they receive besides: the page about the whole project would lead them astray."""
+NO_PARTS = {'__pycache__', '.ipynb_checkpoints', 'ros_ws', 'build', 'install', 'log'}
+TOP = 'ros2-course'
+
+
+def bundled_files(layout: Layout) -> dict[str, Path]:
+    """Return the files that students receive: name in their copy -> file of the course."""
+    found = {name: layout.root / source for name, source in UNDER_ANOTHER_NAME.items()}
+    for allowed in ALLOWED:
+        start = layout.root / allowed
+        for path in start.rglob('*') if allowed.endswith('/') else [start]:
+            inside = path.relative_to(layout.root)
+            if path.is_file() and not path.is_symlink() and not NO_PARTS & set(inside.parts):
+                found[inside.as_posix()] = path
+    return {name: path for name, path in found.items() if path.is_file()}
+
+
+def pack(layout: Layout, bundle: Path) -> int:
+    """
+    Write the zip file for students atomically; the same course gives the same bytes.
+
+    :returns: number of files
+    """
+    files, made = bundled_files(layout), io.BytesIO()
+    texts = {name: (path.read_bytes(), path.stat().st_mode) for name, path in files.items()}
+    package = layout.root / COURSE_PACKAGE
+    texts[f'{COURSE_PACKAGE}/{packed_package.FILE}'] = packed_package.pack(package), 0
+    with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
+        for name, (data, mode) in sorted(texts.items()):
+            entry = zipfile.ZipInfo(f'{TOP}/{name}', date_time=(2024, 1, 1, 0, 0, 0))
+            entry.external_attr = (0o755 if mode & 0o100 else 0o644) << 16
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, data)
+    keep(bundle, made.getvalue())
+    return len(texts)

@@ -1,0 +1,1 @@
+"""A class after grading: its results, pages, numbers and people."""

@@ -1,0 +1,145 @@
+"""
+The page of a class: how the marks lie, which checks failed and why, what to look at first.
+
+One HTML file beside the students' pages.  It opens from the disk, loads nothing and needs no
+script; the picture of the marks has its numbers as a table.  Names and causes come from students,
+so everything is escaped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from urllib.parse import quote
+
+from autograder.classroom.not_collected import (
+    names_to_write_to,
+    not_collected,
+    NotCollected,
+)
+from autograder.classroom.pages import _templates, NOBODY, page_name, worth_a_look
+from autograder.classroom.people import read_people
+from autograder.classroom.results_of_class import ClassResults, has_mark, one_graded
+from autograder.classroom.statistics import (
+    BINS,
+    CheckNumbers,
+    class_numbers,
+    ClassNumbers,
+    Marks,
+)
+from autograder.explaining.feedback import headline, number
+from autograder.files import write_file
+from autograder.layout import Layout
+from autograder.results import SubmissionResult
+from drawing import svg
+
+PAGE = 'class.html'
+WIDTH, HEIGHT = 640, 200
+BASE, TOP, GAP = 160, 28, 8
+"""Lines of the picture [px]: where bars stand, where the highest ends, between two of them."""
+
+
+def write_class_report(layout: Layout, assignment: str, summary: str = '') -> Path:
+    """
+    Write the page of a class from its last results.
+
+    :param assignment: full name
+    :param summary: one sentence about the run
+    :returns: its path
+    :raises GraderError: if the assignment was not graded yet
+    """
+    graded = one_graded(layout, assignment)
+    path = layout.reports / graded.assignment / PAGE
+    missing = not_collected(layout, assignment, {one.student for one in graded.results})
+    numbers = class_numbers(layout, graded)
+    page = class_page(graded, numbers, summary, read_people(layout), missing)
+    write_file(path, page.encode('utf-8', 'replace'), force=True)
+    return path
+
+
+def class_page(
+    graded: ClassResults,
+    numbers: ClassNumbers,
+    summary: str = '',
+    people: Mapping[str, str] = NOBODY,
+    missing: Sequence[NotCollected] = (),
+) -> str:
+    """
+    Return the page.
+
+    :param people: names by student id
+    :param missing: what could not be collected
+    """
+    from markupsafe import Markup
+
+    marks = numbers.marks
+    return (
+        _templates()
+        .get_template('class_report.html.j2')
+        .render(
+            numbers=numbers,
+            picture=Markup(histogram(marks)) if marks else '',  # noqa: S704 - made of numbers
+            bins=[(_label(marks, place), count) for place, count in enumerate(marks.bins)]
+            if marks
+            else [],
+            exams=_by_exam(numbers.checks),
+            links={one.student: quote(page_name(one.student)) for one in graded.results},
+            flagged=worth_a_look(graded.results),
+            rows=_rows(graded.results),
+            summary=summary,
+            people=people,
+            missing=missing,
+            names=names_to_write_to(missing),
+        )
+    )
+
+
+def _by_exam(checks: Sequence[CheckNumbers]) -> list[tuple[str, list[CheckNumbers]]]:
+    """Return the checks of each exam, in the order of the exams."""
+    found: dict[str, list[CheckNumbers]] = {}
+    for check in checks:
+        found.setdefault(check.exam, []).append(check)
+    return list(found.items())
+
+
+def histogram(marks: Marks) -> str:
+    """Return the picture of the marks as SVG; the page says the same as a table."""
+    most = max(marks.bins)
+    step = WIDTH / BINS
+    parts = [svg.line(0, BASE, WIDTH, BASE)]
+    for place, count in enumerate(marks.bins):
+        height = (BASE - TOP) * count / most
+        middle = (place + 0.5) * step
+        if count:
+            top = BASE - height
+            parts.append(svg.box(place * step + GAP / 2, top, step - GAP, height, colour=svg.BLUE))
+            parts.append(svg.text(middle, top - 6, str(count), anchor='middle', bold=True))
+        low, high = (number(marks.max_points * edge / BINS) for edge in (place, place + 1))
+        parts.append(svg.text(middle, BASE + 16, f'{low}–{high}', anchor='middle', size=11))
+    parts.append(svg.text(WIDTH / 2, BASE + 34, 'points', anchor='middle', faint=True))
+    words = ', '.join(f'{_label(marks, place)}: {n}' for place, n in enumerate(marks.bins) if n)
+    title = f'How the points of {marks.count} submissions are distributed'
+    return svg.picture(WIDTH, HEIGHT, title, f'Points and how many have them. {words}.', parts)
+
+
+def _label(marks: Marks, place: int) -> str:
+    """Return the points of a bar in words."""
+    low, high = (marks.max_points * edge / BINS for edge in (place, place + 1))
+    if place == BINS - 1:
+        return f'{number(low)} to {number(high)}'
+    return f'{number(low)} to below {number(high)}'
+
+
+def _rows(results: Sequence[SubmissionResult]) -> list[dict[str, object]]:
+    """Return one row per student: for review first, then those with the fewest points."""
+    ordered = sorted(results, key=lambda one: (not one.review, one.points, one.student))
+    return [
+        {
+            'student': one.student,
+            'points': one.points if has_mark(one) else None,
+            'no_mark': 'for review' if one.review else 'only visible checks',
+            'max_points': one.max_points,
+            'why': headline(one),
+        }
+        for one in ordered
+    ]

@@ -1,0 +1,69 @@
+"""One command at a time writes a course's submissions, gradebook, reports and recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+import fcntl
+import os
+from pathlib import Path
+import re
+import time
+
+from autograder.errors import GraderError
+from autograder.layout import Layout
+
+UNFINISHED = re.compile(r'\..+\.[0-9a-f]{32}')
+"""How :func:`autograder.files.keep` names a file until it is whole."""
+
+
+class InUseError(GraderError):
+    """Somebody else grades or collects for the same course."""
+
+
+@contextmanager
+def alone(layout: Layout, what: str) -> Iterator[None]:
+    """
+    Let only this process grade or collect, and first remove what a killed grading left unfinished.
+
+    The kernel releases the lock however the process ends; the text in the file is only for people.
+
+    :param what: the command, shown to a second process that wants the lock
+    :raises InUseError: if another process holds the lock; the error names that process
+    """
+    layout.work.mkdir(parents=True, exist_ok=True)
+    path = layout.work / 'lock'
+    lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    try:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            holder = os.pread(lock, 200, 0).decode(errors='replace') or 'another one'
+            raise InUseError(
+                f'{path}: expected to be the only one that grades or collects, got: {holder}.',
+                'Try: wait until it is done, or end it with Ctrl-C where it runs',
+            ) from error
+        if os.fstat(lock).st_size:  # its holder was killed
+            _tidy(layout)
+        os.ftruncate(lock, 0)
+        os.pwrite(
+            lock, f'{what} since {time.strftime("%H:%M")}, process {os.getpid()}'.encode(), 0
+        )
+        yield
+        os.ftruncate(lock, 0)
+    finally:
+        os.close(lock)
+
+
+def _tidy(layout: Layout) -> None:
+    """Remove files that never became whole and that nobody is writing."""
+    for folder in (layout.reports, layout.recordings):
+        for path in folder.glob('*/.*'):
+            if UNFINISHED.fullmatch(path.name):
+                _remove_if_left(path)
+
+
+def _remove_if_left(path: Path) -> None:
+    with suppress(OSError), path.open('rb') as file:  # or its writer is done, or at work
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        path.unlink()

@@ -1,0 +1,107 @@
+"""
+What ``collect`` found and could not take: whose it was, and why.
+
+It is kept until something of that student arrives.  Else a file in the wrong format is seen once,
+in the table of one collection, and the student is missing without a reason in all later reports.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import asdict, dataclass
+import json
+
+from autograder.files import keep
+from autograder.layout import Layout
+from autograder.submission.reading import read_file
+
+
+@dataclass(frozen=True)
+class NotCollected:
+    """
+    A delivery that was not taken.
+
+    :param assignment: empty if the delivery does not tell
+    :param why: one sentence
+    :param person: a name for people, empty if the id is one
+    :param handed_in: time of delivery in UTC, empty if it is not known
+    """
+
+    student: str
+    assignment: str
+    why: str
+    person: str = ''
+    handed_in: str = ''
+
+    @property
+    def reason(self) -> str:
+        """Return why it was not taken, with the time of delivery."""
+        when = f' (handed in {self.handed_in} UTC)' if self.handed_in else ''
+        return f'Not collected: {self.why}{when}.'
+
+
+def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
+    """
+    Return what was not taken while nothing of the student has arrived.
+
+    :returns: nothing if the file is missing or damaged
+    """
+    data, _ = read_file(layout.not_collected, layout.not_collected.name)
+    try:
+        kept = [NotCollected(**one) for one in json.loads(data or b'[]')]
+        return tuple(one for one in kept if not _arrived(layout, one))
+    except (ValueError, RecursionError, TypeError):
+        return ()
+
+
+def keep_not_collected(layout: Layout, found: Iterable[NotCollected]) -> None:
+    """
+    Add what was not taken; of one student and assignment the last delivery stays.
+
+    :raises OSError: if it cannot be written
+    """
+    known = {(one.student, one.assignment): one for one in read_not_collected(layout)}
+    for one in sorted(found, key=lambda one: one.handed_in):
+        if not _arrived(layout, one):
+            known[one.student, one.assignment] = one
+    _write(layout, [known[key] for key in sorted(known)])
+
+
+def forget_not_collected(layout: Layout, student: str) -> None:
+    """
+    Remove a student.
+
+    :raises OSError: if it cannot be written
+    """
+    _write(layout, [one for one in read_not_collected(layout) if one.student != student])
+
+
+def _write(layout: Layout, kept: Sequence[NotCollected]) -> None:
+    if kept or layout.not_collected.exists():
+        text = json.dumps([asdict(one) for one in kept], ensure_ascii=False, indent=1)
+        keep(layout.not_collected, f'{text}\n'.encode('utf-8', 'replace'))
+
+
+def not_collected(
+    layout: Layout, assignment: str, graded: Collection[str]
+) -> tuple[NotCollected, ...]:
+    """
+    Return what is missing in the results of an assignment.
+
+    :param graded: students who have a result
+    """
+    return tuple(
+        one
+        for one in read_not_collected(layout)
+        if one.assignment in ('', assignment) and one.student not in graded
+    )
+
+
+def names_to_write_to(missing: Sequence[NotCollected]) -> str:
+    """Return whom to write to, for an e-mail."""
+    return ', '.join(dict.fromkeys(one.person or one.student for one in missing))
+
+
+def _arrived(layout: Layout, one: NotCollected) -> bool:
+    """Return whether a notebook of the student is in ``submitted/``."""
+    return any((layout.submitted / one.student).glob(f'{one.assignment or "*"}/*.ipynb'))

@@ -1,0 +1,209 @@
+"""
+Results for people: one HTML page per student, an index of the class, a table in the terminal.
+
+Names, messages and log lines come from students.  The pages escape everything, allow no script
+and load nothing; the terminal gets no control characters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+import json
+from pathlib import Path
+from typing import Any, TYPE_CHECKING
+from urllib.parse import quote
+
+from autograder.classroom.not_collected import names_to_write_to, NotCollected
+from autograder.explaining.feedback import headline, number, printable
+from autograder.explaining.feedback_html import checks_html, with_unique_ids
+from autograder.files import keep, safe_name
+from autograder.results import ExamResult, shortened, SubmissionResult
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+    from rich.console import Console
+
+WHY_CHARS = 160
+NOBODY: Mapping[str, str] = {}
+
+
+def write_reports(
+    folder: Path,
+    assignment: str,
+    results: Sequence[SubmissionResult],
+    summary: str = '',
+    people: Mapping[str, str] = NOBODY,
+    missing: Sequence[NotCollected] = (),
+) -> Path:
+    """
+    Write the results of a class and their pages, in place of older ones.
+
+    The results are written first, atomically: every other command starts from them, and the
+    pages can be generated again.
+
+    :param folder: receives ``<assignment>/index.html`` and ``<assignment>/students/``
+    :param summary: one sentence about the whole run
+    :param people: names by student id, for the pages of the class; a student's own page has none
+    :param missing: what could not be collected
+    :returns: path of the index
+    """
+    pages = folder / assignment
+    data = json.dumps([result.to_json() for result in results], indent=1)
+    keep(pages / 'results.json', f'{data}\n'.encode())
+    (pages / 'students').mkdir(exist_ok=True)
+    templates = _templates()
+    written = {page_name(result.student) for result in results}
+    for result in results:
+        page = templates.get_template('student.html.j2').render(
+            result=result,
+            modes=_modes([result]),
+            lacks=_lacks([result]),
+        )
+        _put(pages / page_name(result.student), with_unique_ids(page))
+    index = pages / 'index.html'
+    _put(index, _index(templates, assignment, results, summary, people, missing))
+    for path in (pages / 'students').iterdir():
+        if f'students/{path.name}' not in written:
+            path.unlink()
+    return index
+
+
+def _put(path: Path, text: str) -> None:
+    """Put a page in its place; a reader sees the old one or the new one."""
+    unfinished = path.with_name(f'.{path.name}')
+    unfinished.write_text(text, encoding='utf-8')
+    unfinished.replace(path)
+
+
+def _index(
+    templates: Environment,
+    assignment: str,
+    results: Sequence[SubmissionResult],
+    summary: str,
+    people: Mapping[str, str],
+    missing: Sequence[NotCollected],
+) -> str:
+    """Return the page with all students."""
+    rows = [
+        {
+            'student': result.student,
+            'link': quote(page_name(result.student)),
+            'review': result.review,
+            'points': result.points,
+            'max_points': result.max_points,
+            'why': headline(result),
+        }
+        for result in results
+    ]
+    return templates.get_template('index.html.j2').render(
+        assignment=assignment,
+        rows=rows,
+        reviews=sum(bool(result.review) for result in results),
+        flagged=worth_a_look(results),
+        modes=_modes(results),
+        lacks=_lacks(results),
+        summary=summary,
+        people=people,
+        missing=missing,
+        names=names_to_write_to(missing),
+    )
+
+
+def worth_a_look(results: Sequence[SubmissionResult]) -> list[tuple[str, tuple[str, ...]]]:
+    """Return students and what to look at: first those whose work could not be read."""
+    found = [(one.student, (one.unusable.rstrip('.'),)) for one in results if one.unusable]
+    return [*found, *((one.student, one.flags) for one in results if one.flags)]
+
+
+def with_name(student: str, people: Mapping[str, str]) -> str:
+    """Return a student id and, if it is known, whose it is."""
+    return f'{student} ({people[student]})' if student in people else student
+
+
+def page_name(student: str) -> str:
+    """Return the file of a student's page below the index; any name is safe."""
+    return f'students/{safe_name(student)}.html'
+
+
+def _modes(results: Sequence[SubmissionResult]) -> list[str]:
+    """Return the isolation modes that were used."""
+    return sorted({exam.mode for result in results for exam in result.exams if exam.mode})
+
+
+def _lacks(results: Sequence[SubmissionResult]) -> list[str]:
+    """Return what the isolation of some runs did not protect, empty where it was whole."""
+    exams = [exam for result in results for exam in result.exams]
+    return list(dict.fromkeys(lack for exam in exams for lack in exam.not_protected))
+
+
+def _templates() -> Environment:
+    """Return our templates, with escaping on for every file name."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    templates = Environment(
+        loader=FileSystemLoader(Path(__file__).parents[1] / 'templates'),
+        autoescape=True,
+        trim_blocks=True,
+        undefined=StrictUndefined,
+        finalize=lambda value: printable(value) if type(value) is str else value,
+    )
+    templates.filters.update(
+        number=number,
+        with_name=with_name,
+        words=lambda name: str(name).replace('_', ' ').capitalize(),
+        checks=_checks,
+    )
+    return templates
+
+
+def _checks(exam: ExamResult) -> Any:
+    """Return the checks of an exam as HTML, which has escaped all that came from a student."""
+    from markupsafe import Markup
+
+    return Markup(checks_html(exam))  # noqa: S704
+
+
+def print_table(
+    console: Console,
+    assignment: str,
+    results: Sequence[SubmissionResult],
+    people: Mapping[str, str] = NOBODY,
+    missing: Sequence[NotCollected] = (),
+) -> None:
+    """
+    Print student, points and first cause; below them what an instructor should look at.
+
+    :param people: names by student id
+    :param missing: what could not be collected
+    """
+    from rich.table import Table
+    from rich.text import Text
+
+    weak = ', '.join(
+        sorted({exam.mode for one in results for exam in one.exams if exam.not_protected})
+    )
+    title = f'{assignment} (WEAK ISOLATION: {weak})' if weak else assignment
+    table = Table(title=title, title_justify='left')
+    table.add_column('Student', overflow='fold')
+    table.add_column('Points', justify='right', no_wrap=True)
+    table.add_column('First cause', overflow='fold')
+    for result in results:
+        points = f'{number(result.points)} of {number(result.max_points)}'
+        why = shortened(headline(result).replace('\n', ' '), WHY_CHARS)
+        # Text objects: square brackets in a student's words are not markup here.
+        table.add_row(
+            Text(printable(with_name(result.student, people))),
+            Text('for review', style='bold red') if result.review else Text(points),
+            Text(why),
+        )
+    for one in missing:
+        why = shortened(one.reason.replace('\n', ' '), WHY_CHARS)
+        row = f'{one.student} ({one.person})' if one.person else one.student, 'nothing', why
+        table.add_row(*(Text(printable(cell)) for cell in row))
+    console.print(table)
+    if missing:
+        text = f'Nothing to grade yet from: {names_to_write_to(missing)}'
+        console.print(Text(printable(text)), soft_wrap=True)
+    for result in results:
+        for flag in result.flags:
+            console.print(Text(printable(f'flag: {result.student}: {flag}')))

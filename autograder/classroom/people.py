@@ -1,0 +1,105 @@
+"""The names of people, for those whose student id is a number."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+import json
+from typing import Any
+import unicodedata
+
+from autograder.errors import GraderError
+from autograder.files import keep
+from autograder.layout import Layout
+from autograder.submission.reading import read_file
+
+LONGEST_NAME = 200
+_BIDI_CONTROLS = frozenset(
+    '\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069'
+)
+"""They would turn around the text that a name is shown in."""
+
+
+def read_people(layout: Layout) -> dict[str, str]:
+    """
+    Return the names that are known, by student id.
+
+    :returns: nothing if the file is missing or damaged
+    """
+    data, _ = read_file(layout.people, layout.people.name)
+    try:
+        found = json.loads(data or b'{}')
+    except (ValueError, RecursionError):
+        return {}
+    return _clean(found) if isinstance(found, dict) else {}
+
+
+def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
+    """
+    Return the id of the student who has an id or a display name.
+
+    :param students: ids of those who may be meant
+    :raises GraderError: if none of them has it, or several have the name
+    """
+    if name in students:
+        return name
+    if found := namesake(layout, name, students):
+        return found
+    raise GraderError(
+        f'{name}: expected a student with results, got none of that name.',
+        f'Graded: {", ".join(sorted(students)[:20])}.',
+    )
+
+
+def namesake(layout: Layout, name: str, students: Collection[str]) -> str:
+    """
+    Return the id of the student who has a display name, empty if none of them has it.
+
+    :param students: ids of those who may be meant
+    :raises GraderError: if several have the name
+    """
+    people = {one: named for one, named in read_people(layout).items() if one in students}
+    found = sorted(one for one, named in people.items() if _folded(named) == _folded(name))
+    if len(found) > 1:
+        raise GraderError(
+            f'{name}: expected one student of that name, got {len(found)}.',
+            f'Try: one of the ids {", ".join(found)}',
+        )
+    return found[0] if found else ''
+
+
+def _folded(name: str) -> str:
+    """Return a name without what is not seen or not typed alike: capitals and spaces."""
+    return ' '.join(unicodedata.normalize('NFKC', name).casefold().split())
+
+
+def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
+    """
+    Add names to those that are known; a new one replaces the old one.
+
+    :param names: by student id, as a source has them
+    :raises OSError: if they cannot be written
+    """
+    known = read_people(layout)
+    merged = dict(sorted({**known, **_clean(names)}.items()))
+    if merged != known:
+        text = json.dumps(merged, ensure_ascii=False, indent=1)
+        keep(layout.people, f'{text}\n'.encode())
+
+
+def _clean(names: Mapping[Any, Any]) -> dict[str, str]:
+    """Return what can be shown: text in one line, of a bounded length."""
+    found = {}
+    for student, name in names.items():
+        if isinstance(student, str) and isinstance(name, str):
+            shown = ' '.join(''.join(map(_shown, name[: 4 * LONGEST_NAME])).split())
+            if shown:
+                found[student] = shown[:LONGEST_NAME].rstrip()
+    return found
+
+
+def _shown(char: str) -> str:
+    """Return a character of a name, nothing for one that only does something."""
+    if char in '\t\n\r':
+        return ' '
+    hidden = unicodedata.category(char) in ('Cc', 'Cs') or char in _BIDI_CONTROLS
+    return '' if hidden else char

@@ -1,0 +1,119 @@
+"""
+What was graded last, for everything that looks at a class as a whole.
+
+Reports, statistics and exports begin here and run nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+import json
+from pathlib import Path
+
+from autograder.errors import GraderError
+from autograder.layout import Layout
+from autograder.results import ExamResult, SubmissionResult
+from autograder.sandboxes.isolation import MODES
+
+
+@dataclass(frozen=True)
+class ClassResults:
+    """The last results of one assignment, in the order of the grading."""
+
+    assignment: str
+    results: tuple[SubmissionResult, ...]
+
+
+def results_file(layout: Layout, assignment: str) -> Path:
+    """Return where the last results of an assignment are."""
+    return layout.reports / assignment / 'results.json'
+
+
+def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...]:
+    """
+    Return what was graded last.
+
+    :raises GraderError: if the file is not what a report wrote
+    """
+    path = results_file(layout, assignment)
+    try:
+        data = json.loads(path.read_text(encoding='utf-8'))
+        return tuple(SubmissionResult.from_json(one) for one in data)
+    except (ValueError, KeyError, TypeError) as error:
+        raise GraderError(
+            f'{path}: expected results as a report writes them, got {type(error).__name__}.',
+            'Try: grade again',
+        ) from error
+
+
+def results_of_others(
+    layout: Layout, assignment: str, students: Collection[str]
+) -> tuple[SubmissionResult, ...]:
+    """
+    Return the last results of everybody but these; of nobody if nothing was graded yet.
+
+    :raises GraderError: if the file is not what a report wrote
+    """
+    if not results_file(layout, assignment).is_file():
+        return ()
+    last = last_results(layout, assignment)
+    return tuple(one for one in last if one.student not in students)
+
+
+def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
+    """
+    Return what was graded last.
+
+    :param name: only this assignment; None for every one that was graded
+    :raises GraderError: if it is unknown, or was not graded yet
+    """
+    wanted = layout.assignments() if name is None else (layout.assignment_named(name),)
+    there = [one for one in wanted if results_file(layout, one).is_file()]
+    if not there:
+        raise GraderError(
+            f'{layout.reports}: expected results of {name or "any assignment"}, got none.',
+            'Try: grade the class first, with make grade',
+        )
+    return tuple(ClassResults(one, last_results(layout, one)) for one in there)
+
+
+def one_graded(layout: Layout, name: str) -> ClassResults:
+    """
+    Return what was graded last of one assignment.
+
+    :raises GraderError: if it is unknown, or was not graded yet
+    """
+    (found,) = graded(layout, name)
+    return found
+
+
+def has_mark(result: SubmissionResult) -> bool:
+    """Return whether points are a mark: not for review, and not from visible checks alone."""
+    modes = [MODES[exam.mode] for exam in result.exams if exam.mode in MODES]
+    return not result.review and all(mode.keeps_secrets for mode in modes)
+
+
+def seconds_of(result: SubmissionResult) -> float:
+    """Return how long a submission was run and judged [s]; nearly nothing if it was recorded."""
+    return sum(seconds_of_exam(exam) for exam in result.exams)
+
+
+def seconds_of_exam(exam: ExamResult) -> float:
+    """Return how long an exam was run and judged [s]."""
+    return exam.timing.get('run_s', 0.0) + exam.timing.get('judge_s', 0.0)
+
+
+def ran_s(result: SubmissionResult) -> float:
+    """Return how long its runs took, now or when they were recorded [s]; 0.0 if unknown."""
+    return sum(exam.ran_s for exam in result.exams)
+
+
+def was_run(result: SubmissionResult) -> bool:
+    """Return whether the last grading ran anything for it instead of only reading recordings."""
+    return any(exam.timing.get('run_s') for exam in result.exams)
+
+
+def max_points(results: Sequence[SubmissionResult]) -> float:
+    """Return what the automatic checks of an assignment can give, 0.0 if nobody has a verdict."""
+    return max((result.max_points for result in results if not result.fault), default=0.0)

@@ -1,0 +1,251 @@
+"""
+A class in numbers: marks, checks, what took long, what to look at; computed from results alone.
+
+Submissions for review have no mark and count nowhere but in their own list.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+import json
+import math
+from pathlib import Path
+import statistics
+from typing import Any
+
+from autograder.classroom.results_of_class import (
+    ClassResults,
+    has_mark,
+    max_points,
+    ran_s,
+    was_run,
+)
+from autograder.layout import Layout
+from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
+
+BINS = 10
+SLOWEST = 5
+CAUSES = 3
+DIGEST_CHARS = 12
+HEADER_BYTES = 4096
+"""Read of a recording, whose first line names what it was made of."""
+Header = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Marks:
+    """
+    How the points are distributed.
+
+    :param bins: how many got 0 to below 10 % of the points, 10 to below 20 %, ..., 90 to 100 %
+    """
+
+    count: int
+    max_points: float
+    mean: float
+    median: float
+    lower_quartile: float
+    upper_quartile: float
+    lowest: float
+    highest: float
+    full: int
+    bins: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class CheckNumbers:
+    """
+    How a class did in one check.
+
+    :param causes: why it failed, the commonest first: words and how often
+    """
+
+    exam: str
+    check: str
+    title: str
+    passed: int
+    failed: int
+    not_run: int
+    max_points: float
+    mean_points: float
+    causes: tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True)
+class ClassNumbers:
+    """
+    Everything about one assignment.
+
+    :param marks: None if nobody has a mark
+    :param review: student, and why there is no score
+    :param flagged: student, and what an instructor should look at
+    :param slowest: student, and how long the runs took, whenever they took place [s]
+    :param repeated: whose runs took place twice, as something but the program may have ended one
+    :param recorded: how many needed no run in the last grading
+    :param modes: isolation modes
+    :param lacks: what they do not protect
+    :param exams: exam, and digests of its scenario (the seeded inputs) and of the environment
+    :param versions: of what the recordings were made with, as far as they say; several of one
+        name stand side by side
+    """
+
+    assignment: str
+    submissions: int
+    marks: Marks | None
+    checks: tuple[CheckNumbers, ...]
+    review: tuple[tuple[str, str], ...]
+    flagged: tuple[tuple[str, str], ...]
+    slowest: tuple[tuple[str, float], ...]
+    repeated: tuple[str, ...]
+    recorded: int
+    modes: tuple[str, ...]
+    lacks: tuple[str, ...]
+    exams: dict[str, dict[str, tuple[str, ...]]]
+    versions: dict[str, str]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return JSON types only."""
+        return asdict(self)
+
+
+def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
+    """
+    Return a class in numbers.
+
+    :param layout: where the recordings are, whose headers name digests
+    """
+    results = graded.results
+    marked = [result for result in results if not result.review]
+    exams = [exam for result in results for exam in result.exams]
+    slowest = sorted(filter(ran_s, results), key=ran_s, reverse=True)
+    headers = _headers(layout, exams)
+    return ClassNumbers(
+        assignment=graded.assignment,
+        submissions=len(results),
+        marks=_marks([result for result in results if has_mark(result)]),
+        checks=_checks(marked),
+        review=tuple((one.student, one.review) for one in results if one.review),
+        flagged=tuple((one.student, flag) for one in results for flag in one.flags),
+        slowest=tuple((one.student, ran_s(one)) for one in slowest[:SLOWEST]),
+        repeated=tuple(
+            one.student for one in results if any(x.timing.get('repeated') for x in one.exams)
+        ),
+        recorded=sum(not was_run(one) for one in results),
+        modes=tuple(sorted({exam.mode for exam in exams if exam.mode})),
+        lacks=tuple(dict.fromkeys(lack for exam in exams for lack in exam.not_protected)),
+        exams=_origins(headers),
+        versions=_versions(headers),
+    )
+
+
+def _marks(results: Sequence[SubmissionResult]) -> Marks | None:
+    most = max_points(results)
+    if not results or most <= 0:
+        return None
+    points = sorted(result.points for result in results)
+    bins = [0] * BINS
+    for one in points:
+        # Sums of floats: 40 points in thirds are 39.99999 and still full marks.
+        bins[max(0, min(BINS - 1, math.floor(one / most * BINS + 1e-6)))] += 1
+    low, middle, high = (
+        statistics.quantiles(points, n=4, method='inclusive') if len(points) > 1 else points * 3
+    )
+    return Marks(
+        count=len(points),
+        max_points=most,
+        mean=statistics.fmean(points),
+        median=middle,
+        lower_quartile=low,
+        upper_quartile=high,
+        lowest=points[0],
+        highest=points[-1],
+        full=sum(one >= most - 1e-6 for one in points),
+        bins=tuple(bins),
+    )
+
+
+def _checks(results: Sequence[SubmissionResult]) -> tuple[CheckNumbers, ...]:
+    """Return the numbers of every check, in the order of the exams."""
+    found: dict[tuple[str, str], list[CheckResult]] = {}
+    for result in results:
+        for exam in result.exams:
+            for check in exam.checks:
+                found.setdefault((exam.exam, check.check), []).append(check)
+    return tuple(_check(exam, checks) for (exam, _), checks in found.items())
+
+
+def _check(exam: str, checks: Sequence[CheckResult]) -> CheckNumbers:
+    verdicts = Counter(check.verdict for check in checks)
+    return CheckNumbers(
+        exam=exam,
+        check=checks[0].check,
+        title=checks[0].title,
+        passed=verdicts[Verdict.PASSED],
+        failed=verdicts[Verdict.FAILED],
+        not_run=verdicts[Verdict.NOT_RUN],
+        max_points=max(check.max_points for check in checks),
+        mean_points=statistics.fmean(check.points for check in checks),
+        causes=_causes([check for check in checks if check.verdict is Verdict.FAILED]),
+    )
+
+
+def _causes(failed: Sequence[CheckResult]) -> tuple[tuple[str, int], ...]:
+    """
+    Return the commonest causes in words.
+
+    Causes are counted by their stable name, as the words name lines and values of one student; of
+    the words, the commonest stand for all.
+    """
+    words: dict[str, Counter[str]] = {}
+    for check in failed:
+        text = check.cause or check.observed or 'no cause was found'
+        words.setdefault(check.cause_id or text, Counter())[text] += 1
+    counted = sorted(words.values(), key=lambda texts: -texts.total())
+    return tuple((texts.most_common(1)[0][0], texts.total()) for texts in counted[:CAUSES])
+
+
+def _headers(layout: Layout, exams: Sequence[ExamResult]) -> list[tuple[str, Header]]:
+    """Return each exam with the first line of each of its recordings, once; empty if none."""
+    places = dict.fromkeys((one.exam, one.recording) for one in exams)
+    return [
+        (exam, _header(layout.recordings / exam / name) if name else {}) for exam, name in places
+    ]
+
+
+def _origins(headers: Sequence[tuple[str, Header]]) -> dict[str, dict[str, tuple[str, ...]]]:
+    """Return for each exam what its recordings were made with; more than one digest is odd."""
+    found: dict[str, dict[str, dict[str, None]]] = {}
+    for exam, header in headers:
+        digests = found.setdefault(exam, {'scenario': {}, 'environment': {}})
+        for name, seen in digests.items():
+            if name in header:
+                seen[str(header[name])[:DIGEST_CHARS]] = None
+    return {
+        exam: {name: tuple(seen) for name, seen in digests.items()}
+        for exam, digests in found.items()
+    }
+
+
+def _versions(headers: Sequence[tuple[str, Header]]) -> dict[str, str]:
+    """Return what the recordings say they were made with: this machine may have changed since."""
+    found: dict[str, dict[str, None]] = {}
+    for _, header in headers:
+        named = header.get('made_with')
+        named = dict(named) if isinstance(named, dict) else {}
+        if 'environment' in header:
+            named['environment'] = str(header['environment'])[:DIGEST_CHARS]
+        for name, text in named.items():
+            found.setdefault(name, {})[str(text)] = None
+    return {name: ' and '.join(texts) for name, texts in found.items()}
+
+
+def _header(path: Path) -> Header:
+    """Return the first line of a recording, empty if it is not there any more."""
+    try:
+        with path.open('rb') as file:
+            data = json.loads(file.readline(HEADER_BYTES))
+    except (OSError, ValueError):
+        return {}
+    return data if isinstance(data, dict) else {}

@@ -1,0 +1,71 @@
+"""
+nbgrader's release and collect, for students who share a machine; named in ``nbgrader_config.py``.
+
+They are what formgrader's buttons and ``nbgrader collect`` use.  nbgrader takes work that one user
+has handed in under the name of another, with no more than a warning; here it is refused.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from nbgrader.exchange.default import ExchangeCollect, ExchangeReleaseAssignment
+from traitlets import Dict
+
+from autograder.collect.owners import OwnerRule
+from environment.exchange import protect
+
+COPY_MODE = 0o755
+"""Of a collected folder; in the exchange it is writable for all."""
+
+
+class ReleaseProtected(ExchangeReleaseAssignment):
+    """Releases an assignment, and sets the sticky bit where students hand in."""
+
+    def init_dest(self) -> None:
+        """Make the folders of the exchange."""
+        super().init_dest()
+        protect(Path(self.root))
+
+
+class CollectFromOwners(ExchangeCollect):
+    """Collects only what the students themselves own."""
+
+    src_records: list[dict[str, Any]]
+
+    owners = Dict(
+        help='Name of the system user by student id, where the two differ.',
+    ).tag(config=True)
+
+    def init_src(self) -> None:
+        """Find the newest delivery of each student among those that are theirs."""
+        super().init_src()
+        self.src_records = [one for one in self.src_records if not one['doubt']]
+
+    def _path_to_record(self, path: str) -> dict[str, Any]:
+        record: dict[str, Any] = super()._path_to_record(path)
+        record['doubt'] = doubt = self._doubt(Path(path), record['username'])
+        if doubt:
+            self.log.error('%s: not collected: %s', record['filename'], doubt)
+            # nbgrader takes the newest of each user, so what is refused is put under a user of
+            # its own: a later forgery must not hide the work of the student.
+            record['username'] = f'not collected: {record["filename"]}'
+        return record
+
+    def _doubt(self, folder: Path, student: str) -> str:
+        inside = [folder, *folder.rglob('*')]
+        if self.check_owner and any(path.is_symlink() for path in inside):
+            return f'handed in as {student!r}, but a link in it leads elsewhere'
+        uids = {path.lstat().st_uid for path in inside}
+        return OwnerRule(self.check_owner, self.owners).doubt(student, uids)
+
+    def copy_files(self) -> None:
+        """Copy what is left."""
+        self.check_owner = False  # nbgrader does not know the recorded owners
+        super().copy_files()
+
+    def do_copy(self, src: str, dest: str, log: Any = None) -> None:
+        """Copy one delivery, which then only the instructor can write to."""
+        super().do_copy(src, dest, log)
+        Path(dest).chmod(COPY_MODE)

@@ -1,0 +1,1 @@
+"""The systems that students hand in with, one module each."""

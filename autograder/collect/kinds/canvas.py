@@ -1,0 +1,163 @@
+"""
+Canvas: files named ``NAME_[LATE_]USER_ATTACHMENT_FILE``, all in one folder.
+
+The student id is the user's number, which the gradebook file of Canvas names too.  With anonymous
+grading it is ``[LATE_]anon_ID_ATTACHMENT_FILE``, and for what was typed into Canvas
+``NAME_[LATE_]USER_text.html`` or ``..._link.html``.
+
+A name may keep underscores and numbers, so a file name can be read in more than one way.  Then the
+others decide: an attachment belongs to one file, its number is near theirs, and a user has one
+name.  If they do not, nobody guesses whose work it is.
+
+Source: canvas-lms, lib/content_zipper.rb, which takes numbers between underscores out of names.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+import re
+
+from autograder.collect.source.deliveries import Handed, Left, Level, Piece
+from autograder.collect.source.tree import File
+
+EXPECTED = 'files named NAME_USERID_NUMBER_FILE'
+AGAIN = re.compile(r'-\d+(?=\.[^.]+$)')
+_NUMBER = re.compile(r'[1-9][0-9]*')
+_ANONYMOUS = re.compile(
+    r'(?P<late>LATE_)?(?P<user>anon_[0-9A-Za-z]+)_(?P<later>LATE_)?'
+    r'(?:(?P<typed>text|link)\.html|(?P<attachment>[1-9][0-9]*)_(?P<file>.+))'
+)
+_TYPED = {
+    'text': 'a text was handed in instead of a file',
+    'link': 'a link was handed in instead of a file',
+}
+_SPREAD = 10
+"""Attachments are counted upwards, so those of one assignment are not this much apart."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """
+    One way to read a file name.
+
+    :param attachment: its number as text, empty for what was typed into Canvas
+    :param file: the name that the student gave, or the kind of what was typed
+    """
+
+    name: str
+    user: str
+    attachment: str
+    file: str
+    late: bool
+
+    @property
+    def anonymous(self) -> bool:
+        """Return whether it belongs to an assignment that is graded anonymously."""
+        return not self.name and self.user.startswith('anon_')
+
+
+def claims(level: Level) -> int:
+    """Return how many entries are named as Canvas does."""
+    return sum(bool(readings(name)) for name in level.files)
+
+
+def readings(name: str) -> tuple[Reading, ...]:
+    """Return every way to read a file name; none if it is not from Canvas."""
+    found = []
+    if match := _ANONYMOUS.fullmatch(name):
+        late = bool(match['late'] or match['later'])
+        file = match['file'] or match['typed']
+        found.append(Reading('', match['user'], match['attachment'] or '', file, late))
+    parts = name.split('_')
+    for at in range(1, len(parts) - 1):
+        late = parts[at - 1] == 'LATE'
+        person, rest = parts[: at - late], parts[at + 1 :]
+        if not _NUMBER.fullmatch(parts[at]) or not _may_be_name(person):
+            continue
+        typed = rest[0].removesuffix('.html')
+        if len(rest) == 1 and typed != rest[0] and typed in _TYPED:
+            found.append(Reading('_'.join(person), parts[at], '', typed, late))
+        elif len(rest) > 1 and _NUMBER.fullmatch(rest[0]):
+            file = '_'.join(rest[1:])
+            found.append(Reading('_'.join(person), parts[at], rest[0], file, late))
+    return tuple(found)
+
+
+def _may_be_name(parts: Sequence[str]) -> bool:
+    """Return whether Canvas leaves a name so: in lower case, no number between underscores."""
+    return 'LATE' not in parts and not any(map(_NUMBER.fullmatch, parts[1:-1]))
+
+
+def read(level: Level) -> Iterator[Handed | Left]:
+    """Yield what each user handed in."""
+    ways = {name: readings(name) for name in level.files}
+    ways = {name: found for name, found in ways.items() if found}
+    settled = {name: found[0] for name, found in ways.items() if len(found) == 1}
+    told = dict(settled)
+    for name, found in ways.items():
+        if name not in settled:
+            fitting = _fitting(found, settled, ways)
+            if len(fitting) == 1:
+                told[name] = fitting[0]
+            else:
+                whose = ' or '.join(sorted({f'user {one.user}' for one in found}))
+                yield Left(name, f'it cannot be told whose it is: {whose}; rename the file')
+    users: dict[str, list[str]] = {}
+    for name in level.files:
+        if name in told:
+            users.setdefault(told[name].user, []).append(name)
+    for user, names in users.items():
+        by_others = [name for name in names if name not in settled]
+        notes = (f'user {user}, as the other files tell',) if by_others else ()
+        yield from _of_user(level, {name: told[name] for name in names}, notes)
+
+
+def _fitting(
+    ways: Sequence[Reading],
+    settled: Mapping[str, Reading],
+    all_ways: Mapping[str, Sequence[Reading]],
+) -> list[Reading]:
+    """Return the readings that go together with the other files."""
+    named: dict[str, set[str]] = {}
+    for one in settled.values():
+        named.setdefault(one.user, set()).add(one.name)
+    anonymous = {one.anonymous for one in settled.values()}
+    numbers = Counter(
+        number for found in all_ways.values() for number in {one.attachment for one in found}
+    )
+    near = [int(one.attachment) for one in settled.values() if one.attachment]
+
+    def is_attachment(number: str) -> bool:
+        found = int(number)
+        among = not near or (min(near) <= found * _SPREAD and found <= max(near) * _SPREAD)
+        return among and numbers[number] == 1
+
+    def fits(one: Reading) -> bool:
+        same_name = one.name in named.get(one.user, {one.name})
+        possible = not one.attachment or is_attachment(one.attachment)
+        return possible and same_name and anonymous <= {one.anonymous}
+
+    return [one for one in ways if fits(one)]
+
+
+def _of_user(
+    level: Level, told: Mapping[str, Reading], notes: tuple[str, ...]
+) -> Iterator[Handed]:
+    """Yield what was typed in, and the files as one hand-in, the newest first."""
+    files = {name: one for name, one in told.items() if one.attachment}
+    late = 'Canvas' if any(one.late for one in told.values()) else ''
+    person = max(told.values(), key=lambda one: int(one.attachment or 0)).name
+    for name, one in told.items():
+        if name not in files:
+            what = _TYPED[one.file]
+            yield Handed(one.user, (), name, person, late=late, instead=what, notes=notes)
+    pieces = [
+        Piece(File((AGAIN.sub('', one.file),), level.files[name].read), name, int(one.attachment))
+        for name, one in files.items()
+    ]
+    if pieces:
+        pieces.sort(key=lambda piece: piece.turn, reverse=True)
+        user = next(iter(files.values())).user
+        yield Handed(user, tuple(pieces), '', person, late=late, notes=notes)

@@ -1,0 +1,99 @@
+"""
+One folder per student with notebooks anywhere below, or one notebook per student.
+
+``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb`` is nbgrader's own layout, with a ``timestamp.txt`` next to
+the notebook.  The student id is the folder's name.  If the name of a cloned repository begins with
+an assignment, as in ``talk-ann``, that prefix is removed.  The student wrote the clone's
+``timestamp.txt``, so its time is not used.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+
+from autograder.collect.source.course import Course
+from autograder.collect.source.deliveries import Handed, in_folder, Left, Level, level, Piece
+from autograder.collect.source.times import STAMP
+from autograder.collect.source.tree import File, Tree, UnreadableError
+
+EXPECTED = 'a folder or a notebook a student'
+FEW = 20
+"""Number of notebooks to read, to distinguish a class from one student's copies."""
+
+
+def level_of(tree: Tree, course: Course) -> Level:
+    """Return the folder whose entries are students: some programs pack a zip with one around."""
+    outer = level(tree)
+    if outer.files or len(outer.folders) != 1:
+        return outer
+    (name,) = outer.folders
+    if name in outer.repositories and course.beginning(name):
+        return outer  # on the first day one student's repository is all there is
+    inner = level(tree, name)
+    return inner if _is_class(inner, course) else outer
+
+
+def _is_class(inner: Level, course: Course) -> bool:
+    """Return whether a folder has students in it; otherwise it belongs to one student."""
+    theirs = {*course.assignments, course.layout.notebooks.name}
+    if len(inner.entries) < 2 or theirs & set(inner.folders):
+        return False
+    return not inner.files or _are_students(inner.files, course)
+
+
+def _are_students(files: Mapping[str, File], course: Course) -> bool:
+    """Return whether notebooks are named after students: two have cells of one assignment."""
+    if not all(name.endswith('.ipynb') and not course.of_file(name) for name in files):
+        return False
+    lessons: Counter[str] = Counter()
+    for file in list(files.values())[:FEW]:
+        try:
+            lessons.update(set(course.shared(file.read())))
+        except UnreadableError:
+            continue
+    return any(count > 1 for count in lessons.values())
+
+
+def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Left]:
+    """
+    Yield what each student handed in; whose it is, the name alone tells, never who else is there.
+
+    :param prefix: what the instructor takes off the names that begin with it
+    """
+    for name, file in level.files.items():
+        if name.lower().endswith('.ipynb'):
+            stem = name[: -len('.ipynb')]
+            off = _prefix(stem, prefix)
+            yield _handed(stem, off, (Piece(file, name),), name)
+        else:
+            yield Left(name, "neither a notebook nor a student's folder")
+    for folder, files in level.folders.items():
+        if folder in course.assignments:
+            yield Left(folder, "an assignment, no student's name: collect the folder above it")
+            continue
+        repository = folder in level.repositories
+        off = _prefix(folder, prefix) or (course.beginning(folder) if repository else '')
+        notes: tuple[str, ...] = ()
+        if repository and any(file.name == STAMP for file in files):
+            notes = (f"no time from its {STAMP}: in a repository that is the student's own",)
+        yield _handed(folder, off, in_folder(folder, files), folder, not repository, notes)
+
+
+def _prefix(name: str, prefix: str) -> str:
+    """Return the prefix to remove, or nothing if no name would be left."""
+    return prefix if name.startswith(prefix) and name != prefix else ''
+
+
+def _handed(
+    name: str,
+    off: str,
+    pieces: tuple[Piece, ...],
+    place: str,
+    stamped: bool = False,
+    notes: tuple[str, ...] = (),
+) -> Handed:
+    """Return a hand-in, which tells what was taken off the name."""
+    said = (f'{off!r} was taken off the name',) if off else ()
+    student = name[len(off) :]
+    return Handed(student, pieces, place, stamped=stamped, notes=(*said, *notes), called=name)

@@ -1,0 +1,179 @@
+"""
+Recognise the system that a source comes from, and read who handed in what.
+
+Only the names on one level decide: those in the source itself, or in the single folder around
+everything.  Students chose the names further down, and no student may decide how the work of the
+whole class is read.  Each entry on that level that is not a submission gets a reason.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from autograder.collect.kinds import canvas, exchange, folders, gradescope, moodle
+from autograder.collect.source.course import Course
+from autograder.collect.source.deliveries import Handed, Left, Level, level
+from autograder.collect.source.tree import NotCollectedError, Tree
+from autograder.explaining.feedback import printable
+
+FOLDER, EXCHANGE = 'folder', 'exchange'
+NAMES_SHOWN = 3
+
+
+@dataclass(frozen=True)
+class System:
+    """
+    What names things in a way of its own.
+
+    :param expected: its names, in words
+    :param claims: returns how many entries of a level are named so
+    :param read: yields what they are
+    :param own: entries that are the system's own
+    :param single: whether each of its downloads is of one assignment
+    """
+
+    expected: str
+    claims: Callable[[Level], int]
+    read: Callable[[Level], Iterable[Handed | Left]]
+    own: frozenset[str] = frozenset()
+    single: bool = True
+
+
+SYSTEMS = {
+    'canvas': System(canvas.EXPECTED, canvas.claims, canvas.read),
+    'moodle': System(moodle.EXPECTED, moodle.claims, moodle.read),
+    'gradescope': System(
+        gradescope.EXPECTED, gradescope.claims, gradescope.read, frozenset({gradescope.METADATA})
+    ),
+    EXCHANGE: System(exchange.EXPECTED, exchange.claims, exchange.read, single=False),
+}
+
+
+@dataclass(frozen=True)
+class Found:
+    """
+    What is in a source.
+
+    :param single: whether all of it was handed in for one assignment
+    """
+
+    kind: str
+    handed: tuple[Handed, ...]
+    left: tuple[Left, ...]
+    single: bool = False
+
+
+def kind_of(tree: Tree) -> str:
+    """Return which system a source comes from, by its names."""
+    return _recognised(tree)[0]
+
+
+def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> Found:
+    """
+    Return all that was handed in.
+
+    :param kind: a system, ``'folder'``, or empty to find out
+    :param prefix: what is taken off the names of folders
+    :raises NotCollectedError: if the source is not what its names or ``kind`` say
+    """
+    chosen, place = (kind, _claimed(tree, kind)) if kind else _recognised(tree)
+    if chosen == FOLDER or place is None:
+        place = folders.level_of(tree, course)
+        expected, found = folders.EXPECTED, list(folders.read(place, course, prefix))
+        _used(tree, prefix, place.entries)
+    else:
+        system = SYSTEMS[chosen]
+        if prefix:
+            raise NotCollectedError(
+                f'{tree.name}: expected folders of students for --prefix, got names of {chosen}.',
+                'Try: leave out --prefix',
+            )
+        expected = system.expected
+        found = list(system.read(place)) if system.claims(place) else []
+    handed = tuple(one for one in found if isinstance(one, Handed))
+    if kind and not handed:
+        raise _nothing(tree, kind, expected)
+    left = [one for one in found if isinstance(one, Left)]
+    known = {name for one in handed for name in one.places} | {one.place for one in left}
+    known |= SYSTEMS[chosen].own if chosen in SYSTEMS else frozenset()
+    why = f'not named as {chosen} names what is handed in'
+    left += [Left(name, why) for name in place.entries if name not in known]
+    return Found(chosen, handed, tuple(left), chosen in SYSTEMS and SYSTEMS[chosen].single)
+
+
+def _used(tree: Tree, prefix: str, names: Sequence[str]) -> None:
+    """Refuse a prefix that no name begins with: the ids would be others than somebody expects."""
+    if prefix and not any(name.startswith(prefix) for name in names):
+        raise NotCollectedError(
+            f'{tree.name}: expected names of students that begin with {printable(prefix)!r} '
+            f'(--prefix), got: {_shown(names)}.',
+            'Try: leave out --prefix, or what the names of the folders begin with',
+        )
+
+
+def _recognised(tree: Tree) -> tuple[str, Level | None]:
+    """Return the system that explains most of the outermost level that any explains."""
+    for place in _levels(tree):
+        claims = {name: system.claims(place) for name, system in SYSTEMS.items()}
+        best = max(claims, key=lambda name: claims[name])
+        if 0 < len(place.entries) <= 2 * claims[best]:
+            return best, place
+    if inbound := _inbound(tree):  # a course in which nobody has handed in anything yet
+        return EXCHANGE, inbound
+    courses = level(tree).folders
+    if courses and all(_is_exchange(level(tree, name)) for name in courses):
+        raise NotCollectedError(
+            f'{tree.name}: expected the exchange of one course, got {len(courses)} of them.',
+            'Try: the folder of the course, or its inbound/',
+        )
+    return FOLDER, None
+
+
+def _claimed(tree: Tree, kind: str) -> Level | None:
+    """Return the outermost level of which a system explains anything."""
+    if kind == FOLDER:
+        return None
+    return next((place for place in _levels(tree) if SYSTEMS[kind].claims(place)), level(tree))
+
+
+def _levels(tree: Tree) -> Iterator[Level]:
+    """Yield the levels that may be named by a system, the outermost first."""
+    outer = level(tree)
+    yield outer
+    if not outer.files and len(outer.folders) == 1:
+        yield level(tree, *outer.folders)
+    if inbound := _inbound(tree):
+        yield inbound
+
+
+def _inbound(tree: Tree) -> Level | None:
+    """Return the hand-ins of a course in nbgrader's exchange, whose folders have fixed names."""
+    outer = level(tree)
+    if _is_exchange(outer):
+        return level(tree, exchange.INBOUND)
+    if len(outer.entries) == 1 and _is_exchange(level(tree, *outer.entries)):
+        return level(tree, *outer.entries, exchange.INBOUND)
+    return None
+
+
+def _is_exchange(place: Level) -> bool:
+    """Return whether a folder is a course in nbgrader's exchange."""
+    return exchange.INBOUND in place.folders and set(place.entries) <= exchange.FOLDERS
+
+
+def _nothing(tree: Tree, kind: str, expected: str) -> NotCollectedError:
+    """Return the error that a source is not of the kind that the user named."""
+    *_, place = _levels(tree)
+    return NotCollectedError(
+        f'{tree.name}: expected submissions of the kind {kind} ({expected}), '
+        f'got: {_shown(place.entries)}.',
+        'Try: leave out --kind, or the source as it was downloaded',
+    )
+
+
+def _shown(names: Sequence[str]) -> str:
+    """Return the first names, and how many more there are."""
+    shown = ', '.join(printable(name)[:60] for name in names[:NAMES_SHOWN]) or 'nothing'
+    more = f' and {len(names) - NAMES_SHOWN} more' if len(names) > NAMES_SHOWN else ''
+    return f'{shown}{more}'

@@ -1,0 +1,69 @@
+"""
+Moodle: folders named ``NAME_NUMBER_assignsubmission_file[_]``, or files that begin so.
+
+The number is new in each assignment, so the student id is the name; ``namesakes`` sees to two
+people who have the same.  Files are named
+``NAME_NUMBER_assignsubmission_file_FILE`` with "Download submissions in folders" off, and what was
+typed into Moodle is an ``onlinetext`` in place of the ``file``.
+
+Source: moodle, mod/assign/classes/downloader.php, which takes underscores out of names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+import re
+
+from autograder.collect.source.deliveries import Handed, in_folder, Level, Piece
+from autograder.collect.source.tree import File
+
+EXPECTED = 'folders or files named NAME_NUMBER_assignsubmission_file_'
+_WHO = r'(?P<name>.+?)_(?P<number>\d+)_assignsubmission_(?P<kind>[a-z0-9]+)'
+_FOLDER = re.compile(rf'{_WHO}_?')
+# The first fit counts: what follows was named by the student.
+_FILE = re.compile(rf'{_WHO}_(?P<file>.+)')
+_TYPED = {'onlinetext': 'an online text, which is not collected'}
+
+
+@dataclass(frozen=True)
+class _Who:
+    """One participant."""
+
+    name: str
+    number: str
+
+
+def claims(level: Level) -> int:
+    """Return how many entries are named as Moodle does."""
+    return sum(bool(_FOLDER.fullmatch(name)) for name in level.folders) + sum(
+        bool(_FILE.fullmatch(name)) for name in level.files
+    )
+
+
+def read(level: Level) -> Iterator[Handed]:
+    """Yield what each participant handed in."""
+    handed: dict[tuple[_Who, str], list[Piece]] = {}
+    places: dict[tuple[_Who, str], str] = {}
+    for place in level.entries:
+        pattern = _FILE if place in level.files else _FOLDER
+        match = pattern.fullmatch(place)
+        if match is None:
+            continue
+        key = (_Who(match['name'], match['number']), match['kind'])
+        places.setdefault(key, place)
+        if place in level.files:
+            file = File((match['file'],), level.files[place].read)
+            handed.setdefault(key, []).append(Piece(file, place))
+        else:
+            handed.setdefault(key, []).extend(in_folder(place, level.folders[place]))
+    for (who, kind), pieces in handed.items():
+        what = '' if kind == 'file' else _TYPED.get(kind, f'{kind} of Moodle, no file')
+        yield Handed(
+            who.name,
+            () if what else tuple(pieces),
+            places[who, kind],
+            who.name,
+            instead=what,
+            number=who.number,
+        )

@@ -1,0 +1,91 @@
+"""What is known of the assignments, by which a notebook is recognised."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+import re
+
+from autograder.collect.source.times import due_dates, DueDates
+from autograder.layout import Layout
+from autograder.submission.notebook import marks_of, read_notebook, read_release
+
+# What browsers, Canvas and Jupyter add to the name of a file that is there already.
+_COPY = re.compile(r'( ?\(\d+\)|-\d+| - Copy|-Copy\d+)+(?=\.ipynb$)')
+
+_NUMBER = re.compile(r'^\d+[_-]')
+
+
+def _plain(text: str) -> str:
+    """Return a name as systems shorten it: small letters, and hyphens for underscores."""
+    return text.replace('_', '-').lower()
+
+
+class Course:
+    """
+    The assignments of a course; nothing is read before it is asked for.
+
+    :param layout: of the course
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        """Read nothing yet."""
+        self.layout = layout
+
+    @cached_property
+    def assignments(self) -> tuple[str, ...]:
+        """Return the names of all assignments."""
+        return self.layout.assignments()
+
+    @cached_property
+    def file_names(self) -> Mapping[str, str]:
+        """Return the notebook's file name of every assignment."""
+        return {name: self.layout.release(name).name for name in self.assignments}
+
+    @cached_property
+    def cells(self) -> Mapping[str, frozenset[str]]:
+        """Return the grade ids of every released notebook, by assignment."""
+        return {
+            name: frozenset(
+                marks_of(cell)['grade_id']
+                for cell in read_release(self.layout.release(name))['cells']
+                if 'grade_id' in marks_of(cell)
+            )
+            for name in self.assignments
+        }
+
+    @cached_property
+    def due(self) -> DueDates:
+        """Return until when work should be there."""
+        return due_dates(self.layout)
+
+    def of_file(self, name: str) -> str:
+        """Return the assignment whose notebook is called so, additions aside."""
+        plain = _COPY.sub('', name)
+        found = [one for one, file in self.file_names.items() if file in (name, plain)]
+        return found[0] if len(found) == 1 else ''
+
+    def named(self, parts: Sequence[str]) -> str:
+        """Return the assignment that a path names, by its file or by a folder."""
+        folders = [part for part in parts[:-1] if part in self.assignments]
+        return self.of_file(parts[-1]) or (folders[-1] if folders else '')
+
+    def beginning(self, name: str) -> str:
+        """
+        Return the assignment that a repository's name begins with, as in ``ASSIGNMENT-STUDENT``.
+
+        :returns: it as it is written there, with the sign after it; empty if there is none
+        """
+        found = ''
+        for assignment in self.assignments:
+            for form in (assignment, _NUMBER.sub('', assignment)):
+                wanted, begins = _plain(f'{form}-'), name[: len(form) + 1]
+                if _plain(begins) == wanted and name != begins and len(begins) > len(found):
+                    found = begins
+        return found
+
+    def shared(self, data: bytes) -> dict[str, int]:
+        """Return how many of its grade ids are in a notebook, for each assignment that has any."""
+        cells, _ = read_notebook(data, '')
+        ids = {cell.grade_id for cell in cells or ()} - {''}
+        return {name: len(ids & theirs) for name, theirs in self.cells.items() if ids & theirs}

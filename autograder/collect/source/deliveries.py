@@ -1,0 +1,141 @@
+"""
+What a source says of who handed in what: the words that all kinds of sources have in common.
+
+Systems name the folders and files of one :class:`Level` of a source, its entries; what is below
+was named by students and decides nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+
+from autograder.collect.source.tree import File, REPOSITORY, Tree
+
+
+@dataclass(frozen=True)
+class Piece:
+    """
+    One file of what was handed in.
+
+    :param file: with its path and name as the student had it
+    :param place: the entry of the source that it is in
+    :param turn: of two files with one name, the newer has the larger
+    """
+
+    file: File
+    place: str
+    turn: int = 0
+
+
+@dataclass(frozen=True)
+class Handed:
+    """
+    What one student handed in at one time.
+
+    :param student: as the source names them; not yet fit for a folder
+    :param called: the whole name in the source, if ``student`` is a part of it
+    :param number: of the student in Moodle's assignment; in another one they have another
+    :param pieces: the files of it
+    :param place: where in the source, if there are no files
+    :param person: a name for people, if the id is none
+    :param when: time of delivery in UTC, None if the source does not tell
+    :param stamped: whether a ``timestamp.txt`` beside a notebook tells the time
+    :param late: the system that says that it is late
+    :param assignment: if the source names it
+    :param instead: what was handed in that is no file
+    :param doubt: why nobody knows whose it is
+    :param owners: numbers of the users who own the folder and what is in it, if known
+    :param notes: what somebody should know about it
+    """
+
+    student: str
+    pieces: tuple[Piece, ...]
+    place: str
+    person: str = ''
+    when: datetime | None = None
+    stamped: bool = False
+    late: str = ''
+    assignment: str = ''
+    instead: str = ''
+    doubt: str = ''
+    notes: tuple[str, ...] = ()
+    called: str = ''
+    number: str = ''
+    owners: frozenset[int] = frozenset()
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """Return the entries of the source that this is, in their order."""
+        return tuple(dict.fromkeys(piece.place for piece in self.pieces)) or (self.place,)
+
+
+@dataclass(frozen=True)
+class Left:
+    """An entry whose owner cannot be determined."""
+
+    place: str
+    why: str
+
+
+@dataclass(frozen=True)
+class Level:
+    """
+    One folder of a source.
+
+    :param files: those directly in it, by name
+    :param folders: those directly in it, by name, with all files below as seen from there
+    :param repositories: those folders that git has made, by ``.git`` or what begins so in them
+    :param owners: of each entry and all below it, the users who own them; a zip has none
+    """
+
+    files: Mapping[str, File]
+    folders: Mapping[str, tuple[File, ...]]
+    repositories: frozenset[str] = frozenset()
+    owners: Mapping[str, frozenset[int]] = field(default_factory=dict)
+
+    @property
+    def entries(self) -> tuple[str, ...]:
+        """Return all names."""
+        return (*self.files, *self.folders)
+
+
+def level(tree: Tree, *base: str) -> Level:
+    """
+    Return a folder of a source.
+
+    :param base: the names on the way to it; none for the source itself
+    """
+    depth = len(base)
+    files: dict[str, File] = {}
+    folders: dict[str, list[File]] = {}
+    for file in tree.files:
+        if file.parts[:depth] != base:
+            continue
+        if len(file.parts) == depth + 1:
+            files[file.name] = File(file.parts[depth:], file.read)
+        elif len(file.parts) > depth + 1:
+            below = File(file.parts[depth + 1 :], file.read)
+            folders.setdefault(file.parts[depth], []).append(below)
+    for parts in tree.empty:
+        if parts[:depth] == base and len(parts) > depth:
+            folders.setdefault(parts[depth], [])
+    repositories = {parts[depth] for parts in tree.repositories if parts[:-1] == base}
+    repositories |= {
+        name
+        for name, inside in folders.items()
+        if any(file.parts[0].startswith(REPOSITORY) for file in inside)
+    }
+    owners: dict[str, set[int]] = {}
+    for parts, uid in tree.owners.items():
+        if parts[:depth] == base and len(parts) > depth:
+            owners.setdefault(parts[depth], set()).add(uid)
+    ordered = {name: tuple(folders[name]) for name in sorted(folders)}
+    of_each = {name: frozenset(uids) for name, uids in owners.items()}
+    return Level(files, ordered, frozenset(repositories), of_each)
+
+
+def in_folder(folder: str, files: tuple[File, ...]) -> tuple[Piece, ...]:
+    """Return the pieces of a hand-in that is a folder."""
+    return tuple(Piece(file, folder) for file in files)

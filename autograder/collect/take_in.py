@@ -1,0 +1,183 @@
+"""What ``collect`` does: look at a source, choose, write, and keep what was not taken."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from autograder.classroom.not_collected import keep_not_collected, NotCollected
+from autograder.classroom.people import keep_people
+from autograder.collect.choice import choose, Chosen, look, of_all
+from autograder.collect.kinds.kind import EXCHANGE, Found, handed_in
+from autograder.collect.namesakes import in_doubt, keep_namesakes, Namesakes, read_namesakes
+from autograder.collect.owners import owner_rule, with_owners_checked
+from autograder.collect.source.course import Course
+from autograder.collect.source.tree import opened, Tree, UnreadableError
+from autograder.collect.table import LEFT, Row
+from autograder.collect.write_copy import lay
+from autograder.layout import Layout
+
+
+def collect(
+    source: Path,
+    layout: Layout,
+    to: Path,
+    assignment: str = '',
+    kind: str = '',
+    write: bool = True,
+    prefix: str = '',
+    trust_names: bool = False,
+) -> list[Row]:
+    """
+    Take in a class.
+
+    :param source: a folder or a zip file
+    :param to: receives ``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb``
+    :param assignment: the only one wanted; empty to go by the notebooks
+    :param kind: of the source, empty to find out
+    :param write: False to only say what would be done
+    :param prefix: what the names of students' folders begin with
+    :param trust_names: whether to take from an exchange what other users own
+    :returns: the table
+    :raises GraderError: if the source as a whole cannot be used
+    """
+    course = Course(layout)
+    with opened(source) as tree:
+        there = handed_in(tree, course, kind, prefix)
+        if there.kind == EXCHANGE:
+            rule = owner_rule(layout, trust_names)
+            there = replace(there, handed=with_owners_checked(there.handed, rule))
+        rows = list(_refused(tree))
+        rows += [Row('', '', one.place, LEFT, (one.why,)) for one in there.left]
+        found, others, known = _choose(there, course, assignment, tree.name)
+        rows += others
+        here: list[Chosen] = []
+        for several in _by_owner(found).values():
+            done = _take(several, course, to, write)
+            here += several[:1] if done[0].done != LEFT else []
+            rows += done
+    if any(one.when for one in found) and course.due.problem:
+        rows.append(Row('', '', 'the gradebook', LEFT, (course.due.problem,)))
+    if write:
+        rows += _keep_names(rows, layout)
+        rows += _keep_namesakes(here, known, layout)
+        if to.resolve() == layout.submitted.resolve():
+            rows += _keep_not_collected(rows, layout)
+    return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
+
+
+def _choose(
+    there: Found, course: Course, wanted: str, name: str
+) -> tuple[list[Chosen], list[Row], Namesakes]:
+    """
+    Find the notebooks that could be taken.
+
+    :param wanted: the only assignment, empty to go by the notebooks
+    :param name: of the source
+    :returns: them, a line for everything else, and what is known of people of one name
+    """
+    seen = [look(one, course, wanted) for one in there.handed]
+    goal = wanted or (of_all(seen, course, name) if there.single else '')
+    handed, known = in_doubt(there.handed, read_namesakes(course.layout), goal)
+    found: list[Chosen] = []
+    rows: list[Row] = []
+    for one, notebooks in zip(handed, seen):
+        chosen, others = choose(one, notebooks, course, goal, there.single)
+        found += chosen
+        rows += others
+    return found, rows, known
+
+
+def _keep_namesakes(here: Sequence[Chosen], known: Namesakes, layout: Layout) -> list[Row]:
+    """Keep who has which number in Moodle; return a line if that cannot be done."""
+    try:
+        keep_namesakes(layout, known, [(one.handed, one.assignment) for one in here])
+    except OSError as error:
+        why = f'numbers of Moodle cannot be written: {(error.strerror or "error").lower()}'
+        return [Row('', '', str(layout.namesakes), LEFT, (why,))]
+    return []
+
+
+def _keep_not_collected(rows: Sequence[Row], layout: Layout) -> list[Row]:
+    """Keep what could not be taken, for the reports; return a line if that cannot be done."""
+    known = layout.assignments()
+    left = []
+    for row in rows:
+        if row.done == LEFT and row.student:
+            what = row.assignment if row.assignment in known else ''
+            left.append(NotCollected(row.student, what, row.notes[0], row.person, row.handed_in))
+    try:
+        keep_not_collected(layout, left)
+    except OSError as error:
+        why = f'the list cannot be written: {(error.strerror or "error").lower()}'
+        return [Row('', '', str(layout.not_collected), LEFT, (why,))]
+    return []
+
+
+def _keep_names(rows: Sequence[Row], layout: Layout) -> list[Row]:
+    """Keep the names of those whose work is there; return a line if that cannot be done."""
+    here = [row for row in rows if row.done != LEFT and row.person]
+    try:
+        keep_people(layout, {row.student: row.person for row in here})
+    except OSError as error:
+        why = f'names cannot be written: {(error.strerror or "error").lower()}'
+        return [Row('', '', str(layout.people), LEFT, (why,))]
+    return []
+
+
+def _refused(tree: Tree) -> Iterator[Row]:
+    """Yield a line for what was not looked at, one for all that is in one entry."""
+    paths = [where.split('/') for where, _ in tree.refused]
+    tops = {file.parts[0] for file in tree.files} | {parts[0] for parts in paths}
+    depth = 2 if len(tops) == 1 else 1  # a folder around everything tells nobody whose it is
+    grouped: dict[tuple[str, ...], list[str]] = {}
+    for where, why in tree.refused:
+        grouped.setdefault((*where.split('/')[:depth], why), []).append(where)
+    for (*_, why), places in grouped.items():
+        more = (f'and {len(places) - 1} more there',) if len(places) > 1 else ()
+        yield Row('', '', places[0], LEFT, (why, *more))
+
+
+def _by_owner(found: Sequence[Chosen]) -> dict[tuple[str, str], list[Chosen]]:
+    """Return what belongs together, the newest with cells of the assignment first."""
+    owners: dict[tuple[str, str], list[Chosen]] = {}
+    for one in found:
+        owners.setdefault((one.student, one.assignment), []).append(one)
+    for several in owners.values():
+        several.sort(
+            key=lambda one: (
+                not one.strange,
+                one.when.timestamp() if one.when else 0.0,
+                one.piece.turn,
+                one.piece.place,
+            ),
+            reverse=True,
+        )
+    return owners
+
+
+def _take(several: Sequence[Chosen], course: Course, to: Path, write: bool) -> list[Row]:
+    """Lay the first of several where nbgrader looks, and say so for each of them."""
+    newest, *others = several
+    names = {one.handed.called or one.handed.student for one in several}
+    if len(names) > 1:  # two students map to one id: collect neither and report the clash
+        why = f'the same student id as {", ".join(map(repr, sorted(names)))}'[:160]
+        return [one.row(LEFT, course, why) for one in several]
+    notes = [f'the newest of {len(several)}'] if others else []
+    if any(one.strange for one in others) and not newest.strange:
+        notes = [f'the newest of {len(several)} with a cell of the assignment']
+    try:
+        done, said = lay(newest, course.file_names[newest.assignment], to, write)
+        notes = [said, *notes] if said else notes
+    except OSError as error:
+        done = LEFT
+        notes.insert(0, f'cannot be written: {(error.strerror or "error").lower()}')
+    except UnreadableError as error:
+        done = LEFT
+        notes.insert(0, str(error))
+    rows = [newest.row(done, course, *notes)]
+    for one in others:
+        odd = one.strange and not newest.strange
+        rows.append(one.row(LEFT, course, 'another one was taken' if odd else 'an earlier one'))
+    return rows

@@ -1,0 +1,71 @@
+"""
+Copy a notebook and its time to where nbgrader looks for them; write each file atomically.
+
+Collecting Monday's zip after Tuesday's takes nothing back: if the source gives a time and the
+previous copy has one, an older notebook is not collected.  If either time is missing, as with
+Canvas, Moodle and repositories, the last collected notebook is kept, and the table says so.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+
+from autograder.collect.choice import Chosen
+from autograder.collect.source.times import read_time, STAMP, stamp
+from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
+from autograder.files import keep
+from autograder.submission.reading import read_file
+
+
+def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
+    """
+    Write a notebook and its time, unless they are there or what is there is newer.
+
+    :param file_name: of the assignment's notebook
+    :param to: the folder of the class
+    :param write: False to only say what would be done
+    :returns: a word for the table, and what is to be said about it
+    :raises OSError: if it cannot be written
+    :raises UnreadableError: if the source has changed since it was looked at
+    """
+    folder = to / one.student / one.assignment
+    for part in (folder.parent, folder):
+        if part.is_symlink():
+            raise NotADirectoryError(20, 'a link where a folder should be')
+    notebook, time = folder / file_name, folder / STAMP
+    wanted = stamp(one.when) if one.when else None
+    there, _ = read_file(notebook, file_name)
+    time_there, _ = read_file(time, STAMP)
+    same = there is not None and hashlib.sha256(there).hexdigest() == one.digest
+    if same and wanted in (None, time_there):
+        return UNCHANGED, ''
+    older, said = (False, '') if there is None else _older(wanted, time_there)
+    if older:
+        return (UNCHANGED, 'handed in again later') if same else (LEFT, said)
+    if write:
+        data = None if same else one.read()
+        if wanted is None and os.path.lexists(time):
+            # First of all: what is killed here must not leave an old time with a new notebook.
+            time.unlink()
+        if wanted is not None and wanted != time_there:
+            keep(time, wanted)
+        if data is not None:
+            keep(notebook, data)
+    replaced = there is not None or time_there is not None
+    return (REPLACED if replaced else TAKEN), '' if same else said
+
+
+def _older(wanted: bytes | None, there: bytes | None) -> tuple[bool, str]:
+    """
+    Tell whether work is older than what is there, as far as both times are known.
+
+    :param wanted: its time, as it would be written
+    :param there: the time that is there
+    """
+    texts = ((data or b'')[:100].decode('utf-8', 'replace') for data in (wanted, there))
+    new, old = (read_time(text)[0] for text in texts)
+    if new is None or old is None:
+        return False, 'which one is newer is not known'
+    return new < old, f'older than what is there, of {old:%Y-%m-%d %H:%M}' if new < old else ''

@@ -1,0 +1,1 @@
+"""One module a command of ``python -m autograder``, with its options and its words."""

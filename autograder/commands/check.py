@@ -1,0 +1,153 @@
+"""
+Run one exam on the files of a package: what ``check(...)`` starts from a notebook.
+
+    python -m autograder.commands.check EXAM --files DIR --visible [--json]
+
+It is a command of ``python -m autograder`` too.  It stands here because students' copies have it
+and none of the others.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import asdict
+import json
+import os
+from pathlib import Path
+import sys
+from typing import Any, TYPE_CHECKING
+
+from autograder.commands.exit_codes import OK, USAGE
+from autograder.errors import GraderError, of_system, SandboxUnavailable, UsageError
+from autograder.layout import Layout
+from environment.ros import EnvironmentError_
+
+if TYPE_CHECKING:
+    from autograder.exam.exam import Exam
+
+REFUSALS = (UsageError, GraderError, EnvironmentError_, OSError, ModuleNotFoundError)
+"""Why a command cannot be done, in one line."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """
+    Run the command.
+
+    :returns: the exit code
+    """
+    parser = argparse.ArgumentParser(prog='python -m autograder.commands.check')
+    describe(parser)
+    chosen = parser.parse_args(arguments)
+    try:
+        return check(chosen)
+    except REFUSALS as error:
+        refuse(error, chosen.json)
+        return USAGE
+
+
+def describe(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument('exam', metavar='EXAM')
+    parser.add_argument('--files', type=Path, required=True, metavar='DIR', help='the package')
+    parser.add_argument('--visible', action='store_true', help='only the visible checks')
+    parser.add_argument('--json', action='store_true', help='print the result as JSON')
+    parser.set_defaults(run=check)
+
+
+def check(chosen: argparse.Namespace) -> int:
+    """Run one exam on a package; the visible one also runs where nothing isolates."""
+    from autograder import exams
+    from autograder.grading.examine import examine
+    from autograder.submission.package import name_missing, own_files, read_package, what_is_there
+
+    if not chosen.files.is_dir():
+        raise UsageError(f'--files {chosen.files}: expected a package folder, got none.')
+    exam = exams.load(chosen.exam, hidden=not chosen.visible)
+    if chosen.visible:
+        files = own_files(exam, read_package(chosen.files))
+    else:
+        from autograder.submission.intake import read_handed_in, with_node_files
+
+        files = with_node_files(read_handed_in(chosen.files), exam.requires)
+    missing = [name for name in exam.requires if name not in files]
+    if missing and not chosen.json:
+        there = what_is_there(files)
+        raise UsageError(f'{chosen.files}: expected {", ".join(missing)}, got {there}.')
+    sandbox, said = _sandbox(allow_plain=chosen.visible)
+    kept = _kept_builds(exam) if chosen.visible else None
+    result = name_missing(examine(exam, files, sandbox=sandbox, recordings=kept), files)
+    if said:
+        print(said, file=sys.stderr)
+    if chosen.json:
+        print(json.dumps(result.to_json()))
+    else:
+        from autograder.explaining.feedback import exam_text
+
+        print(exam_text(result), end='')
+    return OK
+
+
+def _kept_builds(exam: Exam) -> Path | None:
+    """Return where the runs of visible checks that build are kept: unchanged files build once."""
+    folder = Layout.here().recordings
+    if exam.scenario.program != 'build':
+        return None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None  # a course that may only be read: every check builds
+    return folder if os.access(folder, os.W_OK) else None
+
+
+def _sandbox(allow_plain: bool) -> tuple[Any, str]:
+    """Return the sandbox to use and what is to be said about it."""
+    from autograder.sandboxes import choose
+
+    try:
+        return choose.strongest(), ''
+    except SandboxUnavailable as error:
+        if not allow_plain:
+            raise
+        return choose.plain(), f'No sandbox here, so this ran as a plain process: {error.what}'
+
+
+# -- refusing -------------------------------------------------------------------------------
+
+
+def refuse(error: Exception, as_json: bool) -> None:
+    """Say in one line why the command cannot be done."""
+    what, fix = _what_and_fix(error)
+    print(f'autograder: {" ".join(f"{what} {fix}".split())}', file=sys.stderr)
+    if as_json:
+        print(json.dumps({'error': _as_problem(what, fix)}))
+
+
+def _what_and_fix(error: Exception) -> tuple[str, str]:
+    """Return what went wrong and what to do about it."""
+    if isinstance(error, GraderError):
+        return error.what, error.fix
+    if isinstance(error, ModuleNotFoundError):
+        what = f'{sys.executable}: expected a Python that has {error.name}, got one without it.'
+        return what, 'Try: run it with make grade or .venv/bin/python -m autograder'
+    if isinstance(error, OSError) and error.strerror:
+        said = of_system(error)
+        return said.what, said.fix
+    what, found, fix = str(error).partition('Try: ')
+    return what, found + fix
+
+
+def _as_problem(what: str, fix: str) -> dict[str, Any]:
+    """Return why there is no verdict, for a program that shows it."""
+    from autograder.results import Problem
+
+    fix = (
+        fix.removeprefix('Try: ').rstrip('.')
+        or 'run it again; if it stays, type make doctor in a terminal'
+    )
+    where = 'the checker itself, not your code'
+    return asdict(Problem(where, 'a verdict', what.rstrip(' .'), fix))
+
+
+if __name__ == '__main__':
+    sys.exit(main())

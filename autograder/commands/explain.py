@@ -1,0 +1,362 @@
+"""
+The evidence behind one verdict, for an appeal: what was run, what was seen, and where it differs.
+
+Everything comes from the last results, the kept recording and the submission as it lies there; the
+check is judged once more and nothing is run.  It shows hidden inputs, so it is for the person who
+decides, who may show the student what of it helps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+import hashlib
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+import platform
+from typing import Any
+
+from autograder.classroom.pages import with_name
+from autograder.classroom.people import read_people, student_named
+from autograder.classroom.results_of_class import graded
+from autograder.commands.rejudge import again
+from autograder.errors import GraderError, RecordingInvalid
+from autograder.exam.exam import Check, Exam, Run
+from autograder.explaining.feedback import number, points_of, printable
+from autograder.explaining.live import live_line
+from autograder.grading.again import NothingRuns
+from autograder.grading.examine import files_digest
+from autograder.grading.pipeline import Lesson, load_lesson, open_one
+from autograder.judging.deviation import Deviation, deviation
+from autograder.layout import Layout
+from autograder.recording import Event, Recording
+from autograder.results import CheckResult, ExamResult, shortened, SubmissionResult
+from autograder.runs.version import ROS_PACKAGES
+from autograder.submission.extract import extract
+from autograder.submission.inbox import discover
+
+BEFORE, AFTER, INPUTS = 6, 4, 3
+LAST_WORDS = 4
+MOST_LINES = 40
+WIDEST = 120
+HOW = {
+    'named': 'the check names this moment',
+    'looked_at': 'the check gave up at this event',
+    'cut': 'up to here the recording alone brings this verdict',
+    'ended': 'the run ended early, and this is how',
+    'end': 'only the whole run shows it',
+}
+
+
+def evidence(
+    layout: Layout,
+    student: str,
+    check: str,
+    assignment: str | None = None,
+    submitted: Path | None = None,
+) -> dict[str, Any]:
+    """
+    Return all that is known about one verdict, in JSON types.
+
+    :param student: id or display name
+    :param check: name of the check, or ``exam/check``
+    :param assignment: with or without its number; needed if the check's name is in several
+    :param submitted: the folder of the class, if it is elsewhere
+    :raises GraderError: if the student or the check is not in the last results
+    """
+    result, exam_result, verdict = _find(layout, student, check, assignment)
+    student = result.student
+    lesson = load_lesson(layout, result.assignment, NothingRuns())
+    exam = next((one for one in lesson.exams if one.name == exam_result.exam), None)
+    if exam is None:
+        raise GraderError(f'The exam {exam_result.exam} of this result does not exist any more.')
+    folder = submitted or layout.submitted
+    found = _files(lesson, exam, student, folder)
+    files = found or {}
+    path = layout.recordings / exam.name / exam_result.recording
+    recording = _recording(path) if exam_result.recording else None
+    return {
+        'student': student,
+        'assignment': result.assignment,
+        'exam': exam.name,
+        'exam_title': exam.title,
+        'fault': result.fault,
+        'check': _shown(verdict),
+        'now': f'cannot be judged again: no submission of {student} in {folder}; try --submitted'
+        if found is None
+        else _now(layout, exam, verdict, files, exam_result),
+        'files': {name: _sha256(text.encode()) for name, text in files.items()},
+        'files_digest': files_digest(files),
+        'isolation': exam_result.mode,
+        'flags': list(result.flags),
+        'versions': _versions(),
+        'recording': _about(path, recording, files) if recording else None,
+        **(_around(exam, verdict.check, files, recording) if recording else {}),
+    }
+
+
+def results_of(
+    layout: Layout, student: str, assignment: str | None = None
+) -> list[SubmissionResult]:
+    """
+    Return the last results of one student.
+
+    :param student: id or display name
+    :param assignment: only this one; None for all
+    :raises GraderError: if the student is not in the last results
+    """
+    results = [result for one in graded(layout, assignment) for result in one.results]
+    name = student_named(layout, student, {result.student for result in results})
+    return [result for result in results if result.student == name]
+
+
+def _find(
+    layout: Layout, student: str, check: str, assignment: str | None
+) -> tuple[SubmissionResult, ExamResult, CheckResult]:
+    """Return the one verdict that is meant."""
+    wanted_exam, _, name = check.rpartition('/')
+    there: list[str] = []
+    found = []
+    for result in results_of(layout, student, assignment):
+        for exam in result.exams:
+            there += [f'{exam.exam}/{verdict.check}' for verdict in exam.checks]
+            found += [
+                (result, exam, verdict)
+                for verdict in exam.checks
+                if verdict.check == name and wanted_exam in ('', exam.exam)
+            ]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        several = ', '.join(f'{exam.exam}/{name}' for _, exam, _ in found)
+        raise GraderError(f'{check}: expected one check, got several: {several}.', 'Name one.')
+    raise GraderError(f'{check}: {student} has no such verdict.', f'There are: {", ".join(there)}')
+
+
+def _files(lesson: Lesson, exam: Exam, student: str, submitted: Path) -> Mapping[str, str] | None:
+    for submission in discover(submitted, lesson.assignment, lesson.notebook, ()):
+        if submission.student == student:
+            opened = open_one(submission, lesson)
+            return extract(opened, [exam], lesson.release, lesson.notebook)[exam.name].files
+    return None
+
+
+def _recording(path: Path) -> Recording | None:
+    try:
+        return Recording.load(path)
+    except RecordingInvalid:
+        return None
+
+
+def _shown(verdict: CheckResult) -> dict[str, Any]:
+    return {
+        'name': verdict.check,
+        'title': verdict.title,
+        'verdict': verdict.verdict.value,
+        'points': verdict.points,
+        'max_points': verdict.max_points,
+        'expected': verdict.expected,
+        'observed': verdict.observed,
+        'cause': verdict.cause,
+        'cause_id': verdict.cause_id,
+        'try_this': verdict.try_this,
+        'read': verdict.read,
+        'waits_for': verdict.waits_for,
+    }
+
+
+def _now(
+    layout: Layout,
+    exam: Exam,
+    verdict: CheckResult,
+    files: Mapping[str, str],
+    exam_result: ExamResult,
+) -> str:
+    """Judge once more and say in words whether it comes out the same."""
+    result, why = again(layout, exam, files, exam_result)
+    if result is None:
+        return f'cannot be judged again: {why}'
+    for check in result.checks:
+        if check.check == verdict.check:
+            if (check.verdict, check.points) == (verdict.verdict, verdict.points):
+                return 'judged again now from the recording: the same'
+            points = f'{number(check.points)} of {number(check.max_points)} points'
+            return f'judged again now from the recording: {check.verdict.value}, {points}'
+    return 'the exam has no such check any more'
+
+
+def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[str, Any]:
+    made_of = recording.header.get('files', '')
+    return {
+        'name': path.name,
+        'sha256': _sha256(path.read_bytes()),
+        'header': dict(recording.header),
+        'events': len(recording.events),
+        'end': recording.end_reason,
+        'process': {
+            name: value
+            for name, value in recording.process.items()
+            if name not in ('event', 'stdout', 'stderr')
+        },
+        'of_these_files': made_of == files_digest(files),
+        'said': _last_words(recording),
+    }
+
+
+def _last_words(recording: Recording) -> list[str]:
+    """Return the last lines that the program printed, of the stream with its errors if any."""
+    for name in ('stderr', 'stdout'):
+        lines = [
+            line for line in str(recording.process.get(name, '')).splitlines() if line.strip()
+        ]
+        if lines:
+            return lines[-LAST_WORDS:]
+    return []
+
+
+def _around(
+    exam: Exam, name: str, files: Mapping[str, str], recording: Recording
+) -> dict[str, Any]:
+    """Return the first deviation, what was seen around it, and what was sent before."""
+    check: Check | None = next((one for one in exam.checks if one.name == name), None)
+    where: Deviation | None = None
+    if check is not None:
+        where = deviation(check, Run(files, recording, exam.facts))
+    events = recording.events
+    seen = [number for number, event in enumerate(events) if live_line(event)]
+    if where is None:
+        shown = seen[: BEFORE + AFTER]
+    else:
+        shown = [one for one in seen if one <= where.index][-BEFORE - 1 :]
+        shown += [one for one in seen if one > where.index][:AFTER]
+    last = where.index if where else len(events)
+    inputs = [event for event in events[: last + 1] if event['event'] == 'input']
+    return {
+        'deviation': None if where is None else _moment(events, where),
+        'seen': [_numbered(events, one) for one in shown],
+        'inputs_before': [dict(event) for event in inputs],
+    }
+
+
+def _moment(events: Sequence[Event], where: Deviation) -> dict[str, Any]:
+    clock_ns = events[where.index].get('clock_ns')
+    return {'index': where.index, 'clock_ns': clock_ns, 'how': HOW[where.how]}
+
+
+def _numbered(events: Sequence[Event], index: int) -> dict[str, Any]:
+    return {'index': index, 'line': live_line(events[index]), 'event': dict(events[index])}
+
+
+def _versions() -> dict[str, str]:
+    found = {'python': platform.python_version(), 'kernel': platform.release()}
+    for name in ROS_PACKAGES:
+        try:
+            found['rclpy'] = version(name)
+            break
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+# -- as text --------------------------------------------------------------------------------
+
+
+def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
+    """
+    Return the checks of one student, one per line, as plain text.
+
+    :param results: from :func:`results_of`
+    """
+    lines = []
+    people = read_people(layout)
+    for result in results:
+        of = f'{number(result.points)} of {number(result.max_points)} points'
+        said = f'for review: {result.fault}' if result.fault else of
+        lines.append(f'{with_name(result.student, people)}, {result.assignment}: {said}')
+        for exam in result.exams:
+            for check in exam.checks:
+                head = (
+                    f'  {check.verdict.value:7} {points_of(check):>9}  {exam.exam}/{check.check}'
+                )
+                lines.append(f'{head}  {check.cause}' if check.cause else head)
+    lines = [shortened(line, WIDEST) for line in printable('\n'.join(lines)).split('\n')]
+    return '\n'.join([*lines, 'With EXAM/CHECK, explain shows the evidence behind a verdict.'])
+
+
+def evidence_text(found: Mapping[str, Any]) -> str:
+    """
+    Return the evidence as plain text of at most forty lines.
+
+    :param found: from :func:`evidence`
+    """
+    lines = [*_verdict_lines(found), '', *_seen_lines(found), '', *_origin_lines(found)]
+    short = [shortened(line, WIDEST) for line in printable('\n'.join(lines)).split('\n')]
+    return '\n'.join(short[:MOST_LINES])
+
+
+def _verdict_lines(found: Mapping[str, Any]) -> list[str]:
+    check = found['check']
+    points = f'{number(check["points"])} of {number(check["max_points"])} points'
+    lines = [
+        f'{found["student"]}, {found["assignment"]}, exam {found["exam"]}, check {check["name"]}',
+        f'{check["verdict"]}, {points}: {check["title"]}',
+    ]
+    for word, key in (
+        ('expected', 'expected'),
+        ('observed', 'observed'),
+        ('likely cause', 'cause'),
+        ('try', 'try_this'),
+        ('waits for', 'waits_for'),
+    ):
+        if check[key]:
+            text = ' '.join(check[key].split())
+            lines.append(f'  {word}: {text}')
+    return [*lines, f'  {found["now"]}']
+
+
+def _seen_lines(found: Mapping[str, Any]) -> list[str]:
+    if not found.get('seen'):
+        return ['No recording: nothing was run for it, or it is not kept. The files decide.']
+    where = found['deviation']
+    at = where['index'] if where else None
+    head = f'First deviation: {where["how"]}.' if where else 'No deviation; the run begins with:'
+    lines = [head, *_input_lines(found, at)]
+    for one in found['seen']:
+        lines.append(f'{">" if one["index"] == at else " "} {one["line"]}')
+    return lines
+
+
+def _input_lines(found: Mapping[str, Any], at: int | None) -> list[str]:
+    """Return the last inputs that were sent, if they are not among the lines that follow."""
+    inputs = found['inputs_before']
+    there = {
+        one['event'].get('index') for one in found['seen'] if one['event']['event'] == 'input'
+    }
+    missing = [event for event in inputs if event['index'] not in there][-INPUTS:]
+    if not missing or at is None:
+        return []
+    lines = [f'Sent before, {len(inputs)} in all:'] if len(inputs) > len(missing) else []
+    return [*lines, *(f'  {live_line(event)}' for event in missing)]
+
+
+def _origin_lines(found: Mapping[str, Any]) -> list[str]:
+    about = found['recording']
+    files = ', '.join(f'{name} {digest[:12]}' for name, digest in found['files'].items())
+    versions = ', '.join(f'{name} {text}' for name, text in found['versions'].items())
+    lines = [f'files (SHA-256): {files or "none"}']
+    if about and about['end'] != 'complete' and about['said']:
+        said = ['the program printed last:', *(f'  | {line}' for line in about['said']), '']
+        lines = [*said, *lines]
+    if about:
+        made = 'made of these files' if about['of_these_files'] else 'made of OTHER files'
+        lines += [
+            f'recording: {about["name"]}, SHA-256 {about["sha256"][:12]}, {made}',
+            f'  {about["events"]} events, end: {about["end"]}, '
+            f'environment {str(about["header"].get("environment", "unknown"))[:12]}',
+        ]
+    lines.append(f'isolation: {found["isolation"] or "nothing was run"}; {versions}')
+    lines += [f'flag: {flag}' for flag in found['flags'][:3]]
+    return [*lines, 'This shows inputs of the hidden exam; it is for the person who decides.']

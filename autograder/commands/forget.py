@@ -1,0 +1,203 @@
+"""
+Remove a student from the course, with everything that grading has made of their work.
+
+What the student handed in is not deleted.  If the next grading would find it again, it moves to
+``_work/forgotten``.  Recordings stay: they are named by the content of the files, and equal files
+of several students share one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+import json
+from pathlib import Path
+import shutil
+import time
+
+from autograder.classroom.not_collected import forget_not_collected, read_not_collected
+from autograder.classroom.people import namesake, read_people
+from autograder.classroom.results_of_class import last_results, results_file
+from autograder.errors import GraderError
+from autograder.explaining.feedback import number, printable
+from autograder.files import keep
+from autograder.gradebook.forget import forget_made
+from autograder.layout import Layout
+from autograder.submission.inbox import students_in
+
+
+@dataclass(frozen=True)
+class Traces:
+    """
+    What a course has of one student.
+
+    :param marks: what the gradebook has, one line per assignment
+    :param results: assignments with a result and a page in the reports
+    :param journals: assignments in whose journal the student is
+    :param name: the name, empty if none is known
+    :param refused: why deliveries were not collected
+    :param made: folders with what nbgrader has made of the work
+    :param left: the folder of what was handed in, if it has no notebook of the course
+    :param moved: the same, if the next grading would find it
+    """
+
+    student: str
+    marks: tuple[str, ...] = ()
+    results: tuple[str, ...] = ()
+    journals: tuple[str, ...] = ()
+    name: str = ''
+    refused: tuple[str, ...] = ()
+    made: tuple[Path, ...] = ()
+    left: Path | None = None
+    moved: Path | None = None
+
+    def lines(self, layout: Layout) -> Iterator[str]:
+        """Yield what would go, and what would not."""
+        yield printable(f'{self.student}:')
+        yield from (f'  gradebook: {mark}' for mark in self.marks)
+        if self.results:
+            yield f'  reports: result and page of {", ".join(self.results)}'
+        if self.journals:
+            yield f'  journal of what was entered: {", ".join(self.journals)}'
+        if self.name:
+            yield printable(f'  name: {self.name}')
+        for reason in self.refused:
+            yield printable(f'  reports: {reason}')
+        for folder in self.made:
+            yield printable(f'  folder: {folder.relative_to(layout.root)}')
+        if self.moved:
+            yield printable(
+                f'  moved to {_forgotten(layout).relative_to(layout.root)}, as it would be graded '
+                f'again: {self.moved.relative_to(layout.root)}'
+            )
+        if self.left:
+            yield printable(f'  left as it is: {self.left.relative_to(layout.root)}')
+
+
+def traces(layout: Layout, student: str) -> Traces:
+    """
+    Return what a course has of a student; nothing is changed.
+
+    :param student: id or display name
+    :raises GraderError: if there is no such student, or several have the name
+    """
+    marks = _marks(layout)
+    results = {
+        one: {result.student for result in last_results(layout, one)}
+        for one in layout.assignments()
+        if results_file(layout, one).is_file()
+    }
+    people, handed_in = read_people(layout), _folders(layout.submitted)
+    missing = [one for one in read_not_collected(layout) if one.student == student]
+    made = [layout.work / name for name in ('autograded', 'feedback')]
+    known = {*marks, *people, *handed_in, *(name for above in made for name in _folders(above))}
+    known = known.union(*results.values())
+    if student not in known and not missing:
+        if found := namesake(layout, student, known):
+            return traces(layout, found)
+        close = get_close_matches(student, known, n=3)
+        raise GraderError(
+            printable(f'{student}: there is no such student.'),
+            printable(f'Did you mean {", ".join(close)}?') if close else '',
+        )
+    folder = layout.submitted / student if student in handed_in else None
+    graded = folder and student in students_in(layout.submitted, layout.assignments())
+    return Traces(
+        student,
+        tuple(marks.get(student, ())),
+        tuple(one for one, students in results.items() if student in students),
+        tuple(one for one in layout.assignments() if student in _journal(layout, one)),
+        people.get(student, ''),
+        tuple(one.reason for one in missing),
+        tuple(above / student for above in made if student in _folders(above)),
+        None if graded else folder,
+        folder if graded else None,
+    )
+
+
+def forget(layout: Layout, student: str) -> Path | None:
+    """
+    Remove what :func:`traces` lists.
+
+    :returns: a copy of the gradebook as it was, None if it is on a server or not made yet
+    :raises GraderError: if the gradebook cannot be written or copied
+    """
+    from autograder.gradebook.copies import keep_copy
+
+    found = traces(layout, student)
+    copy = keep_copy(layout)
+    # What was handed in moves first: a grading that finds it would undo everything else.
+    if found.moved:
+        place = (
+            _forgotten(layout) / f'{student}_{time.strftime("%Y-%m-%d_%H%M%SZ", time.gmtime())}'
+        )
+        place.parent.mkdir(exist_ok=True)
+        found.moved.rename(place)
+    forget_not_collected(layout, student)
+    forget_made(layout, {student})
+    for folder in found.made:
+        shutil.rmtree(folder)
+    _forget_name(layout, student)
+    return copy
+
+
+def _forgotten(layout: Layout) -> Path:
+    """Return the folder of what forgotten students handed in."""
+    return layout.work / 'forgotten'
+
+
+def _folders(above: Path) -> set[str]:
+    """Return the names of the real folders in a folder, which may be missing."""
+    if not above.is_dir():
+        return set()
+    return {one.name for one in above.iterdir() if one.is_dir() and not one.is_symlink()}
+
+
+def _marks(layout: Layout) -> dict[str, list[str]]:
+    """Return what the gradebook has, by student."""
+    from sqlalchemy import inspect, text
+
+    from autograder.gradebook.connection import connected
+
+    found: dict[str, list[str]] = {}
+    with connected(layout) as gradebook:
+        if gradebook is None or not inspect(gradebook).has_table('grade'):
+            return {}
+        for (student,) in gradebook.execute(text('select id from student')):
+            found[str(student)] = []
+        for student, assignment, automatic, by_hand in gradebook.execute(text(_SUMS)):
+            given = f', {number(by_hand)} of them given by hand' if by_hand is not None else ''
+            found[str(student)].append(f'{assignment}, {number(automatic)} points{given}')
+    return {student: marks or ['no submission'] for student, marks in found.items()}
+
+
+_SUMS = """
+select submitted_assignment.student_id, assignment.name,
+       sum(coalesce(grade.manual_score, grade.auto_score, 0) + coalesce(grade.extra_credit, 0)),
+       sum(grade.manual_score)
+from grade
+join submitted_notebook on submitted_notebook.id = grade.notebook_id
+join submitted_assignment on submitted_assignment.id = submitted_notebook.assignment_id
+join assignment on assignment.id = submitted_assignment.assignment_id
+group by submitted_assignment.student_id, assignment.name
+order by assignment.name
+"""
+
+
+def _journal(layout: Layout, assignment: str) -> set[str]:
+    from autograder.gradebook.journal import journal, noted
+
+    return set(noted(journal(layout, assignment)))
+
+
+def _forget_name(layout: Layout, student: str) -> None:
+    """Remove a student from the names of people and from Moodle's numbers."""
+    from autograder.collect.namesakes import keep_namesakes, read_namesakes
+
+    known = read_namesakes(layout)
+    if known.numbers.pop(student, None):
+        keep_namesakes(layout, known, ())
+    people = read_people(layout)
+    if people.pop(student, ''):
+        keep(layout.people, f'{json.dumps(people, ensure_ascii=False, indent=1)}\n'.encode())

@@ -1,0 +1,451 @@
+"""
+The command ``grade``: a class from its folder to the gradebook and the reports.
+
+Every run is saved as soon as it is done.  If a grading was stopped, by any means and at any time,
+the same command continues it.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+import json
+from pathlib import Path
+import signal
+import sys
+import time
+from typing import TYPE_CHECKING
+
+from autograder.classroom.course_lock import alone
+from autograder.commands.exit_codes import FOR_REVIEW, OK
+from autograder.commands.progress import progress, Totals
+from autograder.errors import GraderError, of_system, UsageError
+from autograder.explaining.feedback import printable
+from autograder.grading.pipeline import Done
+from autograder.layout import Layout
+from autograder.runs.pool import grading_folder, Pool, processors
+from autograder.sandboxes.isolation import banner, not_protected, WEAK
+from autograder.submission.inbox import students_in, without_notebooks
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from autograder.gradebook.live_entry import Guard
+    from autograder.grading.pipeline import Engine, Graded, Lesson, SandboxEngine
+    from autograder.results import SubmissionResult
+    from autograder.submission.inbox import Submission
+
+AHEAD = 64
+"""Runs that a scheduler has before it needs them: workers that come later find something to do."""
+MAX_NAMED = 5
+
+
+class NotEnteredError(GraderError):
+    """The results are there, but they could not all be entered or written."""
+
+    def __init__(self, what: str, results: Sequence[SubmissionResult]) -> None:
+        """Keep the results, which are reported anyway."""
+        super().__init__(what)
+        self.results = tuple(results)
+
+
+def add_grade(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """
+    Describe the command.
+
+    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
+    """
+    grade = commands.add_parser('grade', help='grade a class and write reports')
+    grade.add_argument(
+        '--submitted',
+        type=Path,
+        metavar='DIR',
+        help='folder of STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: autograder/_work/submitted); '
+        'students who are only in the default one keep their results and pages',
+    )
+    grade.add_argument('--assignment', metavar='NAME', help='only this one (default: all)')
+    grade.add_argument(
+        '--jobs',
+        type=_positive,
+        default=0,
+        metavar='N',
+        help=f'runs at a time on this machine (default: one a processor, here {processors()})',
+    )
+    grade.add_argument(
+        '--cluster',
+        default='',
+        metavar='ADDRESS',
+        help='run on the workers of a Dask scheduler, such as tcp://10.0.0.5:8786 '
+        '(see docs/cluster.md)',
+    )
+    grade.add_argument('--fresh', action='store_true', help='repeat runs that are recorded')
+    grade.add_argument('--json', action='store_true', help='print the results as JSON')
+    add_yes(grade)
+    grade.add_argument(
+        '--allow-weak',
+        choices=WEAK,
+        default='',
+        metavar='MODE',
+        help='accept isolation down to this where none of the better works: '
+        f'{", ".join(WEAK)} (see docs/threat-model.md)',
+    )
+    grade.set_defaults(run=_grade)
+
+
+def add_yes(command: argparse.ArgumentParser) -> None:
+    """Describe the option that lets marks in the gradebook fall."""
+    command.add_argument(
+        '--yes',
+        action='store_true',
+        help='also lower or empty marks that the gradebook holds; without it they are listed',
+    )
+
+
+def _positive(text: str) -> int:
+    """Read a whole number of at least one."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f'expected a whole number of at least 1, got {text!r}')
+    return int(text)
+
+
+def _grade(chosen: argparse.Namespace) -> int:
+    """Grade a class."""
+    from rich.console import Console
+
+    # What ends a job of a cluster or a service is as good as Ctrl-C: nothing is left behind.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    _fit_together(chosen)
+    layout = Layout.here()
+    told = Console(stderr=chosen.json, width=None if sys.stdout.isatty() else 120)
+    with alone(layout, 'a grading'):
+        submitted = submitted_folder(layout, chosen.submitted, told)
+        assignments = _assignments(layout, chosen.assignment)
+        with grading_folder(), _engine(layout, chosen, told) as (engine, jobs):
+            _refuse_loss(layout, assignments, engine)
+            results, trouble = _grade_all(
+                layout, assignments, submitted, engine, jobs, told, chosen.yes
+            )
+    if not results:
+        raise _nobody(layout, submitted, assignments)
+    if chosen.json:
+        print(json.dumps([result.to_json() for result in results]))
+    if trouble:
+        raise GraderError(trouble)
+    return FOR_REVIEW if any(result.review for result in results) else OK
+
+
+def _fit_together(chosen: argparse.Namespace) -> None:
+    """Refuse options of which one would be ignored."""
+    if chosen.cluster and chosen.allow_weak:
+        raise UsageError(
+            f'--allow-weak {chosen.allow_weak}: expected none with --cluster, whose workers '
+            'isolate fully or refuse. Try: leave it out'
+        )
+    if chosen.cluster and chosen.jobs:
+        raise UsageError(
+            f'--jobs {chosen.jobs}: expected none with --cluster, whose workers say how many runs '
+            'they take. Try: leave it out'
+        )
+
+
+def _grade_all(
+    layout: Layout,
+    assignments: Sequence[str],
+    submitted: Path,
+    engine: Engine,
+    jobs: int,
+    told: Console,
+    yes: bool = False,
+) -> tuple[list[SubmissionResult], str]:
+    """
+    Grade each assignment; return all results, and what was not entered in the gradebook.
+
+    :param yes: whether marks in the gradebook may be lowered or emptied
+    """
+    from autograder.gradebook.live_entry import Guard
+
+    guard = Guard(layout, yes)
+    results: list[SubmissionResult] = []
+    trouble: list[str] = []
+    for assignment in assignments:
+        try:
+            results += _grade_assignment(layout, assignment, submitted, engine, jobs, told, guard)
+        except NotEnteredError as error:
+            results += error.results
+            trouble.append(str(error))
+    trouble.append(guard.refusal('everything else was entered'))
+    return results, ' '.join(filter(None, dict.fromkeys(trouble)))
+
+
+def _refuse_loss(layout: Layout, assignments: Sequence[str], engine: Engine) -> None:
+    """
+    Refuse to grade where marks would be lost, before anything is run.
+
+    :raises GraderError: for a damaged gradebook, or check cells that do not fit their exams
+    """
+    from autograder.gradebook.cell_points import refuse_unfit_points
+    from autograder.gradebook.copies import refuse_damaged
+    from autograder.grading.pipeline import load_lesson
+
+    if _enters(engine):
+        refuse_damaged(layout)
+        for assignment in assignments:
+            refuse_unfit_points(layout, load_lesson(layout, assignment, engine))
+
+
+def _enters(engine: Engine) -> bool:
+    """Return whether results go into the gradebook: visible checks give no grade."""
+    return bool(getattr(engine, 'hidden', True))
+
+
+def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> UsageError:
+    """Return what to say of a folder in which no student handed in anything."""
+    known = layout.assignments()
+    fix = (
+        f'python -m autograder collect {short(submitted, layout)}, which reads downloads of '
+        'learning platforms'
+    )
+    for name in without_notebooks(submitted, known):
+        with suppress(OSError):  # It is no folder, or may not be read.
+            if students_in(submitted / name, known):
+                fix = f'--submitted {short(submitted / name, layout)}'
+    return UsageError(
+        f'{submitted}: expected STUDENT/ASSIGNMENT folders with one of '
+        f'{", ".join(assignments)} and a notebook in it, got none of them. Try: {fix}'
+    )
+
+
+@contextmanager
+def _engine(
+    layout: Layout, chosen: argparse.Namespace, told: Console
+) -> Iterator[tuple[Engine, int]]:
+    """Yield what runs exams, in a pool or on a cluster, and how many at a time."""
+    if chosen.cluster:
+        from autograder.grading.cluster import cluster_engine
+
+        with cluster_engine(chosen.cluster, layout, chosen.fresh) as engine:
+            assert engine.place is not None
+            told.print(
+                f'{engine.place.width} runs at a time on {chosen.cluster}.', highlight=False
+            )
+            yield engine, max(engine.place.width, AHEAD)
+        return
+    from autograder.grading.pipeline import grading_engine
+
+    engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
+    jobs = warn_if_weak(engine, chosen.jobs or processors(), told)
+    with in_a_pool(engine, jobs) as pooled:
+        # One thread more than processes: while one judges, all of them have something to run.
+        yield pooled, jobs + 1
+
+
+@contextmanager
+def in_a_pool(engine: SandboxEngine, jobs: int) -> Iterator[SandboxEngine]:
+    """
+    Yield an engine that runs in processes of its own.
+
+    :param jobs: how many processes
+    """
+    with Pool(jobs, _say_stopped) as place:
+        yield replace(engine, place=place)
+
+
+def _say_stopped(pid: int) -> None:
+    """Name a worker that does not work."""
+    print(
+        f'worker process {pid}: it is stopped (SIGSTOP), and its run waits. Try: kill -CONT {pid}',
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:
+    """Print the banner of a weak mode; return how many runs at a time may be."""
+    mode = getattr(getattr(engine, 'sandbox', None), 'mode', '')
+    if not not_protected(mode):
+        return jobs
+    told.print(banner(mode), style='bold red', highlight=False, markup=False)
+    return 1
+
+
+def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path:
+    """Return the folder to grade; the default one is filled with the sample class if empty."""
+    if chosen is not None:
+        if not chosen.is_dir():
+            raise UsageError(f'--submitted {chosen}: expected a folder, got none.')
+        return chosen.resolve()
+    if not layout.submitted.is_dir() or not any(layout.submitted.iterdir()):
+        if layout.reports.is_dir():  # a class was here: its page is no place for sample students
+            raise UsageError(
+                f'{layout.submitted}: expected submissions, got an empty folder. Try: python -m '
+                'autograder collect SOURCE, or sample-class for the example submissions'
+            )
+        from autograder.authoring.sample_class import write_sample_class
+
+        count = write_sample_class(layout, layout.submitted)
+        told.print(
+            f'autograder/_work/submitted is empty, so the {count} example submissions of '
+            'tests/submissions were put there.',
+            highlight=False,
+        )
+    return layout.submitted
+
+
+def _assignments(layout: Layout, chosen: str | None) -> tuple[str, ...]:
+    """Return which assignments to grade."""
+    known = layout.assignments()
+    if not known:
+        raise UsageError('notebooks/ holds no assignment. Generate it with: make release')
+    return known if chosen is None else (layout.assignment_named(chosen),)
+
+
+def _grade_assignment(
+    layout: Layout,
+    assignment: str,
+    submitted: Path,
+    engine: Engine,
+    jobs: int,
+    told: Console,
+    guard: Guard | None = None,
+) -> list[SubmissionResult]:
+    """Grade one assignment of a class, record it, write the reports, print the table."""
+    from autograder.gradebook.live_entry import Entering, Guard
+    from autograder.grading.pipeline import grade_class, load_lesson
+
+    lesson = load_lesson(layout, assignment, engine)
+    submissions = _submissions(layout, lesson, submitted)
+    if not submissions:
+        return []
+    others = _others(layout, assignment, submitted, {one.student for one in submissions})
+    guard = guard or Guard(layout)
+    entering = Entering(layout, lesson, guard)
+    began = time.monotonic()
+    totals = Totals()
+    with progress(len(submissions) * len(lesson.exams), assignment) as show:
+        graded = grade_class(
+            submissions,
+            lesson,
+            engine,
+            jobs,
+            _both(totals.add, show),
+            meanwhile=entering.meanwhile if _enters(engine) else lambda ready: None,
+        )
+    graded_s = time.monotonic() - began
+    new, refused = entering.finish(graded) if _enters(engine) else (0, '')
+    results = [one.result for one in graded]
+    summary = _summary(graded, graded_s, time.monotonic() - began, totals)
+    lowered = guard.lowered_in(assignment)
+    kept = len(graded) - new - (0 if guard.yes else len(lowered))
+    if _enters(engine) and kept:
+        summary += f' {kept} were in the gradebook as they are.'
+    if lowered:
+        said = 'Fewer points than before' if guard.yes else 'Left as they are in the gradebook'
+        summary += f' {said}: {_some(lowered)}.'
+    if folders := without_notebooks(submitted, layout.assignments()):
+        summary += f' Not graded, as no notebook of the course is in them: {_some(folders)}.'
+    if others:
+        summary += f' Not in this folder, kept as they were: {len(others)} others.'
+    unwritten = _report(layout, assignment, results, others, summary, told)
+    for line in lowered[MAX_NAMED:] and lowered:
+        told.print(f'  {line}', highlight=False, markup=False)
+    if trouble := ' '.join(dict.fromkeys(filter(None, (refused, unwritten)))):
+        raise NotEnteredError(trouble, results)
+    return results
+
+
+def _some(names: Sequence[str]) -> str:
+    """Name the first of some folders, and say how many there are besides."""
+    named = ', '.join(printable(name) for name in names[:MAX_NAMED])
+    return f'{named} and {len(names) - MAX_NAMED} more' if names[MAX_NAMED:] else named
+
+
+def _submissions(layout: Layout, lesson: Lesson, submitted: Path) -> tuple[Submission, ...]:
+    """Return what was handed in for an assignment."""
+    from autograder.submission.inbox import discover
+
+    try:
+        return discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
+    except OSError as error:
+        raise UsageError(f'{submitted}: cannot be read: {error.strerror}.') from error
+
+
+def _others(
+    layout: Layout, assignment: str, submitted: Path, students: Collection[str]
+) -> tuple[SubmissionResult, ...]:
+    """
+    Return the results that stay: of those who are not in a folder that is not the course's own.
+
+    It is read before anything is run, so that results that cannot be read cost no grading.
+    """
+    from autograder.classroom.results_of_class import results_of_others
+
+    if submitted.resolve() == layout.submitted.resolve():
+        return ()
+    return results_of_others(layout, assignment, students)
+
+
+def _report(
+    layout: Layout,
+    assignment: str,
+    results: Sequence[SubmissionResult],
+    others: Sequence[SubmissionResult],
+    summary: str,
+    told: Console,
+) -> str:
+    """
+    Write the reports of everybody, and print the table of those who were graded now.
+
+    :returns: why the reports could not be written, empty if they are
+    """
+    from autograder.classroom.class_report import write_class_report
+    from autograder.classroom.not_collected import not_collected
+    from autograder.classroom.pages import print_table, write_reports
+    from autograder.classroom.people import read_people
+
+    people = read_people(layout)
+    everybody = sorted((*results, *others), key=lambda one: one.student)
+    missing = not_collected(layout, assignment, {one.student for one in everybody})
+    unwritten = ''
+    try:
+        index = write_reports(layout.reports, assignment, everybody, summary, people, missing)
+        write_class_report(layout, assignment, summary)
+        where = f'Reports: {short(index, layout)}'
+    except OSError as error:  # the table is all that is left to see
+        unwritten, where = str(of_system(error, str(layout.reports))), ''
+    print_table(told, assignment, results, people, missing)
+    told.print(summary, highlight=False, markup=False)
+    if where:
+        told.print(where, highlight=False, soft_wrap=True)
+    return unwritten
+
+
+def _both(one: Callable[[Done], None], two: Callable[[Done], None]) -> Callable[[Done], None]:
+    def tell(done: Done) -> None:
+        one(done)
+        two(done)
+
+    return tell
+
+
+def _summary(graded: Sequence[Graded], graded_s: float, total_s: float, totals: Totals) -> str:
+    """Say how many, how long and how isolated."""
+    reviews = sum(bool(one.result.review) for one in graded)
+    exams = [exam for one in graded for exam in one.result.exams]
+    modes = sorted({exam.mode for exam in exams if exam.mode})
+    some = f'{len(graded)} submission{"s" * (len(graded) != 1)}'
+    parts = [f'{some} in {total_s:.1f} s ({graded_s:.1f} s of it running)']
+    slowest = totals.slowest_text()
+    if slowest and len(graded) > 1:
+        parts.append(printable(slowest))
+    if modes:
+        parts.append(f'isolation {", ".join(modes)}')
+    if reviews:
+        parts.append(f'{reviews} for review')
+    return f'{"; ".join(parts)}.'
+
+
+def short(path: Path, layout: Layout) -> str:
+    """Return a path as seen from the course."""
+    return str(path.relative_to(layout.root)) if path.is_relative_to(layout.root) else str(path)

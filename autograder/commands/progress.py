@@ -1,0 +1,162 @@
+"""
+How far a grading is: a living line on a terminal, a new line every few seconds in a log.
+
+What is counted are runs: a submission has one for each exam.  The time that is left is estimated
+from the pace so far, which equal and kept submissions make faster than it will stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+import os
+import sys
+import threading
+import time
+from typing import Any
+
+from autograder.errors import GraderError
+from autograder.explaining.feedback import printable
+from autograder.grading.pipeline import Done
+from autograder.results import shortened
+
+NAME_CHARS = 30
+LINE_S = 5.0
+"""Time between two lines in a log."""
+
+
+@dataclass
+class Totals:
+    """What came of a class so far; told from any thread."""
+
+    full: int = 0
+    less: int = 0
+    review: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+    _guard: threading.Lock = field(default_factory=threading.Lock, repr=False)
+
+    def add(self, done: Done) -> None:
+        """Count one."""
+        with self._guard:
+            if isinstance(done.outcome, GraderError):
+                self.review += 1
+                return
+            if done.outcome.points >= done.outcome.max_points:
+                self.full += 1
+            else:
+                self.less += 1
+            took = self.seconds.get(done.student, 0.0) + done.outcome.ran_s
+            self.seconds[done.student] = took
+
+    @property
+    def slowest(self) -> tuple[str, float]:
+        """Return who took longest to run, and how long [s]; no name if that is not known."""
+        # Equal files take equally long: the first by name, whichever came in first.
+        names = sorted(self.seconds)
+        student = max(names, key=lambda name: round(self.seconds[name], 3), default='')
+        took = self.seconds.get(student, 0.0)
+        return (student, took) if took else ('', 0.0)
+
+    @property
+    def count(self) -> int:
+        """Return how many runs are over."""
+        return self.full + self.less + self.review
+
+    def text(self) -> str:
+        """Return the totals in a few words."""
+        words = [f'{self.full} full marks', f'{self.less} less']
+        if self.review:
+            words.append(f'{self.review} for review')
+        return ', '.join(words)
+
+    def slowest_text(self) -> str:
+        """Return who took longest in a few words, empty if that is not known."""
+        student, took = self.slowest
+        if not student:
+            return ''
+        return f'longest in runs {shortened(printable(student), NAME_CHARS)}, {took:.1f} s'
+
+
+@contextmanager
+def progress(total: int, what: str, line_s: float = LINE_S) -> Iterator[Callable[[Done], None]]:
+    """
+    Show what is done, what is left and what came of it.
+
+    :param total: how many runs there will be
+    :param what: name of what is graded
+    :param line_s: time between two lines where no terminal is, or in CI
+    :returns: what to call after each run, from any thread
+    """
+    from rich.console import Console
+
+    totals, console = Totals(), Console(stderr=True)
+    if not is_alive(console):
+        with _lines(totals, total, what, line_s):
+            yield totals.add
+        return
+    with _bar(totals, total, what, console) as tell:
+        yield tell
+
+
+def is_alive(console: Any) -> bool:
+    """Return whether a line on this console can be rewritten."""
+    return console.is_terminal and os.environ.get('CI', '') in ('', '0', 'false')
+
+
+@contextmanager
+def _bar(totals: Totals, total: int, what: str, console: Any) -> Iterator[Callable[[Done], None]]:
+    """Show one line, which lives until all is done."""
+    from rich.markup import escape
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    columns: tuple[Any, ...] = (
+        TextColumn('{task.description}'),
+        BarColumn(bar_width=20),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        TextColumn('{task.fields[totals]}', markup=False),
+    )
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(escape(what), total=total, totals='')
+
+        def tell(done: Done) -> None:
+            totals.add(done)
+            said = '; '.join(filter(None, (totals.text(), totals.slowest_text())))
+            bar.update(task, advance=1, totals=said)
+
+        yield tell
+
+
+@contextmanager
+def _lines(totals: Totals, total: int, what: str, line_s: float) -> Iterator[None]:
+    """Print a line every few seconds, whether or not a run is over meanwhile."""
+    began, ended = time.monotonic(), threading.Event()
+
+    def print_lines() -> None:
+        while not ended.wait(line_s):
+            said = line_of(totals, total, time.monotonic() - began)
+            print(f'{what}: {said}', file=sys.stderr, flush=True)
+
+    printer = threading.Thread(target=print_lines, daemon=True)
+    printer.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        printer.join()
+
+
+def line_of(totals: Totals, total: int, took_s: float) -> str:
+    """Return how far a grading is, for a log."""
+    count = totals.count
+    words = [f'{count} of {total} runs']
+    if count:
+        words += [totals.text(), f'about {took_s / count * (total - count):.0f} s left']
+    return '; '.join(words)

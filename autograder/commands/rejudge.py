@@ -1,0 +1,337 @@
+"""
+New verdicts after an exam was edited, from the recordings that are kept; nothing is run.
+
+What was graded last is in the reports' ``results.json``, which names each recording.  A recording
+counts only for the files it was made of and for the scenario it was made with, both of which its
+header names; everyone else is named and keeps the points that are there.  What is to be written
+goes the way of a grading: nbgrader is given only what differs from what it has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+import time
+from typing import Any, TYPE_CHECKING
+
+from autograder.classroom.results_of_class import graded, last_results
+from autograder.commands.exit_codes import FOR_REVIEW, OK
+from autograder.errors import RecordingInvalid
+from autograder.exam.exam import Exam
+from autograder.explaining.feedback import number, printable
+from autograder.grading.again import NothingRuns
+from autograder.grading.examine import files_digest, judged, without_recording
+from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
+from autograder.layout import Layout
+from autograder.recording import Recording
+from autograder.results import CheckResult, ExamResult, SubmissionResult
+from autograder.sandboxes.isolation import MODES
+from autograder.submission.extract import ExamFiles, extract, with_reasons
+from autograder.submission.inbox import discover
+
+if TYPE_CHECKING:
+    from autograder.gradebook.live_entry import Guard
+
+
+@dataclass(frozen=True)
+class Changed:
+    """One check whose verdict, points or reason differ from before."""
+
+    exam: str
+    check: str
+    before: str
+    after: str
+    points_before: float
+    points_after: float
+    why: str
+
+    def text(self) -> str:
+        """Return one line."""
+        points = f'{number(self.points_before)} -> {number(self.points_after)} points'
+        verdict = self.before if self.before == self.after else f'{self.before} -> {self.after}'
+        return printable(f'  {self.exam}/{self.check}: {verdict}, {points}; {self.why}')
+
+
+@dataclass(frozen=True)
+class Rejudged:
+    """
+    One student's work, judged again.
+
+    :param changed: what is different now
+    :param kept: why the old points stay, empty if all was judged again
+    :param graded: what can be entered in the gradebook
+    """
+
+    student: str
+    before: SubmissionResult
+    after: SubmissionResult
+    changed: tuple[Changed, ...] = ()
+    kept: str = ''
+    graded: Graded | None = None
+
+
+@dataclass(frozen=True)
+class Account:
+    """
+    What judging one assignment again came to.
+
+    :param seconds: wall time of the judging
+    :param written: what became of it, empty if nothing was to be written
+    :param refused: what nbgrader did not enter, and why
+    :param lowered: the marks in the gradebook that are, or would be, lowered or emptied
+    """
+
+    assignment: str
+    rejudged: tuple[Rejudged, ...]
+    seconds: float
+    written: str = ''
+    refused: str = ''
+    lowered: tuple[str, ...] = ()
+
+    @property
+    def incomplete(self) -> bool:
+        """Return whether some submission could not be judged again."""
+        return any(one.kept for one in self.rejudged)
+
+    def text(self) -> str:
+        """Return the account, one line per fact."""
+        lines = []
+        for one in self.rejudged:
+            if one.changed:
+                points = f'{number(one.before.points)} -> {number(one.after.points)}'
+                lines.append(f'{one.student}: {points} of {number(one.after.max_points)} points')
+                lines += [change.text() for change in one.changed]
+            if one.kept:
+                lines.append(f'{one.student}: not judged again, the old points stay: {one.kept}')
+        lines += [f'lower mark in the gradebook: {mark}' for mark in self.lowered]
+        done = sum(not one.kept for one in self.rejudged)
+        changed = sum(bool(one.changed) for one in self.rejudged)
+        each = 1000 * self.seconds / max(1, len(self.rejudged))
+        lines.append(
+            f'{self.assignment}: {done} of {len(self.rejudged)} submissions judged again in '
+            f'{self.seconds:.2f} s ({each:.1f} ms each), nothing run; {changed} changed. '
+            f'{self.written or "Nothing was written; --write does."}'
+        )
+        return printable('\n'.join(lines))
+
+    def to_json(self) -> dict[str, Any]:
+        """Return JSON types only."""
+        return {
+            'assignment': self.assignment,
+            'seconds': self.seconds,
+            'written': self.written,
+            'refused': self.refused,
+            'lowered': list(self.lowered),
+            'submissions': [
+                {
+                    'student': one.student,
+                    'before': one.before.points,
+                    'after': one.after.points,
+                    'kept': one.kept,
+                    'changed': [asdict(change) for change in one.changed],
+                }
+                for one in self.rejudged
+            ],
+        }
+
+
+Known = dict[tuple[Any, ...], tuple[ExamResult | None, str]]
+"""Verdicts by exam, files and recording."""
+
+
+def rejudge_command(
+    layout: Layout, assignment: str | None, submitted: Path | None, write: bool, yes: bool = False
+) -> tuple[list[Account], int]:
+    """
+    Judge one assignment or all graded ones again.
+
+    :param write: enter the new points in gradebook and reports; what the gradebook refuses is in
+        the account, and the reports are written anyway
+    :param yes: also lower or empty marks that the gradebook holds; without it such marks are in
+        the accounts and nothing is written
+    :returns: an account for each, and the exit code if nothing was refused
+    :raises GraderError: if there is no such assignment, or nothing was graded yet; to write, also
+        if check cells and exams give different points
+    """
+    from autograder.gradebook.cell_points import refuse_unfit_points
+
+    there = graded(layout, assignment)
+    lessons = [load_lesson(layout, one.assignment, NothingRuns()) for one in there]
+    if write:
+        for lesson in lessons:
+            refuse_unfit_points(layout, lesson)
+    accounts = [rejudge(layout, lesson, submitted or layout.submitted) for lesson in lessons]
+    if write:
+        accounts = _write_all(layout, lessons, accounts, yes)
+    return accounts, FOR_REVIEW if any(one.incomplete for one in accounts) else OK
+
+
+def rejudge(layout: Layout, lesson: Lesson, submitted: Path) -> Account:
+    """
+    Judge everyone who was graded.
+
+    :param submitted: the folder of the class
+    """
+    before = last_results(layout, lesson.assignment)
+    began = time.perf_counter()
+    known: Known = {}
+    there = {
+        one.student: one
+        for one in discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
+    }
+    done = []
+    for result in before:
+        submission = there.get(result.student)
+        if submission is None:
+            done.append(Rejudged(result.student, result, result, kept='no submission any more'))
+            continue
+        opened = open_one(submission, lesson)
+        files = extract(opened, lesson.exams, lesson.release, lesson.notebook)
+        one = _judge_again(layout, lesson, result, files, known)
+        done.append(replace(one, graded=Graded(submission, opened, one.after)))
+    return Account(lesson.assignment, tuple(done), time.perf_counter() - began)
+
+
+def _judge_again(
+    layout: Layout,
+    lesson: Lesson,
+    before: SubmissionResult,
+    files: Mapping[str, ExamFiles],
+    known: Known,
+) -> Rejudged:
+    """Judge one student's files, or say why not."""
+    old = {exam.exam: exam for exam in before.exams}
+    results = []
+    for exam in lesson.exams:
+        theirs, last = files[exam.name].files, old.get(exam.name)
+        # Equal files have equal verdicts: an untouched stub is judged once for the whole class.
+        key = exam.name, files_digest(theirs), (last.recording, last.mode) if last else None
+        if key not in known:
+            known[key] = again(layout, exam, theirs, last)
+        result, kept = known[key]
+        if result is None:
+            return Rejudged(before.student, before, before, kept=f'{exam.name}: {kept}')
+        results.append(result)
+    after = with_reasons(replace(before, exams=tuple(results), fault=''), lesson.exams)
+    changed = [change for result in results for change in changes(old.get(result.exam), result)]
+    return Rejudged(before.student, before, after, tuple(changed))
+
+
+def again(
+    layout: Layout, exam: Exam, files: Mapping[str, str], old: ExamResult | None
+) -> tuple[ExamResult | None, str]:
+    """
+    Judge one student's files by one exam, from the recording.
+
+    :param old: the last result, which names the recording
+    :returns: the result; or None, and why there is none
+    """
+    mode = old.mode if old else ''
+    if mode in MODES and not MODES[mode].keeps_secrets:
+        return None, f'only the visible checks were run, with isolation {mode}; grade it'
+    result = without_recording(exam, files, mode)
+    if result is not None:
+        return result, ''
+    if old is None or not old.recording:
+        return None, 'no recording of it is kept; grade it'
+    try:
+        recording = Recording.load(layout.recordings / exam.name / old.recording)
+    except RecordingInvalid as error:
+        return None, f'its recording cannot be read; grade it ({error.what})'
+    if recording.header.get('files') != files_digest(files):
+        return None, 'the files are not those that were recorded; grade it'
+    if recording.header.get('scenario') != exam.scenario_digest()[:32]:
+        return None, 'the scenario of the exam has changed, not only its checks; grade it'
+    return replace(judged(exam, files, recording), recording=old.recording), ''
+
+
+def changes(before: ExamResult | None, after: ExamResult) -> list[Changed]:
+    """Return what is different between two results of one exam, check by check."""
+    old = {check.check: check for check in before.checks} if before else {}
+    new = {check.check: check for check in after.checks}
+    found = []
+    for name in dict.fromkeys((*old, *new)):
+        one, two = old.get(name), new.get(name)
+        if one is None or two is None or _shown(one) != _shown(two):
+            found.append(
+                Changed(
+                    after.exam,
+                    name,
+                    one.verdict.value if one else 'no such check',
+                    two.verdict.value if two else 'no such check',
+                    one.points if one else 0.0,
+                    two.points if two else 0.0,
+                    _why(one, two),
+                )
+            )
+    return found
+
+
+def _shown(check: CheckResult) -> tuple[Any, ...]:
+    return check.verdict, check.points, check.max_points
+
+
+def _why(before: CheckResult | None, after: CheckResult | None) -> str:
+    """Return the reason in words: what the check says now, or what it said."""
+    if after is None:
+        return 'the exam has no such check any more'
+    if before is None:
+        return 'the check is new'
+    if after.expected or after.observed:
+        return f'expected {after.expected or "more"}; observed {after.observed or "less"}'
+    if before.max_points != after.max_points and before.verdict == after.verdict:
+        most = f'{number(before.max_points)} -> {number(after.max_points)}'
+        return f'the check gives other points: {most}'
+    return f'it was: {before.observed or before.expected or before.verdict.value}'
+
+
+def _write_all(
+    layout: Layout, lessons: Sequence[Lesson], accounts: Sequence[Account], yes: bool
+) -> list[Account]:
+    """Write all accounts; or none, if a mark would be lowered or emptied and that is not meant."""
+    from autograder.gradebook.journal import to_enter
+    from autograder.gradebook.live_entry import Guard
+
+    guard = Guard(layout, yes)
+    for lesson, account in zip(lessons, accounts):
+        guard.allowed(lesson, to_enter(layout, lesson, _judged(account)))
+    written = []
+    for lesson, account in zip(lessons, accounts):
+        lowered = tuple(guard.lowered_in(lesson.assignment))
+        if refused := guard.refusal('nothing was written'):
+            said = 'Nothing was written, as marks would be lowered or emptied.'
+            written.append(replace(account, lowered=lowered, written=said, refused=refused))
+        else:
+            written.append(_write(layout, lesson, replace(account, lowered=lowered), guard))
+    return written
+
+
+def _judged(account: Account) -> list[Graded]:
+    """Return what can be entered in the gradebook."""
+    return [one.graded for one in account.rejudged if one.graded is not None and not one.kept]
+
+
+def _write(layout: Layout, lesson: Lesson, account: Account, guard: Guard) -> Account:
+    """Enter what is new in the gradebook, write all reports, and note what came of it."""
+    from autograder.classroom.class_report import write_class_report
+    from autograder.classroom.not_collected import not_collected
+    from autograder.classroom.pages import write_reports
+    from autograder.classroom.people import read_people
+    from autograder.gradebook.live_entry import begin_to_enter, enter
+
+    again = _judged(account)
+    new, refused = enter(
+        layout, lesson, again, lambda: begin_to_enter(layout, lesson.assignment, guard), guard
+    )
+    results = [one.after for one in account.rejudged]
+    summary = f'{len(again)} of {len(results)} submissions were judged again from recordings.'
+    missing = not_collected(layout, lesson.assignment, {one.student for one in results})
+    people = read_people(layout)
+    write_reports(layout.reports, lesson.assignment, results, summary, people, missing)
+    write_class_report(layout, lesson.assignment, summary)
+    in_gradebook = f'{new} given to the gradebook, {len(again) - new} were there as they are'
+    if refused:
+        in_gradebook = f'of {new} given to the gradebook, not all were taken'
+    written = f'The reports have the points of {len(again)}; {in_gradebook}.'
+    return replace(account, written=written, refused=refused)

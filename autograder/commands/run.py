@@ -1,0 +1,196 @@
+"""
+An instructor's quick look: the exams of the course on one submission, whatever its form.
+
+A script, a package folder, a zip of one, or a notebook.  The same exams, the same sandbox and the
+same words as for a class; nothing goes into a gradebook.  A package that says how it is built is
+built, and run by its executables; other folders are laid out beside the node file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from pathlib import Path
+import tempfile
+from typing import TYPE_CHECKING
+
+from autograder import exams
+from autograder.errors import GraderError
+from autograder.exam.exam import Exam
+from autograder.explaining.feedback import exam_text, number, printable
+from autograder.grading.built_package import as_package, explained, package_name
+from autograder.grading.examine import examine
+from autograder.grading.pipeline import THREADS
+from autograder.layout import Layout
+from autograder.recording import Recording
+from autograder.results import ExamResult, Problem
+from autograder.submission.intake import NotTakenInError, read_handed_in, with_node_files
+from autograder.submission.package import name_missing, what_is_there
+
+if TYPE_CHECKING:
+    from autograder.recording import Event
+    from autograder.sandboxes.sandbox import Sandbox
+
+
+@dataclass(frozen=True)
+class Look:
+    """
+    One exam and what it will look at.
+
+    :param files: relative path to text
+    :param problems: what is wrong with the cells of a notebook
+    :param notebook: whether the files are cells of one
+    """
+
+    exam: Exam
+    files: Mapping[str, str]
+    problems: tuple[Problem, ...] = ()
+    notebook: bool = False
+
+
+def short_name(assignment: str) -> str:
+    """Return an assignment's folder without its number."""
+    return assignment.partition('_')[2] if assignment[:1].isdigit() else assignment
+
+
+def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
+    """
+    Return one exam, or all exams of an assignment.
+
+    :param name: of an exam, or of an assignment with or without its number
+    :raises GraderError: if there is neither, with a near name
+    """
+    examined = {one: exams.for_assignment(one, hidden) for one in layout.assignments()}
+    by_exam = {exam.name: exam for found in examined.values() for exam in found}
+    if name in by_exam:
+        return (by_exam[name],)
+    for assignment, found in examined.items():
+        if name in (assignment, short_name(assignment)) and found:
+            return found
+    known = [*by_exam, *(short_name(one) for one, found in examined.items() if found)]
+    close = get_close_matches(name, known, n=1, cutoff=0.4)
+    hint = f'Did you mean {close[0]}?' if close else f'Known: {", ".join(sorted(set(known)))}.'
+    raise GraderError(f'--exam {name}: there is no such exam or assignment.', hint)
+
+
+def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
+    """
+    Return what each exam looks at in a submission.
+
+    :param path: a script, a package folder, a zip file or a notebook
+    :raises NotTakenInError: if nothing in it is for these exams
+    """
+    if not path.exists():
+        raise NotTakenInError(f'{path}: expected a submission, got nothing of that name.')
+    if path.suffix == '.ipynb':
+        return list(_in_notebook(path, chosen, layout))
+    files = read_handed_in(path)
+    script = path.suffix == '.py' and not path.is_dir()
+    package = '' if script else package_name(files)
+    found = []
+    for exam in chosen:
+        wanted = [name for name in {exam.scenario.file, *exam.requires} if name]
+        theirs = with_node_files(files, wanted)
+        nodes = [name for name in wanted if name.endswith('.py')]
+        if len(chosen) == 1 and script and len(nodes) == 1:
+            theirs = {nodes[0]: files[path.name]}  # a script may have any name
+        if len(chosen) == 1 or any(name in theirs for name in exam.requires):
+            found.append(Look(exam, theirs))
+        elif package and exam.scenario.program == 'node':
+            found.append(Look(exam, theirs))  # its executable may come from any file
+    if package:
+        found = [replace(look, exam=as_package(look.exam, package)) for look in found]
+    if not found:
+        wanted = sorted({name for exam in chosen for name in exam.requires})
+        raise NotTakenInError(
+            f'{path}: expected one of {", ".join(wanted)}, got {what_is_there(files)}.',
+            'Try: name the one exam with --exam; then a script may have any name.',
+        )
+    return found
+
+
+def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator[Look]:
+    from autograder.submission.extract import extract
+    from autograder.submission.notebook import read_release
+    from autograder.submission.reading import read_file
+    from autograder.submission.submission import open_submission
+
+    data, problems = read_file(path, path.name)
+    for assignment in dict.fromkeys(exam.assignment for exam in chosen):
+        release = read_release(layout.release(assignment))
+        theirs = [exam for exam in chosen if exam.assignment == assignment]
+        opened = open_submission(data, release, path.name, problems)
+        files = extract(opened, theirs, release, path.name)
+        for exam in theirs:
+            said = (*opened.problems, *files[exam.name].problems)
+            yield Look(exam, files[exam.name].files, said, notebook=True)
+
+
+def quick_look(
+    found: Sequence[Look],
+    sandbox: Sandbox,
+    recordings: Path | None,
+    *,
+    fresh: bool = False,
+    told: Callable[[Event], None] | None = None,
+) -> Iterator[tuple[Look, ExamResult]]:
+    """
+    Run the exams, at the same time, or one after the other if somebody watches.
+
+    :param told: called with each event of a run as it happens
+    :returns: in the order of the exams
+    :raises GraderError: if there is no verdict, through no fault of the files
+    """
+
+    def run(look: Look) -> ExamResult:
+        if told and look.exam.scenario.program in ('build', 'package'):
+            told({'event': 'mark', 'clock_ns': None, 'name': 'building with colcon'})
+        with _folder(recordings) as kept:
+            result = examine(
+                look.exam,
+                look.files,
+                sandbox=sandbox,
+                recordings=kept,
+                fresh=fresh or told is not None,
+                told=told,
+            )
+            if look.notebook:
+                return result if look.problems else name_missing(result, look.files)
+            path = kept / look.exam.name / result.recording
+            recording = Recording.load(path) if result.recording else None
+        return explained(look.exam, name_missing(result, look.files), recording, look.files)
+
+    workers = 1 if told else len(found)
+    pool = ThreadPoolExecutor(max_workers=workers, thread_name_prefix=THREADS)
+    try:
+        yield from zip(found, pool.map(run, found))
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)  # after Ctrl-C, main ends what runs
+
+
+@contextmanager
+def _folder(recordings: Path | None) -> Iterator[Path]:
+    """Yield the folder of recordings, one that is thrown away if nothing is to be kept."""
+    if recordings is not None:
+        yield recordings
+        return
+    with tempfile.TemporaryDirectory(prefix='look-') as folder:
+        yield Path(folder)
+
+
+def text_of(look: Look, result: ExamResult) -> str:
+    """Return what the terminal shows of one exam."""
+    head = f'{look.exam.title} ({look.exam.name}): '
+    return printable(head) + exam_text(result, look.problems)
+
+
+def summary(results: Sequence[ExamResult], visible: bool) -> str:
+    """Return the last line."""
+    points = number(sum(one.points for one in results))
+    most = number(sum(one.max_points for one in results))
+    modes = ', '.join(sorted({one.mode for one in results if one.mode})) or 'nothing was run'
+    kind = 'visible checks' if visible else 'full exams'
+    return f'Together {points} of {most} points; {kind}; isolation: {modes}.'

@@ -1,0 +1,1 @@
+"""The language of exams: scenario, checks, inputs."""

@@ -1,0 +1,233 @@
+"""
+How an exam is written: a scenario for the probe, and checks that judge the recording.
+
+The steps of a scenario are in :mod:`autograder.exam.scenario`, what checks have in common is in
+:mod:`autograder.judging.checks`.
+
+An exam module reads like the lesson it grades::
+
+    exam = Exam('talker', assignment='03_topics', cells=('talker',), scenario=Scenario(...))
+
+    @exam.check(points=2, needs=['publishes'])
+    def one_message_a_second(run: Run) -> None:
+        '''Your node publishes once per second.'''
+        if len(run.recording.messages('/chatter')) != 60:
+            raise Failed(expected='60 messages in 60 s', observed='...')
+
+The docstring is the sentence the learner reads.  A check passes by returning, fails by raising
+:class:`Failed`; any other exception is our own fault and flags the submission for a person.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+import hashlib
+import inspect
+import json
+from typing import Any
+
+from autograder.errors import ExamInvalid
+from autograder.exam.names import Names
+from autograder.exam.scenario import Advance, Feed, Scenario
+from autograder.exam.scenario_mistakes import scenario_mistakes
+from autograder.recording import Recording
+
+__all__ = ['Advance', 'Cause', 'Check', 'Exam', 'Failed', 'Feed', 'Run', 'Scenario']
+
+
+@dataclass(frozen=True)
+class Cause:
+    """
+    Why a check probably failed.
+
+    :param cause_id: short stable name, for statistics and tests
+    :param text: the reason in the learner's words
+    :param try_this: the next thing to do
+    """
+
+    cause_id: str
+    text: str
+    try_this: str
+
+
+class Failed(Exception):
+    """
+    A check fails, for a reason the learner can act on.
+
+    :param expected: what the exercise asks for, with numbers and units
+    :param observed: what was seen instead
+    :param why: the likely cause; leave it out when unsure
+    :param share: part of the check's points that is earned all the same, 0 to 1
+    :param at: virtual time of the first deviation [ns], if no single event shows it
+    :param every_s: what was due comes once in so many seconds; for the picture only
+    """
+
+    def __init__(
+        self,
+        *,
+        expected: str,
+        observed: str,
+        why: Cause | None = None,
+        share: float = 0.0,
+        at: int | None = None,
+        every_s: float | None = None,
+    ) -> None:
+        """Keep the facts apart; the report lays them out."""
+        super().__init__(observed)
+        self.expected = expected
+        self.observed = observed
+        self.why = why
+        self.share = share
+        self.at = at
+        self.every_s = every_s
+
+
+@dataclass(frozen=True)
+class Run:
+    """
+    What a check may look at.
+
+    :param files: the student's files, relative path to text
+    :param recording: what the probe saw
+    :param facts: the exam's own facts about its scenario, see :class:`Exam`
+    """
+
+    files: Mapping[str, str]
+    recording: Recording
+    facts: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def secret(self) -> bool:
+        """Tell whether the inputs were drawn, so that no text may show them."""
+        return bool(self.facts.get('secret'))
+
+    @property
+    def names(self) -> Names:
+        """Return the names that the exam uses."""
+        names: Names = self.facts.get('exam_names', Names())
+        return names
+
+
+@dataclass(frozen=True)
+class Check:
+    """
+    One line of the mark sheet.
+
+    :param needs: names of checks that must have passed, else this one is NOT_RUN
+    :param read: section of the lesson to read, empty for the exam's own
+    :param static: whether the files alone can answer it, so that nothing is run for its sake
+    """
+
+    name: str
+    title: str
+    points: float
+    judge: Callable[[Run], None]
+    needs: tuple[str, ...] = ()
+    read: str = ''
+    static: bool = False
+
+
+class Exam:
+    """
+    A scenario and its checks.
+
+    :param name: unique in the course; the grade cell is ``check('<name>')``
+    :param title: what it examines, for people
+    :param assignment: folder of the lesson
+    :param part: its place in the lesson, from 1
+    :param cells: grade ids of the solution cells it judges
+    :param requires: files without which nothing can be said
+    :param scenario: what the probe does
+    :param read: section of the lesson that explains the exercise
+    :param facts: what the checks need to know about the scenario, kept out of the probe
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        title: str,
+        assignment: str,
+        part: int,
+        cells: Sequence[str],
+        requires: Sequence[str],
+        scenario: Scenario,
+        read: str = '',
+        facts: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Start without checks; :meth:`check` adds them in order."""
+        for mistake in scenario_mistakes(scenario):
+            raise ExamInvalid(f'exam {name}, {mistake}.', 'Steps are described in scenario.py.')
+        self.name = name
+        self.hidden = False  # set by whoever loads it from the hidden ones
+        self.title = title
+        self.assignment = assignment
+        self.part = part
+        self.cells = tuple(cells)
+        self.requires = tuple(requires)
+        self.scenario = scenario
+        self.read = read
+        self.facts = {'exam_names': Names.of(scenario), **(facts or {})}
+        self.checks: list[Check] = []
+
+    def check(
+        self, *, points: float, needs: Sequence[str] = (), read: str = '', static: bool = False
+    ) -> Callable[[Callable[[Run], None]], Callable[[Run], None]]:
+        """
+        Add the decorated function as a check.
+
+        :param points: > 0
+        :param needs: names of earlier checks
+        :param static: the files alone can answer it; if what must be run waits for checks that
+            failed on the files, nothing is run
+        :raises ExamInvalid: for a repeated name, no docstring, no points or an unknown need
+        """
+
+        def add(judge: Callable[[Run], None]) -> Callable[[Run], None]:
+            name = judge.__name__
+            self.add(Check(name, _title(judge), points, judge, tuple(needs), read, static))
+            return judge
+
+        return add
+
+    def add(self, check: Check) -> None:
+        """
+        Add a check.
+
+        :raises ExamInvalid: for a repeated name, no docstring, no points or an unknown need
+        """
+        names = [other.name for other in self.checks]
+        where = f'exam {self.name}, check {check.name}'
+        if check.name in names:
+            raise ExamInvalid(f'{where}: the name is used twice.', 'Rename one of them.')
+        if not check.title:
+            raise ExamInvalid(f'{where}: no docstring.', 'Write the sentence learners will read.')
+        if check.points <= 0:
+            raise ExamInvalid(f'{where}: expected points > 0, got {check.points}.')
+        if not (check.static or self.scenario.program):
+            raise ExamInvalid(
+                f'{where}: the scenario runs nothing, so the files must answer it.',
+                'Add it with static=True, or give the scenario a program.',
+            )
+        for need in check.needs:
+            if need not in names:
+                raise ExamInvalid(
+                    f'{where}: needs {need!r}, which is no earlier check.',
+                    f'Earlier checks: {", ".join(names) or "none"}.',
+                )
+        self.checks.append(check)
+
+    @property
+    def max_points(self) -> float:
+        """Return the points of all checks together."""
+        return sum(check.points for check in self.checks)
+
+    def scenario_digest(self) -> str:
+        """Return a digest of all that the probe is told; equal digests give equal recordings."""
+        text = json.dumps(self.scenario.to_json(), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _title(judge: Callable[[Run], None]) -> str:
+    return ' '.join((inspect.getdoc(judge) or '').split())

@@ -1,0 +1,83 @@
+"""
+The names of an exam, for advice that shows code: its topics, message types and parameters.
+
+A text that many exams share has placeholders such as ``$topic``, and the judge fills in the names
+of the exam at hand.  So advice never shows the names of another exercise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+import re
+
+from autograder.exam.scenario import Call, FeedTopic, Join, Offer, Scenario
+
+_PLACEHOLDER = re.compile(r'\$(heard_topic|heard_type|topic|type|parameter)\b')
+
+
+@dataclass(frozen=True)
+class Names:
+    """
+    The names that a scenario uses; without any, advice has words in their place.
+
+    :param published: topics that the probe records, full name to type
+    :param heard: topics that the probe sends on, full name to type
+    :param parameters: parameters that the program is given or asked for
+    """
+
+    published: Mapping[str, str] = field(default_factory=dict)
+    heard: Mapping[str, str] = field(default_factory=dict)
+    parameters: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Names:
+        """Return the names of a scenario, in the order in which they come."""
+        published, heard = dict(scenario.watch), {}
+        for topic, feed in scenario.feed.items():
+            heard[topic] = feed.type if isinstance(feed, FeedTopic) else feed
+        for step in scenario.steps:
+            if isinstance(step, Join):
+                published.setdefault(step.topic, step.type)
+            elif isinstance(step, Offer):
+                heard.setdefault(step.topic, step.type)
+        return cls(published, heard, tuple(dict.fromkeys(_parameters(scenario))))
+
+    @cached_property
+    def homes(self) -> Mapping[str, str]:
+        """Return the classes of the exam's messages, by the module to import them from."""
+        found: dict[str, list[str]] = {}
+        for kind in {**self.heard, **self.published}.values():
+            package, _, name = kind.partition('/msg/')
+            found.setdefault(f'{package}.msg', []).append(name)
+        return {module: ' '.join(names) for module, names in found.items()}
+
+    def fill(self, text: str) -> str:
+        """
+        Return a text with the exam's names in place of its placeholders.
+
+        :param text: with ``$topic`` and ``$type`` of what a node publishes, ``$heard_topic`` and
+            ``$heard_type`` of what it subscribes to, and ``$parameter``
+        """
+        return _PLACEHOLDER.sub(lambda found: self._words[found[1]], text)
+
+    @cached_property
+    def _words(self) -> Mapping[str, str]:
+        topic, kind = next(iter({**self.published, **self.heard}.items()), ('topic', 'Type'))
+        other, heard = next(iter({**self.heard, **self.published}.items()), ('topic', 'Type'))
+        last = {'topic': topic, 'type': kind, 'heard_topic': other, 'heard_type': heard}
+        # The namespace of a hidden exam is secret, and no part of what a node writes.
+        words = {name: full.rpartition('/')[2] for name, full in last.items()}
+        return {**words, 'parameter': next(iter(self.parameters), 'name')}
+
+
+def _parameters(scenario: Scenario) -> Iterator[str]:
+    for option, value in zip(scenario.arguments, scenario.arguments[1:], strict=False):
+        if option == '-p':
+            yield value.partition(':=')[0]
+    for step in scenario.steps:
+        if isinstance(step, Call):
+            for one in step.request.get('parameters', ()):
+                yield one['name']
+            yield from step.request.get('names', ())

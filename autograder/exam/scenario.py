@@ -1,0 +1,317 @@
+"""
+What the probe does, as data: the steps of a scenario, in order, in virtual time.
+
+Steps hold inputs and never an expected value.  ``Advance`` and ``Feed`` are most of what an exam
+needs; ``Call`` asks a service of the student's node; ``Offer``, ``Join`` and ``Leave`` let a
+publisher or a subscription of ours come and go; ``Mark`` begins a phase, so that a check can ask
+what happened in it; ``Look`` writes down the graph.
+
+All seconds are virtual: sixty of them take a tenth of a real one, and are exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+TRANSITIONS = {'configure': 1, 'cleanup': 2, 'activate': 3, 'deactivate': 4}
+PARAMETER_TYPES = {
+    bool: (1, 'bool'),
+    int: (2, 'integer'),
+    float: (3, 'double'),
+    str: (4, 'string'),
+}
+
+
+@dataclass(frozen=True)
+class Qos:
+    """
+    A quality of service, as the wire has it.
+
+    :param depth: 0 keeps all
+    :param deadline_s: None is infinite, as are the others
+    """
+
+    reliability: str = 'RELIABLE'
+    durability: str = 'VOLATILE'
+    depth: int = 10
+    deadline_s: float | None = None
+    lifespan_s: float | None = None
+    liveliness: str = 'AUTOMATIC'
+    lease_s: float | None = None
+
+
+EVERYONE = Qos(durability='TRANSIENT_LOCAL')
+"""What satisfies a subscription of any reliability and durability."""
+
+
+@dataclass(frozen=True)
+class FeedTopic:
+    """A topic to send on, with a quality of service of its own."""
+
+    type: str
+    qos: Qos = EVERYONE
+
+
+@dataclass(frozen=True)
+class RosClock:
+    """
+    A ``/clock`` for a program with ``use_sim_time``: for exams about the ROS clock alone.
+
+    It begins far from system time and runs at another rate, so the wrong clock shows in each stamp
+    and each period.
+
+    :param begins_s: first value [s]
+    :param rate: ROS seconds a virtual second
+    :param step_s: ROS time between two messages [s]; timers fire at such a step
+    """
+
+    begins_s: float = 5_000.0
+    rate: float = 1.0
+    step_s: float = 0.25
+
+    def at(self, clock_ns: int) -> int:
+        """
+        Return the ROS time that the last message before a moment has told [ns].
+
+        :param clock_ns: virtual time since the program was let go [ns]
+        """
+        step_ns = round(self.step_s * 1e9)
+        return round(self.begins_s * 1e9) + clock_ns // round(step_ns / self.rate) * step_ns
+
+
+@dataclass(frozen=True)
+class Advance:
+    """
+    Let time pass, and listen.
+
+    :param seconds: how long [s]
+    """
+
+    seconds: float
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the step as the probe reads it."""
+        return {'do': 'advance', 'seconds': self.seconds}
+
+
+@dataclass(frozen=True)
+class Feed:
+    """
+    Send messages on a topic, one a second or as one burst, and listen some seconds after the last.
+
+    :param topic: full topic name, announced in :attr:`Scenario.feed`, or the name of an
+        :class:`Offer`
+    :param messages: fields of each message
+    :param optional: nobody needs to be connected; else the run ends where nobody is
+    :param every_s: time from one message to the next [s]
+    :param rest_s: time after the last one, besides that [s]
+    """
+
+    topic: str
+    messages: Sequence[Mapping[str, Any]]
+    burst: bool = False
+    optional: bool = False
+    every_s: float = 1.0
+    rest_s: float = 2.0
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the step as the probe reads it."""
+        return {
+            'do': 'feed',
+            'topic': self.topic,
+            'messages': [dict(message) for message in self.messages],
+            'burst': self.burst,
+            'optional': self.optional,
+            'every_s': self.every_s,
+            'rest_s': self.rest_s,
+        }
+
+
+@dataclass(frozen=True)
+class Call:
+    """
+    Call a service of the student's node, once; recorded as ``answer`` or ``no_answer``.
+
+    :param node: full node name
+    :param service: its last part, such as ``set_parameters``, or a full name with a slash
+    :param type: such as ``rcl_interfaces/srv/SetParameters``
+    :param request: fields of the request
+    :param patience_s: how long an answer may take [s]
+    """
+
+    node: str
+    service: str
+    type: str
+    request: Mapping[str, Any] = field(default_factory=dict)
+    patience_s: float = 5.0
+
+    @property
+    def name(self) -> str:
+        """Return the service's full name."""
+        return self.service if self.service.startswith('/') else f'{self.node}/{self.service}'
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the step as the probe reads it."""
+        return {
+            'do': 'call',
+            'service': self.name,
+            'type': self.type,
+            'request': dict(self.request),
+            'patience_s': self.patience_s,
+        }
+
+
+@dataclass(frozen=True)
+class Join:
+    """
+    Join a topic with a subscription of our own, at this moment.
+
+    What it hears is recorded with ``listener``, and ``joined`` tells whether it was matched.
+
+    :param name: of the subscription, without a slash
+    :param topic: full topic name
+    :param listen_s: how long to listen before the next step [s]
+    """
+
+    name: str
+    topic: str
+    type: str
+    qos: Qos = Qos()
+    listen_s: float = 0.4
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the step as the probe reads it."""
+        return {'do': 'join', **asdict(self)}
+
+
+@dataclass(frozen=True)
+class Offer:
+    """
+    Offer a topic with a publisher of our own, at this moment; ``Feed(name, ...)`` sends with it.
+
+    :param name: of the publisher, without a slash
+    :param topic: full topic name
+    """
+
+    name: str
+    topic: str
+    type: str
+    qos: Qos = EVERYONE
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the step as the probe reads it."""
+        return {'do': 'offer', **asdict(self)}
+
+
+@dataclass(frozen=True)
+class Leave:
+    """
+    Take away what a :class:`Join`, an :class:`Offer` or :attr:`Scenario.feed` has brought.
+
+    :param name: as there
+    """
+
+    name: str
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the step as the probe reads it."""
+        return {'do': 'leave', 'name': self.name}
+
+
+@dataclass(frozen=True)
+class Mark:
+    """
+    Begin a phase of the run, see :meth:`autograder.recording.Recording.phase`.
+
+    :param name: how checks ask for it
+    """
+
+    name: str
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the step as the probe reads it."""
+        return {'do': 'mark', 'name': self.name}
+
+
+@dataclass(frozen=True)
+class Look:
+    """
+    Write down the graph as it is now, besides those of the start and of the end.
+
+    :param when: how checks ask for it: ``recording.of('graph', when=...)``
+    """
+
+    when: str
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the step as the probe reads it."""
+        return {'do': 'look', 'when': self.when}
+
+
+Step = Advance | Feed | Call | Join | Offer | Leave | Mark | Look
+
+
+def set_parameter(node: str, name: str, value: bool | int | float | str) -> Call:
+    """Return the call that sets one parameter of a node."""
+    number, word = PARAMETER_TYPES[type(value)]
+    wanted = {'name': name, 'value': {'type': number, f'{word}_value': value}}
+    return Call(
+        node, 'set_parameters', 'rcl_interfaces/srv/SetParameters', {'parameters': [wanted]}
+    )
+
+
+def transition(node: str, name: str) -> Call:
+    """
+    Return the call that asks a lifecycle node for a transition.
+
+    :param name: ``configure``, ``activate``, ``deactivate`` or ``cleanup``
+    """
+    wanted = {'transition': {'id': TRANSITIONS[name]}}
+    return Call(node, 'change_state', 'lifecycle_msgs/srv/ChangeState', wanted)
+
+
+def state(node: str) -> Call:
+    """Return the call that asks a lifecycle node for its state."""
+    return Call(node, 'get_state', 'lifecycle_msgs/srv/GetState')
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """
+    What the probe does.  It holds inputs and never an expected value.
+
+    :param program: what runs in the sandbox: ``'node'`` the node file, ``'build'`` a build of the
+        student's package followed by a node that sends back what it receives, ``'package'`` a
+        build followed by the package's executable of the file's name, ``''`` nothing:
+        then every check is static
+    :param file: the node file to run, for ``'node'``
+    :param arguments: of the program, after ``--ros-args``, such as
+        ``('-r', '__ns:=/lab', '-p', 'threshold:=28.5')``
+    :param build_type: for ``'build'``, the message that travels from ``/echo_in`` to
+        ``/echo_out``, such as ``temp_monitor_pkg/msg/Temperature``; the package is named in it;
+        for ``'package'`` the package's name
+    :param watch: topics to record, full name to type such as ``'std_msgs/msg/String'``
+    :param feed: topics to send on, likewise, or with a :class:`FeedTopic`
+    :param appear_s: how long the first node may take [s]
+    :param ros_clock: the ``/clock`` that the program follows, None for the clock of the computer
+    """
+
+    program: str = 'node'
+    file: str = ''
+    arguments: Sequence[str] = ()
+    build_type: str = ''
+    watch: Mapping[str, str] = field(default_factory=dict)
+    feed: Mapping[str, str | FeedTopic] = field(default_factory=dict)
+    steps: Sequence[Step] = ()
+    appear_s: float = 10.0
+    ros_clock: RosClock | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the scenario as the probe reads it, without the probe's name."""
+        feed = {
+            topic: asdict(one if isinstance(one, FeedTopic) else FeedTopic(one))
+            for topic, one in self.feed.items()
+        }
+        return {**asdict(self), 'feed': feed, 'steps': [step.to_json() for step in self.steps]}

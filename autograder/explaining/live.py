@@ -1,0 +1,119 @@
+"""
+A run as it happens, one line an event: messages, log lines and inputs against the clock.
+
+The words are those of a terminal: virtual seconds, then what was seen.  What a student's code
+wrote is shortened to one line and made printable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+import json
+from typing import Any
+
+from autograder.explaining.feedback import printable
+from autograder.judging.causes.missing_logs import LEVELS
+from autograder.recording import Event
+from autograder.results import shortened
+
+WIDEST = 110
+MOST_DIGITS = 9  # of a float: seventeen push what matters off the line
+SECOND = 1_000_000_000
+
+
+def live_line(event: Event) -> str:
+    """
+    Return one event as a line, empty if it is nothing to show.
+
+    :param event: as in :mod:`autograder.recording`
+    """
+    what = _what(event)
+    if not what:
+        return ''
+    line = printable(' '.join(f'{clock(event)}  {what}'.split('\n')))
+    return shortened(line, WIDEST)
+
+
+def clock(event: Event) -> str:
+    """Return the virtual time of an event, right-aligned; a dash before the clock began."""
+    now = event.get('clock_ns')
+    return f'{"-":>9} ' if now is None else f'{now / SECOND:>9.3f}s'
+
+
+def _what(event: Event) -> str:
+    """Return what happened in words."""
+    words = _WORDS.get(event['event'])
+    return words(event) if words else ''
+
+
+def _message(event: Event) -> str:
+    heard = f' (heard by {event["listener"]})' if event.get('listener') else ''
+    if 'too_large' in event:
+        return f'{event["topic"]}{heard}: a message of {event["too_large"]} characters'
+    return f'{event["topic"]}{heard}: {fields(event["data"])}'
+
+
+def _log(event: Event) -> str:
+    level = LEVELS.get(event['level'], str(event['level']))
+    return f'[{level}] [{event["name"]}]: {event["text"]}'
+
+
+def _graph(event: Event) -> str:
+    ends = [
+        f'{end["node"]} {"->" if end["kind"] == "publisher" else "<-"} {end["topic"]}'
+        for end in event['endpoints']
+        if not end['topic'].endswith(('/rosout', '/parameter_events'))
+    ]
+    seen = ', '.join(ends[:6]) or ', '.join(event['nodes'][:6]) or 'nobody'
+    return f'graph at {event["when"]}: {seen}'
+
+
+def _met(event: Event) -> str:
+    name = event.get('listener') or event.get('publisher')
+    refused = f', refused for {event["refused"][0]}' if event['refused'] else ''
+    return f'{name} {event["event"]} {event["topic"]}: matched {event["matched"]}{refused}'
+
+
+def _process(event: Event) -> str:
+    end = f'ended by the grader: {event["killed"]}' if event.get('killed') else ''
+    end = end or ('still running' if event['exit'] is None else f'exit code {event["exit"]}')
+    return f'the program: {end}; {event.get("cpu_s", 0)} s of processor time'
+
+
+def fields(data: Any) -> str:
+    """Return a message's data in one line, without quotes around names."""
+    if isinstance(data, Mapping):
+        return ', '.join(f'{name}: {_value(value)}' for name, value in data.items())
+    return _value(data)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, Mapping):
+        if set(value) == {'sec', 'nanosec'}:
+            return f'{value["sec"]}.{value["nanosec"]:09d}'
+        return '{' + fields(value) + '}'
+    if isinstance(value, float) and len(repr(value)) > MOST_DIGITS + 1:
+        return f'{value:.{MOST_DIGITS}g}'
+    return json.dumps(value, ensure_ascii=False)
+
+
+_WORDS: dict[str, Callable[[Event], str]] = {
+    'seen': lambda event: f'nodes: {", ".join(event["nodes"])}',
+    'asked': lambda event: (
+        f'{event["node"]} answers' if event['answered'] else f'{event["node"]} does not answer'
+    ),
+    'graph': _graph,
+    'message': _message,
+    'log': _log,
+    'input': lambda event: f'sent {event["index"]} on {event["topic"]}: {fields(event["data"])}',
+    'answer': lambda event: f'{event["service"]} answers: {fields(event["data"])}',
+    'no_answer': lambda event: f'{event["service"]}: no answer ({event["reason"]})',
+    'joined': _met,
+    'offered': _met,
+    'left': lambda event: f'{event["name"]} left',
+    'mark': lambda event: f'-- {event["name"]} --',
+    'imitated': lambda _: "a node with the name of the grader's own",
+    'not_connected': lambda event: f'nobody is connected to {event["topic"]}',
+    'end': lambda event: f'end: {event["reason"]}',
+    'process': _process,
+}

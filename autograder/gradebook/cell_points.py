@@ -1,0 +1,64 @@
+"""
+Compare the points of check cells with those of their exams.
+
+nbgrader takes the maximum of a cell from the notebook and the score from the exam.  Where the two
+differ, no score can be right, and one above the maximum leaves the cell without any.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from autograder.errors import ExamInvalid
+from autograder.layout import Layout
+from autograder.submission.extract import CHECK_PREFIX
+from autograder.submission.notebook import marks_of, Notebook, read_release
+
+if TYPE_CHECKING:
+    from autograder.exam.exam import Exam
+    from autograder.grading.pipeline import Lesson
+
+
+def unfit_points(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Iterator[str]:
+    """
+    Yield one line for each check cell and each exam that do not give the same points.
+
+    :param where: the notebook, as messages name it
+    :param exams: all exams of the lesson
+    """
+    cells = {
+        marks['grade_id'].removeprefix(CHECK_PREFIX): float(marks['points'])
+        for cell in notebook['cells']
+        if (marks := marks_of(cell)).get('grade') and not marks.get('solution')
+        if cell['cell_type'] == 'code'
+    }
+    gives = {exam.name: exam.max_points for exam in exams}
+    for name in dict.fromkeys((*cells, *gives)):
+        if name not in gives:
+            yield f'{where}, cell {CHECK_PREFIX}{name}: there is no exam {name} for this lesson.'
+        elif name not in cells:
+            yield f'{where}: the exam {name} has no check cell above which its answers lie.'
+        elif abs(cells[name] - gives[name]) > 1e-9:
+            yield (
+                f'{where}, cell {CHECK_PREFIX}{name}: {cells[name]:g} points, but the exam gives '
+                f'{gives[name]:g}.'
+            )
+
+
+def refuse_unfit_points(layout: Layout, lesson: Lesson) -> None:
+    """
+    Refuse a lesson whose check cells and exams give different points.
+
+    :raises ExamInvalid: naming each such cell of the solution, else of the release
+    """
+    for folder, fix in (
+        (layout.solutions, 'give the cell and the exam the same points, then make release'),
+        (layout.notebooks, 'make release'),
+    ):
+        path = folder / lesson.assignment / lesson.notebook
+        if not path.is_file():
+            continue  # nbgrader says more about it
+        where = path.relative_to(layout.root).as_posix()
+        if wrong := list(unfit_points(read_release(path), where, lesson.exams)):
+            raise ExamInvalid(f'{" ".join(wrong)} No mark was changed.', f'Try: {fix}')

@@ -1,0 +1,165 @@
+"""
+Keep dated copies of the gradebook, and refuse one that has lost what was in it.
+
+Grades given by hand are nowhere else.  A gradebook on a server is its own to dump; see
+``docs/gradebook.md``.
+"""
+
+from __future__ import annotations
+
+from contextlib import closing
+import os
+from pathlib import Path
+import shlex
+import sqlite3
+import time
+
+from autograder.errors import GraderError
+from autograder.gradebook.settings import gradebook_file, load_config
+from autograder.layout import Layout
+
+MAX_RECENT = 10
+MAX_DAYS = 10
+MAX_BYTES = 500_000_000
+"""All copies together; the newest stays, whatever its size."""
+_NAME = '%Y-%m-%d_%H%M%SZ.db'
+_DAY_CHARS = len('2026-12-31')
+
+
+def copies_folder(layout: Layout) -> Path:
+    """Return the folder of the copies."""
+    return layout.work / 'gradebook_copies'
+
+
+def copies(layout: Layout) -> list[Path]:
+    """Return the copies, the oldest first."""
+    return sorted(copies_folder(layout).glob('[0-9]*Z.db'))
+
+
+def keep_copy(layout: Layout) -> Path | None:
+    """
+    Copy the gradebook, and remove the copies that are too many.
+
+    :returns: a copy of what the gradebook has now; None if it is on a server or has no submission
+    :raises GraderError: if the gradebook is damaged, or no copy of it can be written
+    """
+    path = gradebook_file(layout)
+    if path is None or not path.is_file():
+        return None
+    refuse_damaged(layout)
+    there = copies(layout)
+    changed_ns = path.stat().st_mtime_ns
+    if there and there[-1].stat().st_mtime_ns == changed_ns:
+        return there[-1]
+    copy = copies_folder(layout) / time.strftime(_NAME, time.gmtime())
+    unfinished = copy.with_name('unfinished')  # one name: only one grading at a time is here
+    try:
+        with closing(sqlite3.connect(path)) as book:
+            if _is_empty(book):
+                return None
+        copy.parent.mkdir(exist_ok=True)
+        unfinished.unlink(missing_ok=True)
+        _copy(path, unfinished)
+        os.utime(unfinished, ns=(changed_ns, changed_ns))
+        unfinished.replace(copy)
+    except (sqlite3.Error, OSError) as error:
+        unfinished.unlink(missing_ok=True)
+        if type(error) is sqlite3.DatabaseError:  # what SQLite cannot do now is a subclass
+            raise _damaged(layout, path, str(error)) from error
+        raise GraderError(
+            f'{path}: no copy of the gradebook can be kept: {error}. Nothing was entered.',
+            f'Try: free space for {copy.parent}, close what else writes to the gradebook, then '
+            'the same command again. Finished runs are kept.',
+        ) from error
+    _remove_old(copies(layout))
+    return copy
+
+
+def _copy(path: Path, to: Path) -> None:
+    """Check the gradebook as a whole, and write a copy of it to the disk."""
+    with closing(sqlite3.connect(path)) as book:
+        (said,) = book.execute('pragma quick_check(1)').fetchone()
+        if said != 'ok':
+            raise sqlite3.DatabaseError(' '.join(said.split()))
+        # VACUUM INTO gives up on a locked gradebook; Connection.backup() would wait forever.
+        book.execute('vacuum into ?', (str(to),))
+    with to.open('rb') as file:
+        os.fsync(file.fileno())
+
+
+def _remove_old(there: list[Path]) -> None:
+    """Remove all but the newest copies and the first ones of the last days."""
+    days: dict[str, Path] = {}
+    for path in there:
+        days.setdefault(path.name[:_DAY_CHARS], path)
+    kept = {*there[-MAX_RECENT:], *list(days.values())[-MAX_DAYS:]}
+    size = 0
+    for path in reversed(there):
+        size += path.stat().st_size if path in kept else 0
+        if path not in kept or (size > MAX_BYTES and path != there[-1]):
+            path.unlink()
+
+
+def refuse_damaged(layout: Layout) -> None:
+    """
+    Refuse a gradebook file that is damaged, or empty although it was filled before.
+
+    A file that is missing is none of that: removing it begins a new gradebook.
+
+    :raises GraderError: with the copy to restore
+    """
+    path = gradebook_file(layout)
+    if path is None or not path.is_file():
+        return
+    try:
+        with closing(sqlite3.connect(path)) as book:
+            empty = _is_empty(book)
+    except sqlite3.OperationalError:
+        return  # It may be locked now; the first statement that has to read it reports that.
+    except sqlite3.DatabaseError as error:
+        got = str(error)
+    else:
+        nothing = not path.stat().st_size
+        if not empty or not (_was_filled(layout) or (nothing and copies(layout))):
+            return
+        got = 'an empty file' if nothing else 'no submission in it any more'
+    raise _damaged(layout, path, got)
+
+
+def _is_empty(book: sqlite3.Connection) -> bool:
+    """Return whether no submission is in a gradebook."""
+    tables = "select count(*) from sqlite_master where name = 'submitted_assignment'"
+    if not book.execute(tables).fetchone()[0]:
+        return True
+    return book.execute('select count(*) from submitted_assignment').fetchone() == (0,)
+
+
+def _was_filled(layout: Layout) -> bool:
+    """Return whether submissions were entered in the gradebook that is there now."""
+    journals = (layout.work / 'entered').glob('*.jsonl')
+    return any(journal.read_bytes().strip() for journal in journals)
+
+
+def _damaged(layout: Layout, path: Path, got: str) -> GraderError:
+    """Return the error about a damaged gradebook, with the newest copy of it."""
+    fix = 'restore it from a backup, as no copy of it is kept'
+    if there := copies(layout):
+        fix = f'cp {shlex.quote(str(there[-1]))} {shlex.quote(str(path))}'
+    return GraderError(
+        f'{path}: expected a gradebook that answers, got: {got}.',
+        f'Try: {fix}. To begin a new gradebook instead, remove the file. Nothing was written.',
+    )
+
+
+def how_to_dump(layout: Layout) -> str:
+    """Return how to copy a gradebook on a server, which is not copied here; empty for a file."""
+    from sqlalchemy import make_url
+
+    if gradebook_file(layout) is not None:
+        return ''
+    url = make_url(str(load_config(layout).CourseDirectory.db_url))
+    plain = url.set(drivername=url.get_backend_name(), password=None).render_as_string()
+    return (
+        'The gradebook is on a server and not copied here; before --yes: pg_dump --format=custom '
+        f'--file=gradebook.dump {shlex.quote(plain)}'
+    )

@@ -1,0 +1,107 @@
+"""Cells of a notebook that an exam grades: what they get, and what is shown below them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+
+from nbformat import from_dict, NotebookNode
+from nbformat.v4 import new_output
+from nbgrader import utils
+
+from autograder.explaining.feedback import exam_text, FOR_REVIEW, review_text
+from autograder.explaining.feedback_html import exam_html
+from autograder.results import ExamResult, Problem, SubmissionResult
+from autograder.submission.extract import CHECK_PREFIX
+from autograder.submission.submission import Opened
+
+
+def to_node(opened: Opened) -> NotebookNode:
+    """Return the notebook as nbformat has it, with the problems in its metadata."""
+    notebook = from_dict(opened.notebook)
+    notebook.metadata['autograder'] = {'problems': [asdict(one) for one in opened.problems]}
+    return notebook
+
+
+def from_node(notebook: NotebookNode) -> Opened:
+    """Undo :func:`to_node`."""
+    noted = notebook.metadata.get('autograder', {}).get('problems', [])
+    return Opened(notebook, tuple(Problem.from_json(problem) for problem in noted))
+
+
+def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
+    """
+    Write one text and, where there is a score, one value into every check cell.
+
+    :param nb: a rebuilt notebook, changed in place
+    """
+    exams = {exam.exam: exam for exam in result.exams}
+    general = [problem for problem in result.problems if not problem.cells]
+    for cell in nb.cells:
+        if not is_check(cell):
+            continue
+        score = score_of(cell, result)
+        if score is None:
+            cell.outputs = [_text(review_text(result) if result.review else f'{FOR_REVIEW}\n')]
+            continue
+        exam = exams[_exam_name(cell)]
+        problems = [*general, *_about(result, exam, nb)]
+        general = []
+        cell.outputs = [_told(exam, problems), _score(score)]
+        cell.execution_count = 1
+
+
+def score_of(cell: NotebookNode, result: SubmissionResult) -> float | None:
+    """
+    Return the score of a check cell, None if a person has to look first.
+
+    :param cell: one of the release
+    """
+    maximum = float(cell.metadata.nbgrader['points'])
+    for exam in () if result.review else result.exams:
+        if exam.exam == _exam_name(cell) and 0 <= exam.points <= maximum + 1e-6:
+            return round(min(exam.points, maximum), 3)
+    return None
+
+
+def _exam_name(cell: NotebookNode) -> str:
+    """Return the name of the exam that grades a check cell."""
+    return str(cell.metadata.nbgrader['grade_id']).removeprefix(CHECK_PREFIX)
+
+
+def is_check(cell: NotebookNode) -> bool:
+    """Return whether a cell is graded by an exam."""
+    return bool(utils.is_grade(cell) and not utils.is_solution(cell) and cell.cell_type == 'code')
+
+
+def _about(result: SubmissionResult, exam: ExamResult, nb: NotebookNode) -> list[Problem]:
+    """Return the problems with the answers right above an exam's check cell."""
+    own: set[str] = set()
+    for cell in nb.cells:
+        if is_check(cell):
+            if cell.metadata.nbgrader['grade_id'] == f'{CHECK_PREFIX}{exam.exam}':
+                break
+            own.clear()
+        elif utils.is_solution(cell):
+            own.add(cell.metadata.nbgrader['grade_id'])
+    return [problem for problem in result.problems if own & set(problem.cells)]
+
+
+def _text(text: str) -> NotebookNode:
+    """Return a cell output of plain text."""
+    return new_output('stream', name='stdout', text=text)
+
+
+def _told(exam: ExamResult, problems: Sequence[Problem]) -> NotebookNode:
+    """Return a cell output with the feedback, as text and as HTML with pictures."""
+    data = {
+        'text/plain': exam_text(exam, problems),
+        'text/html': exam_html(exam, problems, lesson=''),
+    }
+    return new_output('display_data', data=data)
+
+
+def _score(points: float) -> NotebookNode:
+    """Return the cell output that nbgrader reads as a partial grade."""
+    data: Mapping[str, str] = {'text/plain': repr(points)}
+    return new_output('execute_result', data=data, execution_count=1)

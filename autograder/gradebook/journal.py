@@ -1,0 +1,220 @@
+"""
+Record what is already in the gradebook: unchanged results are not entered again.
+
+nbgrader needs some 30 ms to enter a submission, three times what a rerun may cost.  So what was
+entered is noted, one line per submission, in a file that only grows; a line that was cut off does
+not count.  A submission is left out only if nothing of it has changed *and* the gradebook still
+shows what was entered: a gradebook that was deleted, restored or edited is filled again.
+Grades given by hand are not part of this, because nbgrader keeps them in every case; but a penalty
+for lateness may be a share of them, so late work is entered again after each manual grade.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+import zlib
+
+from autograder.files import keep
+from autograder.gradebook.connection import connected, refused
+from autograder.gradebook.settings import gradebook_file, load_config
+from autograder.grading.pipeline import Graded, Lesson
+from autograder.layout import Layout
+from autograder.submission.reading import read_file
+
+Rows = dict[str, dict[str, Any]]
+"""By student, what the gradebook shows, by cell."""
+
+SHOWN = """
+select submitted_assignment.student_id, base_cell.name, grade.auto_score,
+       submitted_assignment.timestamp, submitted_assignment.extension, assignment.duedate,
+       submitted_notebook.late_submission_penalty,
+       case when submitted_notebook.late_submission_penalty is null then null
+            else grade.manual_score end,
+       case when submitted_notebook.late_submission_penalty is null then null
+            else grade.extra_credit end
+from grade
+join base_cell on base_cell.id = grade.cell_id
+join submitted_notebook on submitted_notebook.id = grade.notebook_id
+join submitted_assignment on submitted_assignment.id = submitted_notebook.assignment_id
+join assignment on assignment.id = submitted_assignment.assignment_id
+where assignment.name = :assignment
+"""
+
+
+def make_gradebook(layout: Layout) -> None:
+    """
+    Create the gradebook atomically, if it is a file that does not exist yet.
+
+    nbgrader makes its tables and then notes their version; killed in between, it leaves a
+    gradebook that a later nbgrader cannot upgrade.  The journals are removed first: they
+    describe a gradebook that no longer exists.
+    """
+    path = gradebook_file(layout)
+    if path is None or path.exists():
+        return
+    unfinished = Path(f'{path}.unfinished')  # one name: only one grading at a time is here
+    unfinished.parent.mkdir(parents=True, exist_ok=True)
+    for left in (unfinished, Path(f'{unfinished}-journal')):
+        left.unlink(missing_ok=True)
+    _make(unfinished, str(load_config(layout).CourseDirectory.course_id))
+    for assignment in layout.assignments():
+        journal(layout, assignment).unlink(missing_ok=True)
+    unfinished.replace(path)
+
+
+def refuse_incomplete(layout: Layout) -> None:
+    """
+    Refuse a gradebook that has lost a table, before nbgrader makes an empty one in its place.
+
+    :raises GradebookRefusedError: with the names of the tables
+    """
+    from nbgrader.api import Base
+    from sqlalchemy import inspect
+
+    with connected(layout) as gradebook:
+        there = set() if gradebook is None else set(inspect(gradebook).get_table_names())
+    missing = sorted(set(Base.metadata.tables) - there)
+    if there and missing:
+        raise refused(layout, f'no such table: {", ".join(missing)}')
+
+
+def _make(path: Path, course: str) -> None:
+    from alembic.script import ScriptDirectory
+    from nbgrader import api
+    from nbgrader.dbutil import ALEMBIC_DIR
+
+    of_nbgrader = api.get_alembic_version  # starts a command for it, which takes a second
+    api.get_alembic_version = ScriptDirectory(ALEMBIC_DIR).get_current_head
+    try:
+        with api.Gradebook(f'sqlite:///{path}', course):
+            pass
+    finally:
+        api.get_alembic_version = of_nbgrader
+
+
+def to_enter(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> list[Graded]:
+    """
+    Return the submissions that the gradebook does not have as they are.
+
+    :param graded: a whole class
+    """
+    known = noted(journal(layout, lesson.assignment))
+    if not known:
+        return list(graded)
+    rows, common = shown(layout, lesson.assignment), _common(layout, lesson)
+    return [
+        one
+        for one in graded
+        if known.get(one.result.student) != _line(one, common, rows.get(one.result.student, {}))
+        or not autograded(layout, lesson, one).is_file()
+    ]
+
+
+def note(layout: Layout, lesson: Lesson, entered: Sequence[Graded]) -> None:
+    """
+    Note what was entered, after nbgrader has written it.
+
+    :param entered: what :func:`autograder.gradebook.record.record` was given
+    """
+    rows, common = shown(layout, lesson.assignment), _common(layout, lesson)
+    lines = [
+        _sealed({'student': one.result.student, **_line(one, common, rows[one.result.student])})
+        for one in entered
+        if one.result.student in rows
+    ]
+    path = journal(layout, lesson.assignment)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open('ab') as file:
+        # A line that was cut off must not swallow the next one.
+        file.write(b'\n' + b''.join(lines))
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def journal(layout: Layout, assignment: str) -> Path:
+    """Return the file with a line for each submission that was entered."""
+    return layout.work / 'entered' / f'{assignment}.jsonl'
+
+
+def noted(path: Path) -> dict[str, dict[str, Any]]:
+    """Return the last whole line about each student."""
+    if not path.is_file():
+        return {}
+    found = {}
+    for line in path.read_bytes().splitlines():
+        seal, _, rest = line.partition(b' ')
+        if seal == b'%08x' % zlib.crc32(rest):
+            data = json.loads(rest)
+            found[data.pop('student')] = data
+    return found
+
+
+def drop(layout: Layout, assignment: str, students: Collection[str]) -> None:
+    """Remove what is noted about students."""
+    path = journal(layout, assignment)
+    known = noted(path)
+    if known.keys() & set(students):
+        lines = [
+            _sealed({'student': student, **data})
+            for student, data in known.items()
+            if student not in students
+        ]
+        keep(path, b''.join(lines))
+
+
+def shown(layout: Layout, assignment: str) -> Rows:
+    """
+    Return what the gradebook shows of an assignment.
+
+    :raises GraderError: if it cannot be asked
+    """
+    from sqlalchemy import inspect, text
+
+    rows: Rows = {}
+    with connected(layout) as gradebook:
+        if gradebook is None or not inspect(gradebook).has_table('grade'):
+            return {}
+        for student, cell, *facts in gradebook.execute(text(SHOWN), {'assignment': assignment}):
+            score, *times = facts
+            rows.setdefault(str(student), {})[str(cell)] = [score, *map(str, times)]
+    return rows
+
+
+def _line(graded: Graded, common: str, rows: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is noted about a submission."""
+    return {'digest': _digest(graded, common), 'shown': dict(sorted(rows.items()))}
+
+
+def _digest(graded: Graded, common: str) -> str:
+    """Return a digest of all that is entered for a submission."""
+    result = graded.result.to_json()
+    for exam in result['exams']:
+        exam.pop('timing', None)
+        exam.pop('pictures', None)
+    stamp, _ = read_file(graded.submission.folder / 'timestamp.txt', 'timestamp.txt')
+    parts = [common, result, graded.opened.notebook, (stamp or b'')[:100].decode('latin-1')]
+    text = json.dumps(parts, sort_keys=True, default=list)
+    return hashlib.sha256(text.encode('utf-8', 'replace')).hexdigest()[:32]
+
+
+def _common(layout: Layout, lesson: Lesson) -> str:
+    """Return a digest of what decides beside the submissions: the release and the settings."""
+    settings = (layout.root / 'nbgrader_config.py').read_bytes()
+    release = json.dumps(lesson.release, sort_keys=True).encode('utf-8', 'replace')
+    return hashlib.sha256(settings + b'\0' + release).hexdigest()
+
+
+def autograded(layout: Layout, lesson: Lesson, graded: Graded) -> Path:
+    """Return the notebook that nbgrader keeps of a submission, there or not."""
+    folder = layout.work / 'autograded' / graded.result.student / lesson.assignment
+    return folder / lesson.notebook
+
+
+def _sealed(data: Mapping[str, Any]) -> bytes:
+    text = json.dumps(data, sort_keys=True).encode()
+    return b'%08x %s\n' % (zlib.crc32(text), text)

@@ -1,0 +1,120 @@
+"""
+Find the marks in the gradebook that new results would lower or empty.
+
+Compared is what nbgrader has now with what it would have after the results are entered: grades
+given by hand stay, and the late policy takes its share of both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from autograder.explaining.feedback import number, printable
+from autograder.gradebook.connection import connected
+from autograder.gradebook.record import timestamp_of
+from autograder.gradebook.settings import load_config
+from autograder.grading.pipeline import Graded, Lesson
+from autograder.layout import Layout
+
+if TYPE_CHECKING:
+    from nbformat import NotebookNode
+    from nbgrader.api import Gradebook, SubmittedAssignment
+
+
+@dataclass(frozen=True)
+class LoweredMark:
+    """
+    A mark that would be lowered or emptied.
+
+    :param emptied: check cells that would have no score any more
+    """
+
+    student: str
+    before: float
+    after: float
+    emptied: tuple[str, ...] = ()
+
+    def text(self) -> str:
+        """Return it as in ``ann 40 to 27``."""
+        empty = f', no score for {", ".join(self.emptied)}' if self.emptied else ''
+        return printable(f'{self.student} {number(self.before)} to {number(self.after)}{empty}')
+
+
+def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> list[LoweredMark]:
+    """
+    Return the marks that entering results would lower or empty.
+
+    :param graded: what is about to be entered
+    :raises GraderError: if the gradebook cannot be read
+    """
+    with connected(layout) as there:
+        if there is None:
+            return []  # opening would make a gradebook
+    from autograder.gradebook.converters import opened_gradebook
+
+    with opened_gradebook(layout) as gradebook:
+        return list(_lowered(layout, lesson, graded, gradebook))
+
+
+def _lowered(
+    layout: Layout, lesson: Lesson, graded: Sequence[Graded], gradebook: Gradebook
+) -> Iterator[LoweredMark]:
+    """Compare one submission after the other."""
+    from nbformat import from_dict
+    from nbgrader.api import MissingEntry
+
+    from autograder.gradebook.grade_cells import is_check
+
+    checks = [cell for cell in from_dict(lesson.release).cells if is_check(cell)]
+    for one in graded:
+        try:
+            submission = gradebook.find_submission(lesson.assignment, one.result.student)
+        except MissingEntry:
+            continue
+        yield from _compare(layout, one, submission, checks)
+
+
+def _compare(
+    layout: Layout, graded: Graded, submission: SubmittedAssignment, checks: Sequence[NotebookNode]
+) -> Iterator[LoweredMark]:
+    """Yield the mark of one submission if it would be lowered or emptied."""
+    from autograder.gradebook.grade_cells import score_of
+
+    new = {cell.metadata.nbgrader['grade_id']: score_of(cell, graded.result) for cell in checks}
+    counted = [
+        grade
+        for notebook in submission.notebooks
+        for grade in notebook.grades
+        if grade.name in new and grade.auto_score is not None and grade.manual_score is None
+    ]
+    gain = sum((new[grade.name] or 0.0) - grade.auto_score for grade in counted)
+    score = float(submission.score) + gain
+    before, after = mark_of(submission), score - _penalty(layout, graded, submission, score)
+    emptied = tuple(grade.name for grade in counted if new[grade.name] is None)
+    if after < before - 1e-6 or emptied:
+        yield LoweredMark(graded.result.student, before, after, emptied)
+
+
+def mark_of(submission: SubmittedAssignment) -> float:
+    """Return the points of a submission, less the penalty for lateness."""
+    return max(0.0, float(submission.score) - float(submission.late_submission_penalty or 0.0))
+
+
+def _penalty(
+    layout: Layout, graded: Graded, submission: SubmittedAssignment, score: float
+) -> float:
+    """Return what the course's late policy takes from a score."""
+    from nbgrader.preprocessors import AssignLatePenalties
+    from nbgrader.utils import parse_utc
+
+    stamp = timestamp_of(graded.submission.folder)
+    when = parse_utc(stamp) if stamp else submission.timestamp
+    if when is None or submission.duedate is None or when <= submission.duedate:
+        return 0.0
+    policy = AssignLatePenalties(config=load_config(layout))
+    policy.init_plugin()
+    late_s = (when - submission.duedate).total_seconds()
+    penalty = policy.plugin_inst.late_submission_penalty(graded.result.student, score, late_s)
+    return min(max(0.0, penalty or 0.0), score)

@@ -1,0 +1,1 @@
+"""One submission or a class: run what nobody has run yet, then judge."""

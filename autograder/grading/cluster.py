@@ -1,0 +1,179 @@
+"""
+The same runs on the workers of a Dask scheduler, as ``docs/cluster.md`` sets them up.
+
+Dask carries function calls between processes of ours with pickle.  What is called is
+:func:`autograder.runs.pool.run_task`, and what goes in and comes out are bytes of JSON, so no
+object that was made from a submission is ever pickled or unpickled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from concurrent.futures import CancelledError
+from contextlib import contextmanager
+import json
+import socket
+from typing import Any, TYPE_CHECKING
+
+from autograder.errors import GraderError, SandboxUnavailable
+from autograder.layout import Layout
+from autograder.runs.pool import run_task, Stopped, WorkerDied
+from autograder.runs.version import difference, version
+from autograder.sandboxes.isolation import MODES
+
+if TYPE_CHECKING:
+    from autograder.grading.pipeline import SandboxEngine
+
+INSTALL = 'Try: .venv/bin/python -m pip install --no-deps -r environment/requirements-cluster.txt'
+CONNECT_S = 20
+TRY_OUT_S = 120
+
+
+class ClusterUnavailable(GraderError):
+    """The scheduler or its workers cannot be used as they are."""
+
+
+class Cluster:
+    """
+    A place to run: everything that the scheduler has.
+
+    :param client: of ``distributed``, connected
+    """
+
+    def __init__(self, client: Any) -> None:
+        """Count the workers' threads; each does one run at a time."""
+        self.width = max(1, sum(client.nthreads().values()))
+        self._executor = client.get_executor(pure=False)
+
+    def run(self, task: bytes) -> bytes:
+        """
+        Run a task somewhere; the scheduler gives it to another worker if one is lost.
+
+        :raises WorkerDied: if it took several workers with it
+        :raises GraderError: if the cluster was lost
+        """
+        from distributed.scheduler import KilledWorker
+
+        try:
+            answer: bytes = self._executor.submit(run_task, task).result()
+        except KilledWorker as error:
+            raise WorkerDied(
+                'The workers that ran it died (killed, or out of memory).',
+                'Grade again; what is done is kept.',
+            ) from error
+        except CancelledError as error:
+            raise Stopped('The grading was stopped, or the cluster was lost.') from error
+        return answer
+
+    def close(self) -> None:
+        """Take back what did not begin."""
+        self._executor.shutdown(wait=False)
+
+
+@contextmanager
+def cluster_engine(address: str, layout: Layout, fresh: bool = False) -> Iterator[SandboxEngine]:
+    """
+    Yield the engine for grades that runs on a cluster.
+
+    :param address: of the scheduler, such as ``tcp://10.0.0.5:8786``
+    :param fresh: repeat all runs
+    :raises ClusterUnavailable: with the worker and what is wrong with it
+    """
+    from autograder.grading.pipeline import SandboxEngine
+    from autograder.sandboxes.sandbox import Sandbox
+
+    with _connected(address) as client:
+        mode = mode_of_all(_ask_all(client, address))
+        place = Cluster(client)
+        try:
+            yield SandboxEngine(Sandbox(mode), layout.recordings, fresh, place=place)
+        finally:
+            place.close()
+
+
+@contextmanager
+def _connected(address: str) -> Iterator[Any]:
+    try:
+        from distributed import Client
+    except ModuleNotFoundError as error:
+        raise ClusterUnavailable(
+            '--cluster needs Dask, which is not installed.', INSTALL
+        ) from error
+    try:
+        client = Client(address, timeout=CONNECT_S, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise ClusterUnavailable(
+            f'--cluster {address}: expected a Dask scheduler, got no answer in {CONNECT_S} s '
+            f'({type(error).__name__}).',
+            'Try: start it as docs/cluster.md says, and compare the address with what it prints',
+        ) from error
+    try:
+        yield client
+    finally:
+        client.close()
+
+
+def _ask_all(client: Any, address: str) -> dict[str, Mapping[str, Any]]:
+    """Ask every worker what it is; the question runs where later the runs will."""
+    workers = list(client.scheduler_info(n_workers=-1)['workers'])
+    if not workers:
+        raise ClusterUnavailable(
+            f'--cluster {address}: the scheduler has no workers.',
+            'Try: start some as docs/cluster.md says',
+        )
+    asked = {
+        worker: client.submit(about, workers=[worker], pure=False, allow_other_workers=False)
+        for worker in workers
+    }
+    answers = {}
+    for worker, future in asked.items():
+        try:
+            answers[worker] = json.loads(future.result(timeout=TRY_OUT_S))
+        except Exception as error:
+            raise ClusterUnavailable(
+                f'Worker {worker}: expected one with this project, got '
+                f'{type(error).__name__}: {error}.',
+                'Try: start it in the folder of the project, with its own Python',
+            ) from error
+    return answers
+
+
+def about() -> bytes:
+    """Return, as JSON, which version a worker has and how it isolates; runs on the worker."""
+    from autograder.sandboxes import choose
+
+    mode = refusal = ''
+    try:
+        mode = choose.strongest().mode
+    except SandboxUnavailable as error:
+        refusal = str(error)
+    found = {'version': dict(version()), 'mode': mode, 'refusal': refusal}
+    return json.dumps({**found, 'host': socket.gethostname()}).encode()
+
+
+def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
+    """
+    Return the isolation that all workers have.
+
+    :param answers: by worker, what :func:`about` said
+    :raises ClusterUnavailable: if one has none, another one or another version of the project
+    """
+    first = ''
+    for worker, found in answers.items():
+        where = f'Worker {worker} on {found["host"]}'
+        if unlike := difference(version(), found['version']):
+            raise ClusterUnavailable(
+                f'{where} has another version of the project: {unlike}.',
+                'Try: the same commit there and here, then make grade or make doctor on both',
+            )
+        if not found['mode'] or not MODES[found['mode']].keeps_secrets:
+            raise ClusterUnavailable(
+                f'{where} has no sandbox for hidden exams: {found["refusal"] or found["mode"]}'
+            )
+        first = first or found['mode']
+        if found['mode'] != first:
+            raise ClusterUnavailable(
+                f'{where} isolates with {found["mode"]}, others with {first}.',
+                'Try: start all workers as the same kind of user',
+            )
+    return first

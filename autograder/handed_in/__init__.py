@@ -1,1 +1,0 @@
-"""What students hand in, taken apart into files: notebooks, scripts, packages, archives."""

@@ -1,0 +1,1 @@
+"""Why a check failed: exceptions, silence, logs that are missing, builds."""

@@ -1,0 +1,394 @@
+"""
+Why a check failed: the likely cause, from what the probe saw and how the program ended.
+
+What a program printed about itself may name a cause; it never decides a verdict.  When nothing
+points anywhere, the answer is None: a misleading cause is worse than none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+import difflib
+import re
+
+from autograder.exam.exam import Cause, Run
+from autograder.judging.causes import not_answering as stalled
+from autograder.judging.causes.exceptions import exception_cause
+from autograder.judging.causes.tracebacks import traceback_of
+from autograder.submission.code.learners_code import without_texts
+
+_NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
+# The usual last line, sys.exit(main()), ends nothing before its time.
+_EXIT = re.compile(r'\b(?:sys\.|os\._)?(?:exit|quit)\((?!\s*main\()')
+_GOES_ON = re.compile(r'\bspin\(|\bwhile\b')
+_OTHER_MAIN = re.compile(r'\b__name__\s*==\s*([\'"])(?!__main__\1)')
+_MAIN = re.compile(r'\b__name__\s*==\s*[\'"]__main__\b')
+_BROAD = re.compile(r'\bexcept[^\S\n]*(?::|(?:\([^\S\n]*)?(?:Base)?Exception\b)')
+_CALLS_BACK = re.compile(r'create_(?:timer|subscription|service|rate)\b')
+_PERIOD = re.compile(r'\b(create_timer|Timer)\(\s*([\w.]{1,60})\s*,')
+# Blanks within a line only: with \s, a file of line ends is searched anew from each of them.
+_CONSTANT = re.compile(r'^[ \t]*([\w.]{1,60})[ \t]*=[ \t]*([\d.]{1,20})', re.MULTILINE)
+
+LONG_S = 50.0
+"""A period [s] that no exercise has; who writes it thinks of milliseconds."""
+
+LIMITS = {
+    'waits_outside': (
+        'it waited for something outside of Python and ROS that never came',
+        'a lock on a file, a system call by its number, or another program that never ends',
+    ),
+    'probe_broken': (
+        'it sent packets that no ROS program sends, and broke what listens to it',
+        'code that writes into sockets of its own',
+    ),
+    'cpu_limit': ('it used more than 20 s of processor time', 'a loop that never waits'),
+    'busy_before_node': (
+        'it computed for 3 s without a pause, and no node was seen',
+        'a loop that never waits: before the node is created, or one that publishes',
+    ),
+    'memory_limit': ('it used more than 1 GiB of memory', 'a list that grows without bound'),
+    'output_limit': ('it printed more than 8 MB', 'a print in a loop without a pause'),
+    'inode_limit': ('it made more than 20000 files', 'a loop that creates files'),
+    'disk_limit': ('it wrote more than 64 MB into files', 'a loop that writes into a file'),
+    'too_much_recorded': ('it sent more than 32 MB', 'a publish in a loop without a pause'),
+    'too_many_events': (
+        'it sent thousands of messages',
+        'a publish in a loop without a pause, or a create_timer() in a callback',
+    ),
+}
+OF_A_PACKAGE = {
+    'cpu_limit': 'its build and the run used more than 50 s of processor time together',
+}
+"""What is another limit where a package is built first."""
+
+
+def why_it_ended(run: Run) -> Cause | None:
+    """Explain a program that is gone or was ended; empty if it was alive to the end."""
+    recording = run.recording
+    killed = str(recording.process.get('killed', '')) or recording.end_reason
+    package = bool(run.facts.get('package'))
+    if killed in LIMITS:
+        what, why = LIMITS[killed]
+        what = OF_A_PACKAGE.get(killed, what) if package else what
+        return Cause(killed, f'The program was ended: {what}.', f'Look for {why}.')
+    trace = traceback_of(run)
+    if trace is not None and recording.process.get('exit') is not None:
+        return exception_cause(trace)
+    code = recording.process.get('exit')
+    if code == 0 and recording.of('input'):
+        return Cause(
+            'exited_early',
+            f'The program ended by itself after message number {len(recording.of("input"))}.',
+            'A node lives until it is stopped: rclpy.spin(node), and no sys.exit() in a callback.',
+        )
+    if code == 0:
+        return _why_over(run)
+    if code is not None and _EXIT.search('\n'.join(run.files.values())):
+        if not recording.nodes:
+            return Cause(
+                'ends_itself',
+                f'The program ends itself, with exit code {code}, before it has a node.',
+                'Take out the exit() that comes first; a node is also started with arguments of '
+                'ROS, such as --ros-args, so how many there are is no mistake.',
+            )
+        return Cause(
+            'ends_itself',
+            f'The program ends itself, with exit code {code}.',
+            'Use return to leave a callback; exit() and sys.exit() end the whole program.',
+        )
+    if code is not None:
+        return Cause('died', f'The program died with exit code {code}.', 'Run it in a terminal.')
+    return None
+
+
+def _why_over(run: Run) -> Cause:
+    """Explain a program that came to its end by itself, by what it says."""
+    code = '\n'.join(map(without_texts, run.files.values()))
+    # Half a second later it was still there, so it is no matter of a single spin_once().
+    if run.recording.of('graph', when='start') and _GOES_ON.search(code):
+        ends_itself = _EXIT.search(code) or 'SystemExit' in code
+        if _BROAD.search(code) and not ends_itself:
+            return Cause(
+                'swallowed',
+                'Your node was at work, and then the program ended by itself. Your code catches '
+                'every exception: a mistake in a callback may have been caught with the rest.',
+                'Take that except out, and read what Python says. For the end of a program, catch '
+                'KeyboardInterrupt and ExternalShutdownException only.',
+            )
+        return Cause(
+            'exited_early',
+            'Your node was at work, and then the program ended by itself.',
+            'A node lives until it is stopped: rclpy.spin(node) in main(). To leave a callback, '
+            'use return, and neither exit() nor SystemExit.',
+        )
+    # An entry point names main() in a text, so this one looks at texts, too.
+    written = '\n'.join(run.files.values())
+    if 'def main' in written and not re.search(
+        r'^(?![^\S\n]*(?:async )?def ).*(?:\bmain[^\S\n]*[]}(),]|[:.=][^\S\n]*main\b)',
+        written,
+        re.MULTILINE,
+    ):
+        return Cause(
+            'main_not_called',
+            'Your program defines main() and never calls it.',
+            "Write as its last lines: if __name__ == '__main__': and below it, indented, main().",
+        )
+    if 'def main' in written and _OTHER_MAIN.search(written) and not _MAIN.search(written):
+        return Cause(
+            'main_not_called',
+            'Your program defines main() and never calls it: __name__ is compared with another '
+            "word than '__main__'.",
+            "Write as its last lines: if __name__ == '__main__': and below it, indented, main().",
+        )
+    if 'spin_once' in code and not re.search(r'\b(?:while|for)\b', code):
+        return Cause(
+            'spins_once',
+            'spin_once() serves one callback and returns, and then the program ends.',
+            'Call rclpy.spin(node), which goes on until the program is stopped.',
+        )
+    if code.strip() and 'spin' not in code:
+        return Cause(
+            'no_spin',
+            'Nothing in your code spins the node, so the program runs to its end at once.',
+            'In main(), call rclpy.spin(node), or spin() of the executor that has your nodes; it '
+            'returns when the program is stopped.',
+        )
+    return Cause(
+        'exited_early',
+        'The program ended by itself before anything could happen.',
+        'Does main() call rclpy.spin(node)? Without it the program runs to its end at once.',
+    )
+
+
+def close_name(wanted: str, names: Iterable[str]) -> str:
+    """Return the name that looks like a slip of the wanted one, or nothing."""
+    found = difflib.get_close_matches(wanted, sorted(set(names)), n=1, cutoff=0.6)
+    return found[0] if found else ''
+
+
+def why_no_node(run: Run, wanted: str) -> Cause:
+    """
+    Explain why a node was not seen.
+
+    :param wanted: full node name, ``/name``
+    """
+    others = [name for name in run.recording.nodes if name != wanted]
+    near = close_name(wanted, others) or (others[0] if others else '')
+    if near:
+        return Cause(
+            'node_name',
+            f'There is a node called {near[1:]}.',
+            f"Give super().__init__() the name '{wanted.rpartition('/')[2]}'.",
+        )
+    return (
+        why_it_ended(run)
+        or stalled.why_thread_ended(run)
+        or _why_unseen('\n'.join(run.files.values()))
+    )
+
+
+def _why_destroyed(code: str) -> Cause | None:
+    """Explain a node that is destroyed before it is spun; a lifecycle node can be seen even so."""
+    destroyed, spun = code.find('.destroy_node('), code.find('spin(')
+    if not 0 <= destroyed < spun:
+        return None
+    return Cause(
+        'destroyed_early',
+        'Your node is gone before it is spun: destroy_node() is called before spin().',
+        'Destroy it at the very end, in finally.',
+    )
+
+
+def _why_unseen(code: str) -> Cause:
+    """Explain a program that runs and shows no node, by what it says."""
+    if destroyed := _why_destroyed(code):
+        return destroyed
+    if 'super().__init__' in code or 'create_node' in code or 'Node(' in code:
+        return Cause(
+            'no_node',
+            'The program runs, and no node could be seen, although your code has one.',
+            'Does a loop or input() keep main() from making it? Start it, and run nodes().',
+        )
+    return Cause(
+        'no_node',
+        'The program runs but never creates a node.',
+        'Create your node in main(): rclpy.init(), then the class, then rclpy.spin(node).',
+    )
+
+
+def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
+    """
+    Explain why no endpoint of the right name and type was seen.
+
+    :param kind: ``'publisher'`` or ``'subscription'``
+    """
+    recording = run.recording
+    create = f'create_{kind}'
+    for end in recording.endpoints(kind, topic):
+        if end['type'] != type_name:
+            return Cause(
+                'wrong_type',
+                f'Your {kind} on {topic} has the type {end["type"]}.',
+                f'Pass the class {type_name.rpartition("/")[2]} to {create}().',
+            )
+    others = [end['topic'] for end in recording.endpoints(kind)]
+    near = close_name(topic, others) or next(
+        (end['topic'] for end in recording.endpoints(kind) if end['type'] == type_name), ''
+    )
+    if near and topic.endswith(near):
+        return Cause(
+            'absolute_name',
+            f'Your {kind} uses the absolute name {near}, which stays outside the namespace '
+            f'{topic.removesuffix(near)}.',
+            f"Give {create}() the name '{near[1:]}', without a slash in front.",
+        )
+    if near:
+        return Cause(
+            'topic_name',
+            f'Your {kind} uses the topic {near}; did you mean {topic}?',
+            f"Give {create}() the name '{_relative(run, topic)}'.",
+        )
+    other = {'publisher': 'subscription', 'subscription': 'publisher'}[kind]
+    if recording.endpoints(other, topic):
+        return Cause(
+            'wrong_direction',
+            f'Your node has a {other} on {topic}, not a {kind}.',
+            f'Use {create}().',
+        )
+    ended = why_it_ended(run)
+    if ended:
+        return ended
+    if not recording.nodes:
+        return why_no_node(run, '/?')
+    return Cause(
+        'no_endpoint', f'Your node creates no {kind}.', f'Call self.{create}() in __init__().'
+    )
+
+
+def _relative(run: Run, topic: str) -> str:
+    """Return the name that the code gives a topic; the node's namespace is put before it."""
+    homes = [name.rpartition('/')[0] + '/' for name in run.recording.nodes]
+    return topic.removeprefix(max((home for home in homes if topic.startswith(home)), default='/'))
+
+
+def why_no_verdict(run: Run) -> Cause | None:
+    """Explain a lifecycle node that died because a transition callback returned something else."""
+    found = _NO_VERDICT.search(str(run.recording.process.get('stderr', '')))
+    if found is None:
+        return None
+    if found[1] == 'NoneType':
+        return Cause(
+            'no_return',
+            'A transition callback ends without return, so rclpy does not know how it went.',
+            'End each on_...() with return super().on_...(state), or with a '
+            'TransitionCallbackReturn.',
+        )
+    return Cause(
+        'wrong_return',
+        f'A transition callback returns a {found[1]}, which rclpy does not understand.',
+        'Return a TransitionCallbackReturn, or what super().on_...(state) returns.',
+    )
+
+
+def why_silent(run: Run) -> Cause | None:
+    """Explain a node whose endpoints are right and from which nothing comes."""
+    ended = why_it_ended(run)
+    if ended and ended.cause_id not in LIMITS:
+        return ended
+    # What has ended a thread explains more than the limit that the rest of the program passed.
+    if other := stalled.why_thread_ended(run) or ended or stalled.why_other_is_spun(run):
+        return other
+    return _why_nobody_answers(run) if stalled.nobody_answers(run) else why_late(run)
+
+
+def _why_nobody_answers(run: Run) -> Cause:
+    """Explain a node that is there at the end and not spun then, by what the code says."""
+    code = '\n'.join(map(without_texts, run.files.values()))
+    own = stalled.why_it_sleeps(run) or stalled.why_it_loops(run) or _why_destroyed(code)
+    if own:
+        return own
+    if 'Executor(' in code and 'add_node(' not in code:
+        return Cause(
+            'never_spun',
+            'Your executor has no node, so no callback ever runs.',
+            'Call executor.add_node(node) for each node before executor.spin().',
+        )
+    if re.search(r'\bspin', code):
+        return Cause(
+            'blocked',
+            'Your node answers nothing at the end: a callback does not return, or your program '
+            'loops or waits outside of spin().',
+            'A callback must return: use a timer instead of a loop or time.sleep().',
+        )
+    return Cause(
+        'never_spun',
+        'Your node exists but nobody spins it, so no callback ever runs.',
+        'Call rclpy.spin(node) in main(), with the node that you created, and let no loop stand '
+        'before it.',
+    )
+
+
+def why_late(run: Run) -> Cause | None:
+    """Explain a timer whose first call is far away, because its period is in other units."""
+    code = '\n'.join(run.files.values())
+    constants: dict[str, str] = {}
+    for name, number in _CONSTANT.findall(code):
+        constants.setdefault(name, number)
+    for timer, written in dict.fromkeys(_PERIOD.findall(code)):
+        try:
+            period_s = float(constants.get(written, written))
+        except ValueError:
+            continue
+        if period_s >= LONG_S:
+            return Cause(
+                'period_unit',
+                f'{timer}() gets {period_s:g}, and that is seconds: the first call comes '
+                f'after {period_s / 60:.3g} minutes.',
+                'Write the period in seconds: 0.5 for 500 ms.',
+            )
+    return None
+
+
+def why_no_message(run: Run) -> Cause:
+    """Explain a node that lives, whose publisher is right, and from which nothing comes."""
+    if found := why_silent(run):
+        return found
+    code = '\n'.join(run.files.values())
+    if code.strip() and '.publish(' not in code:
+        return Cause(
+            'never_publishes',
+            'Your code never calls publish().',
+            'Call self.publisher.publish(message) in the callback.',
+        )
+    if code.strip() and not _CALLS_BACK.search(code):
+        return Cause(
+            'no_timer',
+            'Your code creates no timer, so nothing calls the method that publishes.',
+            'Create a timer in __init__(): self.create_timer(1.0, self.callback).',
+        )
+    return Cause(
+        'silent',
+        'The publisher is there, and no message comes from it: the callback that publishes is '
+        'never called, or it returns too early.',
+        'Which method does the timer or the subscription call? Put a log line first into it, '
+        'start the node, and look at logs().',
+    )
+
+
+def how_to_look(run: Run) -> str:
+    """
+    Return what to try where no cause is sure: how to see with own eyes what was seen here.
+
+    Topics go by their last part, because the namespace of a hidden exam is nobody's business.
+    """
+    topics = {end['topic'].rpartition('/')[2][:60] for end in run.recording.endpoints('publisher')}
+    if not run.recording.nodes:
+        return ''
+    if topics:
+        return (
+            f"Look yourself: start your node and run echo('{min(topics)}') in a cell, or "
+            f'ros2 topic echo in a terminal, and compare with what is expected.'
+        )
+    return (
+        'Look yourself: start your node, run logs() in a cell, and compare with what is expected.'
+    )

@@ -1,0 +1,377 @@
+"""
+The exception a program died of, in the learner's words: what it means, where, and what to do.
+
+Python's own message says what happened; beginners need to hear which of their habits leads there.
+What a pattern tells is in :mod:`.exception_table`, names that are not found in
+:mod:`.unknown_names`; here is what has to be looked up in the code as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import re
+
+from autograder.exam.exam import Cause
+from autograder.judging.causes.exception_table import KINDS
+from autograder.judging.causes.tracebacks import Traceback
+from autograder.judging.causes.unknown_names import (
+    home_cause,
+    HOMES,
+    import_cause,
+    init_cause,
+    local_cause,
+    name_cause,
+)
+
+__all__ = ['HOMES', 'exception_cause']
+
+_CALLBACK = re.compile(r'callback should be either be callable')
+_ARGUMENTS = re.compile(
+    r'(?P<callee>[\w.<>]{1,120})\(\) (?P<said>'
+    r'takes (?:from \d+ to )?\d+ positional arguments? but \d+ '
+    r'(?:positional arguments? \(and .{1,40}\) )?w(?:as|ere) given|'
+    r"(?P<missing>missing) \d+ required positional arguments?: [\w', ]{1,200}|"
+    r"got an unexpected keyword argument '\w{1,60}')"
+)
+_OF_NOTEBOOKS = re.compile(
+    r'!\s*[A-Za-z]|%%\w|%(?:autoreload|cd|conda|config|env|load_ext|matplotlib|pip|pwd|reset|run|'
+    r'time|timeit)(?:\s|$)'
+)
+_FIELD = re.compile(r"The '(\w{1,60})' field must be ([^:]{1,80})")
+_ATTRIBUTE = re.compile(r"^AttributeError: '([A-Z]\w{0,40})' object has no attribute '(\w{1,60})'")
+_CALLED = re.compile(r'\b([A-Z]\w{0,40})\(')
+_MESSAGE_IMPORT = re.compile(r'\bfrom[ \t]+(\w+)\.msg[ \t]+import[ \t]+(\([^)]{0,999}\)|[^\n#]+)')
+_SUBSCRIPTION = re.compile(
+    r'create_subscription\(\s*(?:msg_type=)?(\w{1,60})\s*,[^,]{1,80},\s*'
+    r'(?:callback=)?(?:\w{1,60}\.)?(\w{1,60})'
+)
+_SELF = 'self is counted, and filled in by itself.'
+_HOLDS_MORE = ('Header', 'ColorRGBA', 'Empty')
+
+MOST_SUBSCRIPTIONS = 20
+"""How many of them are looked at."""
+
+MAIN_FIELDS = {
+    'temp_monitor_pkg Temperature': 'temperature_value',
+    'temp_monitor_pkg Num': 'num',
+    'builtin_interfaces Time': 'sec',
+}
+"""The field of a message type that is meant where the whole message is given."""
+
+BY_NAME = {'QoSProfile': 'QoSProfile(depth=10)', 'Duration': 'Duration(seconds=0.3)'}
+"""Classes of rclpy that take their values by name only."""
+
+SIGNATURES = {
+    'publish': 'Hand it one message: self.publisher.publish(message).',
+    'create_timer': 'It needs the period and the method: create_timer(1.0, self.callback).',
+    'create_node': "It needs the name of the node: rclpy.create_node('name').",
+    'declare_parameter': "It needs a name and a default: declare_parameter('$parameter', ...).",
+    'get_parameter': "It needs the name: get_parameter('$parameter').",
+    'get_logger': "Its parentheses stay empty: self.get_logger().info('hello').",
+    'now': 'Its parentheses stay empty: self.get_clock().now().',
+    'info': "It needs a text: info('hello').",
+    'create_publisher': "In this order: create_publisher($type, '$topic', 10).",
+    'create_subscription': 'In this order: '
+    "create_subscription($heard_type, '$heard_topic', self.callback, 10).",
+}
+"""How functions of rclpy are called."""
+
+WANTED = (
+    ('a set or sequence', 'Give it a list of such values: [1.0, 2.0].'),
+    (
+        "sub message of type 'Time'",
+        'Add .to_msg(), which makes a stamp of a time: self.get_clock().now().to_msg().',
+    ),
+    (r"sub message of type '(\w+)'", r'Put a whole \1 there, or fill in its fields one by one.'),
+    (
+        "'(?:sec|nanosec)' field must be of type 'int'",
+        'Take the whole stamp from the clock of the node: self.get_clock().now().to_msg(). A '
+        'number with a fraction is made whole by int(value).',
+    ),
+    ("type 'int'", 'It needs a whole number: int(value), or // where you divide.'),
+    ("type 'str'", "It needs a text: str(value), or an f-string: f'{value}'."),
+    ("type 'float'", 'A number is no text, and 25 is no float: write 25.0, or float(value).'),
+    ("type 'bool'", 'Write True or False, without quotes.'),
+    (r' in \[', 'The number is too small or too large for this field: keep it within the limits.'),
+    ('', 'Give it a value of that type.'),
+)
+"""What to do about a field, by the end of rclpy's message; the first that is found."""
+
+
+def exception_cause(trace: Traceback) -> Cause:
+    """Name what a program died of, with the line of the learner's cell."""
+    if trace.kind == 'NotImplementedError':
+        return Cause(
+            'not_started',
+            f'The exercise still raises NotImplementedError{trace.where}.',
+            'Replace that line with your own code and run the cell again.',
+        )
+    if trace.error == 'AssertionError':
+        # So rclpy checks the types of some arguments.
+        return Cause(
+            'assertion',
+            f'An assertion fails{trace.where}, and says no more.',
+            'Is there a value of a type that does not belong there, such as 0.3 for a Duration?',
+        )
+    return (
+        init_cause(trace)
+        or _kind_cause(trace)
+        or local_cause(trace)
+        or _arguments_cause(trace)
+        or _unreadable(trace)
+        or import_cause(trace)
+        or name_cause(trace)
+        or home_cause(trace)
+        or _field_cause(trace)
+        or _no_field_cause(trace)
+        or _whole_message_cause(trace)
+        or _attribute_cause(trace)
+        or _any_cause(trace)
+    )
+
+
+def _kind_cause(trace: Traceback) -> Cause | None:
+    """Explain an exception that the table of kinds knows."""
+    for kind in KINDS:
+        found = re.search(kind.says, f'{trace.error}\n{trace.code}')
+        if kind.kind in ('', trace.kind) and found:
+            place = trace.place if kind.spins else trace.where if kind.placed else ''
+            text, try_this = found.expand(kind.text), found.expand(kind.try_this)
+            return Cause(kind.cause_id, f'{text}{place}.', try_this)
+    return None
+
+
+def _any_cause(trace: Traceback) -> Cause:
+    """Pass on what Python says, with the line, because feedback shows no traceback."""
+    code = trace.code[:100]
+    if trace.spun or not code:
+        advice = 'Start the node in a cell: the traceback there shows the lines that led to it.'
+    elif code.startswith('raise'):
+        advice = (
+            f'Your own line raises it: {code}. What a callback lets through ends the program: '
+            'catch it there with except, or log it and return.'
+        )
+    else:
+        advice = f'Look at that line: {code}'
+    return Cause(
+        'exception',
+        f'The program stopped with an exception{trace.where}: {trace.error}',
+        advice,
+    )
+
+
+def _attribute_cause(trace: Traceback) -> Cause | None:
+    """Explain something behind a dot that is not there."""
+    if trace.kind != 'AttributeError' or 'has no attribute' not in trace.error:
+        return None
+    return Cause(
+        'no_attribute',
+        f'Something is used{trace.where} that is not there: {trace.error}',
+        'Is it spelled as where it is made, and made before it is used? self.name = ... '
+        'belongs into __init__().',
+    )
+
+
+def _arguments_cause(trace: Traceback) -> Cause | None:
+    """Explain a function that gets another number of arguments than it takes."""
+    if trace.kind not in ('TypeError', 'RuntimeError'):
+        return None
+    found = _ARGUMENTS.search(trace.error)
+    if found is None:
+        return _callback_cause('', trace) if _CALLBACK.search(trace.error) else None
+    owner, _, name = found['callee'].rpartition('.')
+    owner, name = owner.rpartition('.')[2], name[:60]
+    if name == '__init__':
+        return _made_cause(owner[:60], found['said'], trace)
+    if found['missing'] and name in ('create_publisher', 'create_subscription'):
+        return Cause(
+            'no_depth',
+            f'{name}() gets too few arguments{trace.where}: {found["said"]}',
+            "create_publisher($type, '$topic', 10): type, name, and the depth of the queue; a "
+            'subscription takes its callback before the depth.',
+        )
+    theirs = name in trace.defined and (owner in ('', '<locals>') or owner in trace.own)
+    if theirs and found['missing'] and _handed_over(name, trace.code):
+        return Cause(
+            'called_not_passed',
+            f'{name}() is called{trace.where}, where it should be passed on.',
+            f'Write the method without parentheses: self.{name}.',
+        )
+    if trace.spun:
+        return _callback_cause(name, trace)
+    advice = SIGNATURES.get(name, f'Look how {name}() is called in the lesson.')
+    if theirs:
+        advice = f'Compare the call with its line def {name}(...); {_SELF}'
+    return _wrong_call(name, found['said'], trace, advice)
+
+
+def _handed_over(name: str, code: str) -> bool:
+    """Tell whether a line calls a function to hand on what it returns."""
+    call = rf'(?:self\.)?{name}\(\)'
+    return bool(re.search(rf'[(,]\s*{call}|\w={call}|^{call}\s*[,)]', code))
+
+
+def _wrong_call(name: str, said: str, trace: Traceback, advice: str) -> Cause:
+    """Pass on what Python says of a call."""
+    return Cause('arguments', f'{name}() is called wrongly{trace.where}: {said}.', advice)
+
+
+def _callback_cause(name: str, trace: Traceback) -> Cause:
+    """Explain a callback that does not take what it is given."""
+    called = 'A callback' if name in ('', '<lambda>') else f'{name}()'
+    return Cause(
+        'callback_arguments',
+        f'{called} gets another number of arguments than its def line has{trace.where}.',
+        'A subscription hands over the message, an event callback gets the event, a timer gives '
+        'nothing; and a method has self first: def take(self, message).',
+    )
+
+
+def _made_cause(name: str, said: str, trace: Traceback) -> Cause:
+    """Explain an object that is made with arguments its class does not take."""
+    package = '' if name in trace.own else _messages(trace).get(name, '')
+    example = BY_NAME.get(name, '') if name not in trace.own else ''
+    if package:
+        field = _main_field(name, package)
+        example = f'{name}({field}=...)' if field else f'{name}(field=...)'
+    if not example:
+        advice = f'Look how {name}() is made in the lesson.'
+        if name in trace.own:
+            advice = f'Compare the call with its line def __init__(...); {_SELF}'
+        return _wrong_call(name, said, trace, advice)
+    text = f'{name}() takes its values by name, and gets one without a name{trace.where}.'
+    if said.startswith('got'):
+        text = f'{name}() has no value of that name{trace.where}: {said}.'
+    fields = f' {_show(name, package)}' if package and '(field=' in example else ''
+    return Cause('by_name', text, f'Write the name before the value: {example}.{fields}')
+
+
+def _unreadable(trace: Traceback) -> Cause | None:
+    """Explain a file that Python cannot read."""
+    if trace.kind in ('IndentationError', 'TabError'):
+        return Cause(
+            'indentation',
+            f'The spaces at the beginning of a line are not right{trace.where}: {trace.error}',
+            'Indent by four spaces a level: what belongs to a def, an if or a class stands '
+            'further right than it.',
+        )
+    if trace.kind == 'SyntaxError' and _OF_NOTEBOOKS.match(trace.code):
+        return Cause(
+            'notebook_line',
+            f'Python cannot read the file{trace.where}: a line that begins with {trace.code[0]} '
+            'works in notebooks only.',
+            'The cell of a node is a Python file: take that line out, and run it in a cell of its '
+            'own if you need it.',
+        )
+    if trace.kind == 'SyntaxError':
+        return Cause(
+            'syntax',
+            f'Python cannot read the file{trace.where}: {trace.error}',
+            'Mend that line; often a bracket, a colon or a quote is missing in the line above.',
+        )
+    return None
+
+
+def _messages(trace: Traceback) -> Mapping[str, str]:
+    """Return the package of each message type of the lessons, or that the code imports."""
+    known = {
+        name: home.removesuffix('.msg')
+        for home, names in (*HOMES.items(), *trace.names.homes.items())
+        if home.endswith('.msg')
+        for name in names.split()
+    }
+    for package, names in _MESSAGE_IMPORT.findall(trace.source):
+        known |= dict.fromkeys(re.findall(r'\w+', names), package)
+    return {name: package for name, package in known.items() if name not in trace.own}
+
+
+def _main_field(name: str, package: str) -> str:
+    """Return the field that holds what a message is about, or nothing if there are several."""
+    if package == 'std_msgs' and name not in _HOLDS_MORE and not name.endswith('Array'):
+        return 'data'
+    return MAIN_FIELDS.get(f'{package} {name}', '')
+
+
+def _heard(trace: Traceback) -> Mapping[str, str]:
+    """Return what the line calls the messages that a callback gets, and of which type each is."""
+    heard = {}
+    for kind, callback in _SUBSCRIPTION.findall(trace.source)[:MOST_SUBSCRIPTIONS]:
+        taken = re.search(rf'def {callback}\(\s*(?:self\s*,\s*)?(\w+)', trace.source)
+        if taken and re.search(rf'\b{taken[1]}\b', trace.code):
+            heard[taken[1]] = kind
+    return heard
+
+
+def _show(name: str, package: str) -> str:
+    return f'ros2 interface show {package}/msg/{name} lists the fields.'
+
+
+def _field_cause(trace: Traceback) -> Cause | None:
+    """Explain a field of a message that gets a value of another type."""
+    found = _FIELD.search(trace.error)
+    if found is None:
+        return None
+    name, wanted = found[1], found[2].partition(' and each')[0].strip()
+    what = 'that does not fit' if ' in [' in wanted else 'of another type'
+    text = f'The field {name} gets a value {what}{trace.where}: it must be {wanted}.'
+    given = re.search(rf'\b{name}\s*=\s*(\w+)\s*(?:[,)#]|$)', trace.code)
+    kind = _heard(trace).get(given[1], '') if given else ''
+    field = _main_field(kind, _messages(trace).get(kind, ''))
+    if given and field and 'sub message' not in wanted:
+        return Cause(
+            'field_value', text, f'{given[1]} is the whole message: take {given[1]}.{field}.'
+        )
+    for says, advice in WANTED:
+        if matched := re.search(says, trace.error):
+            return Cause('field_value', text, matched.expand(advice))
+    return None
+
+
+def _no_field_cause(trace: Traceback) -> Cause | None:
+    """Explain a field that a message does not have, where it is made or used."""
+    known = _messages(trace)
+    if 'Invalid arguments passed to constructor' in trace.error:
+        made = [name for name in _CALLED.findall(trace.code) if name in known]
+        if not made:
+            return Cause(
+                'no_field',
+                f'A message is made with a field that it does not have{trace.where}.',
+                "ros2 interface show with the type's name lists the fields.",
+            )
+        return Cause(
+            'no_field',
+            f'A {made[0]} is made with a field that it does not have{trace.where}.',
+            _show(made[0], known[made[0]]),
+        )
+    found = _ATTRIBUTE.match(trace.error)
+    # No field begins with an underscore: rclpy took the message for something else.
+    if found is None or found[1] not in known or found[2].startswith('_'):
+        return None
+    if found[1] == 'String' and hasattr(str, found[2]):
+        return _take_the_field('String', trace)
+    return Cause(
+        'no_field',
+        f'A {found[1]} has no field {found[2]}, which is used{trace.where}.',
+        _show(found[1], known[found[1]]),
+    )
+
+
+def _whole_message_cause(trace: Traceback) -> Cause | None:
+    """Explain a message that is reckoned with or compared as if it were the number in it."""
+    if trace.kind != 'TypeError' or 'not callable' in trace.error:
+        return None
+    known = _messages(trace)
+    named = [name for name in re.findall(r'\b[A-Z]\w*', trace.error) if name in known]
+    return _take_the_field(named[0], trace) if named else None
+
+
+def _take_the_field(kind: str, trace: Traceback) -> Cause:
+    """Tell to take the field of a message where the whole of it is used."""
+    package = _messages(trace)[kind]
+    field = _main_field(kind, package)
+    name = next((one for one, theirs in _heard(trace).items() if theirs == kind), 'message')
+    return Cause(
+        'whole_message',
+        f'A whole {kind} is used{trace.where} as if it were the value in it.',
+        f'Take the field: {name}.{field}.' if field else f'Take a field. {_show(kind, package)}',
+    )

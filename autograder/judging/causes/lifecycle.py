@@ -1,0 +1,255 @@
+"""
+What explains the failure of a lifecycle node, of which rclpy itself tells next to nothing.
+
+rclpy swallows the exceptions of transition callbacks: no log line, no traceback.  What is left is
+the code, so these functions read it, as text that is matched and never run; like everything that
+explains, they decide no verdict.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+import re
+
+from autograder.exam.exam import Cause, Run
+from autograder.judging.causes.ended import close_name, why_no_verdict, why_silent
+from autograder.judging.causes.unknown_names import HOMES
+from autograder.recording import Recording
+
+_IMPORT = re.compile(
+    r'^[ \t]*(?:from[ \t]+[\w.]{1,80}[ \t]+)?import[ \t]+(\([^)]{0,2000}\)|[^\n]{0,500})', re.M
+)
+_CONFIGURES = re.compile(r"""(?:def |['"])on_configure\b|\bon_configure\s*=""")
+_IN_VAIN = 'Failed to trigger lifecycle state machine transition'
+
+READ_ONCE = Cause(
+    'read_once',
+    'The parameter was changed, and on_configure() still goes by an earlier value.',
+    "Read it in on_configure(), each time: self.get_parameter('$parameter').value.",
+)
+SILENT_REFUSAL = Cause(
+    'silent_refusal',
+    'A refusal comes without an ERROR line: the reason is not reported.',
+    "Each time before FAILURE is returned: self.get_logger().error(f'...') with the limit in it, "
+    'without once=.',
+)
+NO_PARAMETER = Cause(
+    'no_parameter',
+    'Your node has no parameter called $parameter that takes a float.',
+    "In __init__(): self.declare_parameter('$parameter', -1.0).",
+)
+NO_CONFIGURE = Cause(
+    'method_name',
+    'There is no method on_configure() in your code; rclpy calls the one of exactly this name.',
+    'Write: def on_configure(self, state):',
+)
+WRONG_DEFAULT = Cause(
+    'wrong_default',
+    'The limit is not -1.0 before anybody sets it.',
+    "In __init__(): self.declare_parameter('$parameter', -1.0).",
+)
+ERROR_NOT_FAILURE = Cause(
+    'error_not_failure',
+    'on_configure() returns ERROR, or it raises an exception, which rclpy swallows without a '
+    'word.',
+    'Return TransitionCallbackReturn.FAILURE. If you do: put the lines before it into try/except '
+    'Exception as error, and log error.',
+)
+NOT_MANAGED = Cause(
+    'subscription_not_managed',
+    'A subscription hears messages in every state; rclpy manages publishers only.',
+    'Remember in on_activate() and on_deactivate() whether you are active, and look at it in the '
+    'callback.',
+)
+STALE_LIMIT = Cause(
+    'stale_limit',
+    'The limit of the first configuration is still in use.',
+    'Read the parameter in on_configure(), each time.',
+)
+EARLY_LIMIT = Cause(
+    'early_limit',
+    'A new value of the parameter counts before the node is configured again.',
+    'Compare with self.limit, and set that in on_configure() alone: neither judge() nor '
+    'on_activate() reads the parameter.',
+)
+
+
+def why_ended(run: Run) -> Cause | None:
+    """
+    Explain a program that is gone or silent.
+
+    A transition that its state does not allow ends the program: that is the consequence of an
+    earlier refusal and explains nothing.
+    """
+    return why_no_verdict(run) or (None if died_in_vain(run) else why_silent(run))
+
+
+def died_in_vain(run: Run) -> bool:
+    """Return whether the program died of a request that its state does not allow."""
+    return _IN_VAIN in str(run.recording.process.get('stderr', ''))
+
+
+def without_its_end(run: Run) -> Run:
+    """Return the run without an exception that explains nothing, see :func:`why_ended`."""
+    if not died_in_vain(run):
+        return run
+    events = [
+        {**event, 'exit': None, 'stderr': ''} if event['event'] == 'process' else event
+        for event in run.recording.events
+    ]
+    return Run(run.files, Recording(run.recording.header, events), run.facts)
+
+
+def why_accepted(run: Run, let_through: bool) -> Cause | None:
+    """
+    Explain a configuration that is not refused, although its limit is not above zero.
+
+    :param let_through: whether it was answered, and with success
+    """
+    if why := why_no_verdict(run):
+        return why
+    name = '|'.join(map(re.escape, run.names.parameters)) or r'\w{1,60}'
+    declared = rf"""declare_parameter\(\s*['"](?:{name})['"]\s*,\s*"""
+    found = re.search(rf'{declared}(\d{{1,9}}(?:\.\d{{0,9}})?)', _code(run))
+    if found and float(found[1]) > 0.0:
+        return WRONG_DEFAULT
+    if let_through:
+        return Cause(
+            'let_through',
+            'A limit that is not above zero is accepted.',
+            'In on_configure(): return FAILURE unless '
+            "self.get_parameter('$parameter').value > 0.0.",
+        )
+    return None
+
+
+def why_refused(run: Run, name: str) -> Cause:
+    """
+    Explain a transition that ended with FAILURE or ERROR.
+
+    :param name: of the transition, such as ``configure``
+    """
+    code = _code(run)
+    if _CONFIGURES.search(code) is None:
+        return _why_no_configure(code)
+    if (lone := re.search(rf'def on_{name}\(\s*(\w*)\s*\)', code)) is not None:
+        return Cause(
+            'callback_arguments',
+            f'rclpy calls on_{name}() with the state it comes from, and yours takes none: an '
+            'exception, which rclpy swallows without a word.',
+            f'Write def on_{name}({lone[1] or "self"}, state):',
+        )
+    if missing := _not_imported(code):
+        home = next(module for module, names in HOMES.items() if missing in names.split())
+        return Cause(
+            'missing_import',
+            f'{missing} is used and not imported; rclpy swallows the NameError of on_{name}() '
+            'without a word.',
+            f'Write at the top: from {home} import {missing}',
+        )
+    return Cause(
+        'refused',
+        f'on_{name}() returns FAILURE or ERROR, or it raises an exception, which rclpy '
+        'swallows without a word.',
+        f'Put the lines of on_{name}() into try/except Exception as error, and log error.',
+    )
+
+
+def _why_no_configure(code: str) -> Cause:
+    """Explain a node without on_configure(), with the method that is meant to be it."""
+    near = close_name('on_configure', re.findall(r'\bdef (\w{1,60})', code))
+    if not near:
+        return NO_CONFIGURE
+    return replace(
+        NO_CONFIGURE,
+        text=f'Nobody calls your {near}(); did you mean on_configure()? rclpy calls the method of '
+        'exactly this name.',
+    )
+
+
+def _not_imported(code: str) -> str:
+    """Return a class of the lessons that the code uses and nothing in it makes, or nothing."""
+    imported = ' '.join(found[1] for found in _IMPORT.finditer(code))
+    if '*' in imported:
+        return ''
+    for name in (name for names in HOMES.values() for name in names.split()):
+        made = re.search(rf'\b{name}\b', imported) or re.search(
+            rf'^[ \t]*(?:class[ \t]+{name}\b|{name}[ \t]*=)', code, re.M
+        )
+        if not made and re.search(rf'[(\s,=]{name}[ \t]*[(,.)]', code):
+            return name
+    return ''
+
+
+def why_mute(run: Run) -> Cause:
+    """Explain an active node that has its publisher and sends nothing."""
+    code = _code(run)
+    if found := why_ended(run):
+        return found
+    if 'def on_activate' in code and not re.search(r'\.on_activate\(', code):
+        return Cause(
+            'stays_off',
+            'Your on_activate() replaces the inherited one, which switches the publishers on.',
+            'End it with return super().on_activate(state).',
+        )
+    if '.publish' in code and 'create_timer' not in code:
+        return Cause(
+            'no_timer',
+            'Your code creates no timer, so nothing calls the method that publishes.',
+            'In on_configure(): self.create_timer(1.0, self.callback).',
+        )
+    return Cause(
+        'stays_off',
+        'The node is active, but its publisher or its timer is not.',
+        'Does the timer run, and does its callback publish? Log a line in it. An on_activate() of '
+        'your own ends with return super().on_activate(state).',
+    )
+
+
+def why_compared_wrongly(warned: Sequence[tuple[float, int]], limit: float) -> Cause | None:
+    """
+    Explain a comparison that is wrong in itself.
+
+    :param warned: values and how many warnings each has brought
+    :param limit: only values above it deserve one
+    """
+    alarms = [value for value, found in warned if found and value < limit]
+    if alarms and all(bool(found) == (value < limit) for value, found in warned if value != limit):
+        return Cause(
+            'comparison_reversed',
+            'It warns below the limit and not above it.',
+            'Above the limit is value > self.limit.',
+        )
+    if alarms and all(-value > limit for value in alarms):
+        return Cause(
+            'sign_ignored',
+            'It warns of a pressure far below zero: its size is compared, not its value.',
+            'Compare without abs(): value > self.limit.',
+        )
+    if alarms:
+        return Cause(
+            'warns_below',
+            'It warns although the pressure is below the limit.',
+            'Compare with the limit of the last configuration: value > self.limit.',
+        )
+    return None
+
+
+def why_no_publisher(run: Run, topic: str) -> Cause:
+    """
+    Explain a lifecycle node that was configured and has no publisher at all.
+
+    :param topic: last part of its name
+    """
+    if _CONFIGURES.search(_code(run)) is None:
+        return _why_no_configure(_code(run))
+    return Cause(
+        'no_endpoint',
+        'Your on_configure() creates no publisher.',
+        f"In on_configure(): self.create_lifecycle_publisher($type, '{topic}', 10).",
+    )
+
+
+def _code(run: Run) -> str:
+    return '\n'.join(run.files.values())

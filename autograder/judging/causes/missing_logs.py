@@ -1,0 +1,155 @@
+"""
+Why a log line that is due did not come: another logger, another level, ``print()``, or none.
+
+A node's own lines go to the topic ``/rosout`` and, as the course sets it up, to standard output
+too.  What stands there and is no line of a node was printed, or comes from another logger.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+import re
+
+from autograder.exam.exam import Cause, Run
+from autograder.judging.causes.ended import why_silent
+from autograder.recording import Event
+from autograder.submission.code.code_places import leaves_out, logs_with_python
+from autograder.submission.code.learners_code import calls
+
+LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
+CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
+Belongs = Callable[[str], bool]
+"""Tells by the text of a line whether it is the one that is missing."""
+
+OTHER_LOGGER = Cause(
+    'other_logger',
+    "The lines come from a logger that is not the node's own; they reach no /rosout.",
+    'Use self.get_logger(), not rclpy.logging.get_logger(...).',
+)
+OF_ROS = ('rcl', 'rmw', 'rcutils')
+"""How the names of loggers begin that the libraries of ROS write with, on standard output only."""
+_LOGGED = re.compile(r'\[(DEBUG|INFO|WARN|ERROR|FATAL)\] (?:\[[\d.]+\] )?\[([^\]]*)\]: ?(.*)')
+
+
+def why_not_logged(
+    run: Run, found: Sequence[Event], level: int, belongs: Belongs | None = None
+) -> Cause | None:
+    """
+    Explain a log line that did not come.
+
+    :param found: what was logged instead at that moment
+    :param level: the level that is missing
+    :param belongs: without it, any line may be the missing one
+    """
+    if why := why_silent(run) or why_other_logger(run, level, _needed(run, belongs)):
+        return why
+    instead = [one for one in found if belongs is None or belongs(str(one['text']))]
+    if instead:
+        other = LEVELS.get(instead[0]['level'], instead[0]['level'])
+        return Cause(
+            'wrong_level',
+            f'A line at level {other} comes instead.',
+            f'Use self.get_logger().{CALLS[level]}(...).',
+        )
+    return why_printed(run, level, _needed(run, belongs)) or why_dropped(run, level)
+
+
+def why_elsewhere(run: Run, level: int, belongs: Belongs | None = None) -> Cause | None:
+    """Explain a line that comes on standard output only, or not at all because all is silent."""
+    needed = _needed(run, belongs)
+    return (
+        why_silent(run) or why_other_logger(run, level, needed) or why_printed(run, level, needed)
+    )
+
+
+def _needed(run: Run, belongs: Belongs | None) -> Belongs | None:
+    """Return how to know the missing line; where nothing is logged at all, it is any."""
+    return belongs if run.recording.logs() else None
+
+
+def why_other_logger(run: Run, level: int, belongs: Belongs | None = None) -> Cause | None:
+    """Explain a line of the right level that comes from a logger that belongs to no node."""
+    own = {node.strip('/').replace('/', '.') for node in run.recording.nodes}
+    own |= {str(entry['name']) for entry in run.recording.logs()}
+    for severity, name, text in _on_stdout(run):
+        # A child's lines reach /rosout as its parent's do; and ROS has words of its own.
+        known = name.startswith(OF_ROS) or any(f'{name}.'.startswith(f'{one}.') for one in own)
+        if severity == LEVELS[level] and not known and (belongs is None or belongs(text)):
+            return OTHER_LOGGER
+    return _why_pythons_logger(run, level)
+
+
+def _why_pythons_logger(run: Run, level: int) -> Cause | None:
+    """Explain a line that is written by Python's own module for logs."""
+    if run.recording.logs(level=level) or not logs_with_python(run.files, _names(level)):
+        return None
+    return Cause(
+        'other_logger',
+        "The lines are written by Python's own module logging; they reach no /rosout.",
+        f'Use self.get_logger().{CALLS[level]}(...), the logger of the node.',
+    )
+
+
+def why_left_out(run: Run, level: int) -> Cause | None:
+    """Explain lines that are missing because the logger is told to leave some out."""
+    name = leaves_out(run.files, _names(level))
+    if not name:
+        return None
+    return Cause(
+        'left_out',
+        f'Your code tells the logger to leave lines out: {name} does that.',
+        f'Take {name} out of the call of {CALLS[level]}(), so that each line comes.',
+    )
+
+
+def _names(level: int) -> Sequence[str]:
+    """Return what the functions are called that log at a level."""
+    return (CALLS[level], 'warn') if CALLS[level] == 'warning' else (CALLS[level],)
+
+
+def why_printed(run: Run, level: int, belongs: Belongs | None = None) -> Cause | None:
+    """Explain a line that is printed; any counts only if there is none of that level at all."""
+    if belongs is None and run.recording.logs(level=level):
+        return None
+    # The second line of a log text has no level in front of it either.
+    logged = {line for one in run.recording.logs() for line in str(one['text']).splitlines()}
+    for severity, _, text in _on_stdout(run):
+        if not severity and text not in logged and (belongs is None or belongs(text)):
+            return Cause(
+                'print_instead_of_logger',
+                'Something is printed; print() reaches its own terminal and nobody else.',
+                f'Use self.get_logger().{CALLS[level]}(...): it also goes to the topic /rosout.',
+            )
+    return None
+
+
+def _on_stdout(run: Run) -> Iterator[tuple[str, str, str]]:
+    """Yield level, logger and text of what is on standard output; print() has no level."""
+    for line in str(run.recording.process.get('stdout', '')).splitlines():
+        found = _LOGGED.search(line)
+        printed = line[: found.start()] if found else line  # print(..., end='') stands before it
+        if printed.strip():
+            yield '', '', printed
+        if found:
+            yield found[1], found[2], found[3]
+
+
+def why_dropped(run: Run, level: int) -> Cause | None:
+    """Explain a line at level DEBUG with none of the right one, or one that is left out."""
+    named = any(calls(run.files, name) for name in _names(level))
+    if calls(run.files, 'debug') and not named:
+        return debug_level(level)
+    return why_left_out(run, level)
+
+
+def debug_level(level: int) -> Cause:
+    """
+    Return the cause for a line that nobody gets to see.
+
+    :param level: the one that it should have
+    """
+    return Cause(
+        'debug_level',
+        'Lines at level DEBUG are dropped unless the program was told to show them.',
+        f'Use self.get_logger().{CALLS[level]}(...).',
+    )

@@ -1,0 +1,100 @@
+"""
+What feedback keeps to itself: the values that a hidden exam has drawn, and its namespace.
+
+Who is told them writes them into the code and hands in again.  So the checks of an exam speak of
+drawn values in kinds and relations wherever :attr:`autograder.exam.exam.Run.secret` holds, and
+quote the student's node only with what cannot be an echo of them.  The namespace is a part of most
+names, so the judge takes it out of all texts, in one place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+import re
+from typing import Any
+
+from autograder.exam.exam import Cause, Run
+from autograder.exam.scenario import Scenario
+from autograder.recording import Event
+from autograder.results import CheckResult
+
+_OPTION = '__ns:='
+_NUMBER = re.compile(r'\d+(?:[.,]\d+)?')
+
+
+def namespace_of(scenario: Scenario) -> str:
+    """Return the namespace in which a program is started, such as ``/lab``, or nothing."""
+    chosen = [one.removeprefix(_OPTION) for one in scenario.arguments if one.startswith(_OPTION)]
+    return chosen[-1] if chosen and chosen[-1] != '/' else ''
+
+
+def without_namespace(scenario: Scenario, check: CheckResult) -> CheckResult:
+    """
+    Return a result of a hidden exam whose texts do not show the namespace that was drawn.
+
+    Names of nodes and topics lose it; alone, it is described.  What the student's node has said
+    about it is left out too.
+    """
+    space = namespace_of(scenario).strip('/')
+    if not space:
+        return check
+
+    def told(text: str) -> str:
+        text = re.sub(rf'the namespace /{space}(?![\w/])', 'the namespace that we chose', text)
+        text = re.sub(rf'/?{space}/(?=\w)', '', text)
+        return text.replace(space, '…')  # drawn letters are part of no word
+
+    return replace(
+        check,
+        expected=told(check.expected),
+        observed=told(check.observed),
+        cause=told(check.cause),
+        try_this=told(check.try_this),
+    )
+
+
+def own_words(run: Run, text: str, instead: str) -> str:
+    """
+    Return a text of the student's node as it may be quoted.
+
+    It is no echo of an input where none was sent, or where the text stands in the code.
+
+    :param instead: what is said where it may be one
+    """
+    open_to_all = not run.secret or not run.recording.of('input')
+    if open_to_all or any(text in code for code in run.files.values()):
+        return repr(text)
+    return instead
+
+
+def without_numbers(run: Run, why: Cause | None) -> Cause | None:
+    """Return a cause that quotes a log line, without numbers in it that may be inputs."""
+    if why is None or not run.secret:
+        return why
+    return replace(why, text=_NUMBER.sub('…', why.text))
+
+
+def drawn_values(run: Run) -> Iterator[Any]:
+    """Yield the values that were sent to the student's node, and the fractions it was asked."""
+    for event in run.recording.of('input'):
+        yield from event['data'].values()
+    for event in asked(run):
+        # Whole numbers are also the ids of transitions, or one of the words 'takes 0 arguments'.
+        yield from (one for one in _leaves(event['request']) if isinstance(one, float) and one % 1)
+
+
+def asked(run: Run) -> list[Event]:
+    """Return the calls of services whose request was recorded, in order."""
+    calls = run.recording.of('answer') + run.recording.of('no_answer')
+    return [event for event in calls if event.get('request')]
+
+
+def _leaves(value: Any) -> Iterator[Any]:
+    if isinstance(value, dict):
+        value = list(value.values())
+    if not isinstance(value, list):
+        yield value
+        return
+    for part in value:
+        yield from _leaves(part)

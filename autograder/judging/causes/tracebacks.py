@@ -1,0 +1,156 @@
+"""
+The exception a program died of, read off standard error, with the learner's line that it names.
+
+Of several tracebacks the last one ended the program, but for what Python says that it ignores, and
+but for an ``except`` or ``finally`` that stumbles over a name that the failed line was to make.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+import re
+
+from autograder.exam.exam import Run
+from autograder.exam.names import Names
+from autograder.judging.causes.redaction import drawn_values
+
+_HEAD = 'Traceback (most recent call last)'
+_IGNORED = 'Exception ignored in'
+_DURING = 'During handling of the above exception'
+_FRAME = re.compile(r'\s+File "(?P<path>[^"]*/(?P<file>[A-Za-z0-9_]+\.py))", line (?P<line>\d+)')
+_INSTALLED = re.compile(r'/(?:lib/python3[\d.]*|site-packages|dist-packages)/')
+_EXECUTOR = re.compile(r'\s+File "[^"]*rclpy/executors\.py"')
+_ERROR = re.compile(r'[A-Za-z_][\w.]*(?::|$)')
+_LOOSE = re.compile(r'[A-Za-z_][\w.]*(?:Error|Exception)\b')
+_UNMADE = re.compile(r"(?:UnboundLocalError|NameError): .{0,40}?'(\w{1,60})'")
+_PATH = re.compile(r' \((?:/[^()\n]*|unknown location)\)')
+
+LONGEST = 400
+"""Characters of a line of code that are read; to search in longer ones costs time."""
+
+PUBLIC = ('Celsius', 'Fahrenheit', 'temp_sensor_01', 'nan', '30')
+"""Parts of inputs that every lesson shows; an error that names one gives nothing away."""
+
+
+@dataclass(frozen=True)
+class Traceback:
+    """
+    The exception that ended a program.
+
+    :param error: type and message, one line
+    :param line: line of the student's file, None if no frame is in it
+    :param code: text of that line
+    :param source: all of the student's code
+    :param spun: whether that line spins, and the executor below it raised
+    :param names: those of the exam
+    """
+
+    error: str
+    file: str
+    line: int | None
+    code: str = ''
+    source: str = ''
+    spun: bool = False
+    names: Names = field(default_factory=Names)
+
+    @property
+    def kind(self) -> str:
+        """Return the exception's class name."""
+        return self.error.partition(':')[0].rpartition('.')[2]
+
+    @property
+    def place(self) -> str:
+        """Return the place in the learner's cell, to be put behind a sentence."""
+        # Line 1 of the cell is the magic line, so line n of the file is line n + 1 of the cell.
+        return f' in line {self.line + 1} of the cell' if self.line else ''
+
+    @property
+    def where(self) -> str:
+        """Return the place, unless the line only spins: then another one is to be mended."""
+        return '' if self.spun else self.place
+
+    @cached_property
+    def own(self) -> frozenset[str]:
+        """Return the classes that the student's files define."""
+        return frozenset(re.findall(r'^[ \t]*class (\w+)', self.source, re.MULTILINE))
+
+    @cached_property
+    def defined(self) -> frozenset[str]:
+        """Return the functions and methods that the student's files define."""
+        return frozenset(re.findall(r'\bdef (\w+)', self.source))
+
+
+def traceback_of(run: Run) -> Traceback | None:
+    """Return the exception at the end of standard error, if the program died of one."""
+    source = '\n'.join(run.files.values())
+    lines = _last_traceback(str(run.recording.process.get('stderr', '')).splitlines(), source)
+    error = _error_of(lines)
+    if not error:
+        return None
+    error = _without_secrets(run, error)
+    texts = {name.rpartition('/')[2]: text for name, text in run.files.items()}
+    frames = [(at, found) for at, line in enumerate(lines) if (found := _FRAME.match(line))]
+    frames = [(at, found) for at, found in frames if _is_learners(found['path'], run.files)]
+    spun = any(_EXECUTOR.match(line) for line in lines[frames[-1][0] if frames else 0 :])
+    if not frames:
+        return Traceback(error, '', None, source=source, spun=spun, names=run.names)
+    file, number = frames[-1][1]['file'], int(frames[-1][1]['line'])
+    code = ''.join(texts[file].splitlines()[number - 1 : number]).strip()[:LONGEST]
+    return Traceback(error, file, number, code, source, spun, run.names)
+
+
+def _is_learners(path: str, names: Iterable[str]) -> bool:
+    """
+    Tell whether a frame is in one of the student's files.
+
+    A module of a package may be called as one of a library is, such as ``node.py``; where both are
+    installed, its folder tells.
+    """
+    parts = 2 if _INSTALLED.search(path) else 1
+    tail = path.split('/')[-parts:]
+    return any(name.split('/')[-parts:] == tail for name in names)
+
+
+def _last_traceback(lines: Sequence[str], source: str) -> Sequence[str]:
+    """Return the lines of the traceback that explains the end, or all where none begins."""
+    starts = [at for at, line in enumerate(lines) if line.startswith(_HEAD)]
+    if not starts:
+        return lines
+    parts = [
+        (lines[max(0, start - 2) : start], lines[start:end])
+        for start, end in zip(starts, [*starts[1:], len(lines)], strict=True)
+    ]
+    parts = [part for part in parts if not any(line.startswith(_IGNORED) for line in part[0])]
+    while len(parts) > 1:
+        above, last = parts[-1]
+        unmade = _UNMADE.match(_error_of(last))
+        # What the failed line was to make cannot be cleaned up: that failure is no news.
+        made = unmade and re.search(rf'\b{unmade[1]}\s*=(?!=)', source)
+        if not made or not any(line.startswith(_DURING) for line in above):
+            break
+        parts.pop()
+    return parts[-1][1] if parts else ()
+
+
+def _error_of(lines: Sequence[str]) -> str:
+    """Return the type and message of an exception, one line without the machine's paths."""
+    frames = [at for at, line in enumerate(lines) if _FRAME.match(line)]
+    below = lines[frames[-1] + 1 :] if frames else ()
+    error = next((line for line in below if line and not line[0].isspace()), '')
+    if not _ERROR.match(error):
+        # Without a frame, as Python ends in the middle of its start, the last one that looks so.
+        error = next((line for line in reversed(lines) if _LOOSE.match(line)), '')
+    return _PATH.sub('', error)[:200]
+
+
+def _without_secrets(run: Run, error: str) -> str:
+    """Leave out the message of an exception that shows what a hidden exam has sent."""
+    if not run.secret:
+        return error
+    for value in drawn_values(run):
+        shown = f'{value:g}' if isinstance(value, float) else str(value)
+        if shown not in PUBLIC and (shown in error or str(value) in error):
+            return error.partition(':')[0]
+    return error

@@ -1,0 +1,262 @@
+"""
+The recording of one run: what the probe received, one JSON event a line.  Kept, and judged again.
+
+The first line is the header ``{"format": "ros2-course-recording", "version": 2, "exam": ...,
+"mode": ...}``, with digests of the ``scenario``, the ``files`` and the ``environment`` that it was
+made of, and the ``seal`` of the rest, by which a file that was cut off is noticed.  For people,
+and never for a verdict, it also says how long the run took (``run_s``, seconds of wall time) and
+``made_with`` which versions, by name, and ``repeated`` if it was run a second time because
+something but the program may have ended the first.  Then, in order of observation, events of the
+probe; ``docs/recording.schema.json`` says the same as data:
+
+``seen``
+    the first ``nodes`` of the program that were noticed.
+``asked``
+    whether ``node`` still ``answered`` a question after the steps: it does if somebody spins it.
+    Messages and log entries of this time are left out.
+``graph``
+    ``nodes`` and ``endpoints`` (topic, kind, node, type, type_hash, qos), when the first node is
+    ``seen``, at the ``start`` and ``end`` of the steps, and in between under the name of a step
+    that looks; ``count`` of all endpoints, of which some hundreds are listed.
+``message``
+    ``data`` received on a watched ``topic``, or ``too_large`` with its size; ``number`` counts
+    what its publisher has sent, from 1 and with what nobody has heard; ``listener`` names the
+    subscription if it is one that joined later.
+``log``
+    one entry of ``/rosout``: ``name``, ``level``, ``text``, ``function``, ``line``.
+``input``
+    message ``index`` that the probe sent; later events carry it as ``after_input``.
+``answer``, ``no_answer``
+    what came of calling a ``service``: ``data`` of the response, or the ``reason`` for none:
+    ``no_service``, ``too_late``, or what ended the run; with the ``request``.
+``joined``, ``offered``
+    a ``listener`` or a ``publisher`` of the probe is there; whether it was ``matched``, and the
+    name of the policy for which it was ``refused``.
+``left``
+    the listener or publisher ``name`` is gone.
+``mark``
+    the phase ``name`` begins.
+``imitated``
+    a node has the name of the probe's own.
+``not_connected``
+    nobody listened where an input was due.
+``end``
+    ``reason``: ``complete``, or why the scenario was broken off.  What would come after the end of
+    the program is left out.
+
+and one event of the grader, ``process``: how the student's process ended (``exit``, ``killed``)
+and when (``ended_ns``), the processor time it used, whether other processes of it were ``left`` at
+the end, other ROS ``domains`` in its network, and the ends of its output.  What a process prints
+about itself helps to *explain*; it is never evidence.
+
+``clock_ns`` is virtual time since the program was let go, exact to the nanosecond; null where a
+limit ended the run.  Non-finite floats are the strings 'nan', 'inf' and '-inf'.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+import json
+from pathlib import Path
+from typing import Any
+import zlib
+
+from autograder.errors import RecordingInvalid
+from autograder.files import keep
+
+FORMAT = 'ros2-course-recording'
+VERSION = 2
+Event = Mapping[str, Any]
+PLUMBING = ('/rosout', '/parameter_events', '/clock', '/transition_event')
+"""Topics that come with every node, regardless of its code."""
+
+WARN = 30
+INFO = 20
+ERROR = 40
+
+
+@dataclass(frozen=True)
+class Recording:
+    """
+    One run, read-only.
+
+    :param header: first line of the file
+    :param events: the other lines, in order
+    """
+
+    header: Mapping[str, Any]
+    events: Sequence[Event]
+
+    def of(self, kind: str, **where: Any) -> list[Event]:
+        """
+        Return the events of one kind whose facts equal ``where``.
+
+        :param kind: an event name, see the module's documentation
+        """
+        found = self._by_kind.get(kind, [])
+        for name, value in where.items():
+            found = [event for event in found if event.get(name) == value]
+        return list(found)
+
+    @cached_property
+    def _by_kind(self) -> dict[str, list[Event]]:
+        """Return the events by their kind: checks ask a hundred times."""
+        kinds: dict[str, list[Event]] = {}
+        for event in self.events:
+            kinds.setdefault(event['event'], []).append(event)
+        return kinds
+
+    def messages(self, topic: str, listener: str | None = None) -> list[Event]:
+        """
+        Return what was received on a topic, in order.
+
+        :param listener: the subscription that joined under this name; None for the one that was
+            there from the beginning and hears every publisher, whatever its quality of service
+        """
+        return self.of('message', topic=topic, listener=listener)
+
+    def phase(self, name: str) -> Recording:
+        """
+        Return the part of the run from one mark to the next; empty if it was never reached.
+
+        :param name: see :class:`autograder.exam.scenario.Mark`
+        """
+        inside, events = False, []
+        for event in self.events:
+            if event['event'] == 'mark':
+                inside = event['name'] == name
+            if inside:
+                events.append(event)
+        return Recording(self.header, events)
+
+    def answers(self, service: str) -> list[Event]:
+        """
+        Return what came of the calls of a service, answers or not, in order.
+
+        :param service: full name, such as ``/thermometer/get_state``
+        """
+        return [
+            event
+            for event in self.events
+            if event['event'] in ('answer', 'no_answer') and event['service'] == service
+        ]
+
+    def logs(self, *, level: int | None = None, after_input: int | None = None) -> list[Event]:
+        """
+        Return log entries, optionally of one level and after one input.
+
+        :param level: 10 DEBUG, 20 INFO, 30 WARN, 40 ERROR, 50 FATAL (rcl_interfaces/msg/Log)
+        """
+        return [
+            entry
+            for entry in self.of('log')
+            if (level is None or entry['level'] == level)
+            and (after_input is None or entry['after_input'] == after_input)
+        ]
+
+    @cached_property
+    def nodes(self) -> tuple[str, ...]:
+        """Return the full names of every node that was ever seen, sorted, without repeats."""
+        return tuple(sorted({name for graph in self.of('graph') for name in graph['nodes']}))
+
+    def endpoints(self, kind: str, topic: str | None = None) -> list[Event]:
+        """
+        Return the distinct endpoints seen in any graph of the run.
+
+        :param kind: ``'publisher'`` or ``'subscription'``
+        :param topic: full topic name, or None for all but the plumbing every node has
+        """
+        seen: dict[str, Event] = {}
+        for graph in self.of('graph'):
+            for end in graph['endpoints']:
+                hidden = end['topic'].endswith(PLUMBING)
+                wanted = not hidden if topic is None else end['topic'] == topic
+                if end['kind'] == kind and wanted:
+                    seen[json.dumps(end, sort_keys=True)] = end
+        return list(seen.values())
+
+    @cached_property
+    def end_reason(self) -> str:
+        """Return why the scenario ended; ``'complete'`` if it was run whole."""
+        ends = self.of('end')
+        return str(ends[-1]['reason']) if ends else 'broken_off'
+
+    @cached_property
+    def process(self) -> Event:
+        """Return how the student's process ended; empty if nothing is known."""
+        found = self.of('process')
+        return found[-1] if found else {}
+
+    # -- files -----------------------------------------------------------------------------
+
+    def lines(self) -> Iterator[str]:
+        """Return the file's lines, without its seal."""
+        for line in (self.header, *self.events):
+            yield json.dumps(line, allow_nan=False)
+
+    def to_bytes(self) -> bytes:
+        """Return the file, sealed: the header says how many events follow and their CRC-32."""
+        _, *events = self.lines()
+        rest = ''.join(f'{line}\n' for line in events).encode()
+        first = {**self.header, 'seal': _seal(len(events), rest)}
+        return json.dumps(first, allow_nan=False).encode() + b'\n' + rest
+
+    @classmethod
+    def from_bytes(cls, data: bytes, where: str = 'a recording') -> Recording:
+        """
+        Read what :meth:`to_bytes` wrote.
+
+        :param where: how to name it in messages
+        :raises RecordingInvalid: if it is not a whole recording of this version
+        """
+        first, _, rest = data.partition(b'\n')
+        try:
+            found = json.loads(first)
+            # One call for all lines is three times faster; the seal counts them.
+            events = json.loads(b'[' + b','.join(rest.splitlines()) + b']')
+        except ValueError as error:
+            raise RecordingInvalid(f'{where}: not readable as JSON Lines ({error}).') from error
+        header = found if isinstance(found, dict) else {}
+        if (header.get('format'), header.get('version')) != (FORMAT, VERSION):
+            raise RecordingInvalid(
+                f'{where}: expected a {FORMAT} of version {VERSION}, got '
+                f'{header.get("format")!r} of version {header.get("version")!r}.',
+                AGAIN,
+            )
+        if not all(isinstance(event, dict) and 'event' in event for event in events):
+            raise RecordingInvalid(f'{where}: a line is no event.', AGAIN)
+        if header.pop('seal', None) != _seal(len(events), rest):
+            raise RecordingInvalid(
+                f'{where}: the seal does not fit; it was cut off or changed.', AGAIN
+            )
+        return cls(header, events)
+
+    def save(self, path: Path) -> None:
+        """Write the file atomically, even if a process is killed or the power fails meanwhile."""
+        keep(path, self.to_bytes())
+
+    @classmethod
+    def load(cls, path: Path) -> Recording:
+        """
+        Read a file.
+
+        :raises RecordingInvalid: if it is not a whole recording of this version
+        """
+        try:
+            return cls.from_bytes(path.read_bytes(), str(path))
+        except OSError as error:
+            raise RecordingInvalid(f'{path}: cannot be read ({error.strerror}).') from error
+
+
+AGAIN = 'Grade again: that makes a new one.'
+
+
+def _seal(count: int, events: bytes) -> dict[str, Any]:
+    return {'events': count, 'crc32': f'{zlib.crc32(events):08x}'}
+
+
+def header(exam: str, mode: str) -> dict[str, Any]:
+    """Return the first line of a new recording."""
+    return {'format': FORMAT, 'version': VERSION, 'exam': exam, 'mode': mode}

@@ -1,0 +1,219 @@
+"""
+What the stages hand to one another, and what is written down: plain frozen records.
+
+Nothing here knows ROS, Jupyter or nbgrader.  Everything converts to and from JSON types.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from enum import Enum
+from typing import Any
+
+
+class Verdict(str, Enum):
+    """The three answers a check can give; a grader's own fault is an exception instead."""
+
+    PASSED = 'PASSED'
+    FAILED = 'FAILED'
+    NOT_RUN = 'NOT_RUN'
+
+
+def shortened(text: str, most: int = 60) -> str:
+    """
+    Return a text, or its beginning and a sign that there is more.
+
+    :param most: length of what is returned [characters]
+    """
+    return text if len(text) <= most else f'{text[: most - 1]}\N{HORIZONTAL ELLIPSIS}'
+
+
+@dataclass(frozen=True)
+class Problem:
+    """
+    Bad input, said in one line: where, what was expected, what was found, what to try.
+
+    :param where: file, cell or folder, as the reader knows it
+    :param cells: the grade ids whose answers are missing because of it, empty if none
+    :param unusable: whether nothing of the student's work could be read because of it
+    """
+
+    where: str
+    expected: str
+    got: str
+    try_this: str
+    cells: tuple[str, ...] = ()
+    unusable: bool = False
+
+    def line(self) -> str:
+        """Return the one line that is shown to people."""
+        return f'{self.where}: expected {self.expected}, got {self.got}. Try: {self.try_this}.'
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Problem:
+        """Rebuild a problem from :func:`dataclasses.asdict` output."""
+        return cls(**{**data, 'cells': tuple(data.get('cells', ()))})
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """
+    The verdict of one check, with the five things a learner is told when it fails.
+
+    :param check: name of the check, unique in its exam
+    :param title: the sentence that is checked, from the check's docstring
+    :param points: points given, 0 <= points <= max_points
+    :param expected: what the exercise asks for
+    :param observed: what the probe saw
+    :param cause: the likely reason, in words; empty when unknown
+    :param cause_id: short stable name of the cause, for statistics and tests
+    :param try_this: the next thing to do
+    :param read: where to read about it
+    :param waits_for: name of the check that has to pass first, for NOT_RUN
+    """
+
+    check: str
+    title: str
+    verdict: Verdict
+    points: float
+    max_points: float
+    expected: str = ''
+    observed: str = ''
+    cause: str = ''
+    cause_id: str = ''
+    try_this: str = ''
+    read: str = ''
+    waits_for: str = ''
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> CheckResult:
+        """Rebuild a result from :meth:`ExamResult.to_json` output."""
+        return cls(**{**data, 'verdict': Verdict(data['verdict'])})
+
+
+@dataclass(frozen=True)
+class ExamResult:
+    """
+    All verdicts of one exam on one submission.
+
+    :param exam: name of the exam
+    :param checks: in the order of the exam
+    :param note: one sentence about the run as a whole, empty if there is nothing to say
+    :param mode: isolation mode the code ran in, see :mod:`autograder.sandboxes.isolation`
+    :param not_protected: what that mode lacks, in words; empty for full isolation
+    :param flags: what an instructor should look at, in words
+    :param timing: wall-clock facts [s]; never part of a verdict.  ``run_s`` is of a run in this
+        grading, ``kept_run_s`` of the earlier run whose recording was judged
+    :param recording: name of the kept recording, empty if nothing was run or kept
+    :param pictures: by the name of a check, what its picture shows; JSON types, see
+        :mod:`autograder.explaining.picture_data`; never part of a verdict
+    """
+
+    exam: str
+    checks: tuple[CheckResult, ...]
+    note: str = ''
+    mode: str = ''
+    flags: tuple[str, ...] = ()
+    timing: Mapping[str, float] = field(default_factory=dict)
+    recording: str = ''
+    not_protected: tuple[str, ...] = ()
+    pictures: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    @property
+    def points(self) -> float:
+        """Return the sum of points given."""
+        return sum(check.points for check in self.checks)
+
+    @property
+    def max_points(self) -> float:
+        """Return the sum of points that could be had."""
+        return sum(check.max_points for check in self.checks)
+
+    @property
+    def ran_s(self) -> float:
+        """Return how long its run took, now or when it was recorded [s]; 0.0 if unknown."""
+        return self.timing.get('run_s', self.timing.get('kept_run_s', 0.0))
+
+    @property
+    def failed(self) -> tuple[CheckResult, ...]:
+        """Return the checks that failed, in order."""
+        return tuple(check for check in self.checks if check.verdict is Verdict.FAILED)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return JSON types only."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> ExamResult:
+        """Rebuild a result from :meth:`to_json` output."""
+        return cls(
+            exam=data['exam'],
+            checks=tuple(CheckResult.from_json(check) for check in data['checks']),
+            note=data.get('note', ''),
+            mode=data.get('mode', ''),
+            flags=tuple(data.get('flags', ())),
+            timing=dict(data.get('timing', {})),
+            recording=data.get('recording', ''),
+            not_protected=tuple(data.get('not_protected', ())),
+            pictures=dict(data.get('pictures', {})),
+        )
+
+
+@dataclass(frozen=True)
+class SubmissionResult:
+    """
+    Everything the grader has to say about one student's notebook.
+
+    :param fault: our own fault in words; then the submission needs a person and has no grade
+    :param noticed: what an instructor should look at in the notebook itself, in words
+    """
+
+    student: str
+    assignment: str
+    exams: tuple[ExamResult, ...] = ()
+    problems: tuple[Problem, ...] = ()
+    fault: str = ''
+    noticed: tuple[str, ...] = ()
+
+    @property
+    def points(self) -> float:
+        """Return the sum of points over the exams."""
+        return sum(exam.points for exam in self.exams)
+
+    @property
+    def max_points(self) -> float:
+        """Return the sum of points that the exams could give."""
+        return sum(exam.max_points for exam in self.exams)
+
+    @property
+    def unusable(self) -> str:
+        """Return why nothing of the student's work could be read, empty if something could."""
+        return next((one.line() for one in self.problems if one.unusable), '')
+
+    @property
+    def review(self) -> str:
+        """Return why a person has to decide and there is no score, empty if there is one."""
+        return self.fault or self.unusable
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """Return what an instructor should look at, in words, without repeats."""
+        exams = (flag for exam in self.exams for flag in exam.flags)
+        return tuple(dict.fromkeys((*self.noticed, *exams)))
+
+    def to_json(self) -> dict[str, Any]:
+        """Return JSON types only."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> SubmissionResult:
+        """Rebuild a result from :meth:`to_json` output."""
+        return cls(
+            student=data['student'],
+            assignment=data['assignment'],
+            exams=tuple(ExamResult.from_json(exam) for exam in data['exams']),
+            problems=tuple(Problem.from_json(problem) for problem in data['problems']),
+            fault=data.get('fault', ''),
+            noticed=tuple(data.get('noticed', ())),
+        )

@@ -1,0 +1,126 @@
+"""
+What a run may use: processor time, memory, files, output, and real time in which nothing happens.
+
+Real time has no limit of its own: a busy machine makes a run longer and changes nothing in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import time
+
+from autograder.clock.virtual_clock import VirtualClock
+from autograder.errors import TooBusy
+from autograder.sandboxes.confined import Confined, Limits
+from autograder.sandboxes.processes import proportional, states, usage, used_ns
+
+WATCH_EVERY_S = 0.05
+BUSY_S = 3.0  # processor time without a node: imports take 0.3 s, and 1 s on a slow machine
+PROBE_S = 10.0  # processor time of the probe beyond the program's: then it fights with packets
+# Real time in which virtual time stands still and nobody computes. A thread that waits for a disk
+# looks like one that waits for a child of vfork; somebody may stop the probe and let it go on.
+OUTSIDE_S, DISK_S, BUILD_S = 0.3, 3.0, 20.0
+MOST_WALL_S = 600.0  # before a machine counts as too busy for a verdict
+
+
+class Watchdog:
+    """
+    Looks at a run from outside, every 50 ms.
+
+    :param student: the program
+    :param others: host pids of what the run needs beside it: the probe and the driver
+    :param builds: whether a package is built before the program runs
+    """
+
+    def __init__(
+        self,
+        student: Confined,
+        others: Sequence[int],
+        limits: Limits,
+        clock: VirtualClock,
+        builds: bool,
+    ) -> None:
+        """Begin to count."""
+        self.student, self.others = student, others
+        self.limits = limits
+        self.clock = clock
+        self.builds = builds
+        self.cpu_s = 0.0
+        self.began = self.looked = time.monotonic()
+        self.still_s, self.used_ns = 0.0, 0
+        self.progress: tuple[int, ...] = ()
+
+    def is_due(self) -> bool:
+        """Return whether the next look is due."""
+        return time.monotonic() > self.looked + WATCH_EVERY_S
+
+    def look(self, recorded: int, printed: int, begun: bool) -> str:
+        """
+        Return the name of the limit that is passed, or nothing.
+
+        :param recorded: bytes that came from the probe
+        :param printed: bytes that came from the program
+        :param begun: whether a node was seen
+        :raises TooBusy: if the machine is too busy for a verdict
+        """
+        before, self.looked = self.looked, time.monotonic()
+        if self.looked - self.began > MOST_WALL_S:
+            raise TooBusy(f'The machine was too busy: a run took {MOST_WALL_S:.0f} s.')
+        runs = self.student.process.poll() is None
+        resident, seconds = usage(self.student.pid) if runs else (0, self.cpu_s)
+        self.cpu_s = max(self.cpu_s, seconds)
+        student_ns = sum(used_ns(self.student.pid))
+        others_ns = sum(sum(used_ns(pid)) for pid in self.others)
+        used_s = max(0, student_ns + others_ns - self.used_ns) / 1e9
+        self.used_ns = student_ns + others_ns
+        still_s = self._stands_still_s(recorded, self.looked - before, used_s)
+        return (
+            self._too_long(begun, others_ns / 1e9, still_s)
+            or ('output_limit' if printed > self.limits.output else '')
+            or (self._too_large(resident) if runs else '')
+        )
+
+    def _too_long(self, begun: bool, others_s: float, still_s: float) -> str:
+        if self.cpu_s + others_s > self.limits.cpu_s:
+            return 'cpu_limit'
+        if others_s > self.cpu_s + PROBE_S:
+            return 'probe_broken'
+        if still_s > OUTSIDE_S and still_s > self._patience_s(begun):
+            return 'waits_outside'
+        if not begun and not self.builds and self.cpu_s > BUSY_S:
+            return 'busy_before_node'
+        return ''
+
+    def _too_large(self, resident: int) -> str:
+        if resident > self.limits.memory and proportional(self.student.pid) > self.limits.memory:
+            return 'memory_limit'
+        count, size = self.student.files()
+        if count > self.limits.inodes:
+            return 'inode_limit'
+        # A sandbox's folders have a size of their own.
+        return 'disk_limit' if self.student.home and size > self.limits.folder else ''
+
+    def _stands_still_s(self, recorded: int, passed_s: float, used_s: float) -> float:
+        """
+        Return how long no process has computed since virtual time last moved [s].
+
+        :param passed_s: real time since the last look
+        :param used_s: processor time since then, of the program, the probe and the driver
+        """
+        everyone = (self.student.pid, *self.others)
+        progress = (self.clock.jumps, recorded)
+        if progress != self.progress:
+            self.progress, self.still_s = progress, 0.0
+        elif not any(b'R' in states(pid) for pid in everyone):
+            # If it was this process that did not look for long, the program is not to blame.
+            passed_s = min(passed_s, 2 * WATCH_EVERY_S)
+            self.still_s += max(0.0, passed_s - used_s)
+        return self.still_s
+
+    def _patience_s(self, begun: bool) -> float:
+        if not self.student.released or (self.builds and not begun):
+            return BUILD_S
+        held = b'D' in states(self.student.pid) or any(
+            set(states(pid)) & set(b'DT') for pid in self.others
+        )
+        return DISK_S if held else OUTSIDE_S

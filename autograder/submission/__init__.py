@@ -1,0 +1,1 @@
+"""What a student handed in, taken apart: notebooks, cells, packages, code."""

@@ -1,0 +1,203 @@
+"""
+The magic line that turns a notebook cell into a file of a ROS package.
+
+One parser for both sides: the notebook's magics (:mod:`roslab.magics`) and the grader
+(:mod:`autograder.submission.extract`) call :func:`parse_cell`, so what a learner runs is what is
+graded.
+"""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass
+import re
+
+from autograder.submission.code.python_text import expression
+
+UNSOLVED = 'YOUR CODE HERE'
+"""Text of every stub that ``nbgrader generate_assignment`` leaves in a release."""
+
+PACKAGE_FILES = ('package.xml', 'CMakeLists.txt')
+
+LETTERS = 'abcd'
+"""What can be answered to a multiple-choice question."""
+
+ANSWER_MAX = 2000
+"""Characters of an answer with its comments; Python itself stumbles over longer nonsense."""
+
+MAGIC_LINE_MAX = 200
+"""Characters of a magic line; file names are at most 255 bytes long."""
+
+_KINDS = {
+    '%%node': 'node',
+    '%%rosmsg': 'rosmsg',
+    '%%rospkg': 'rospkg',
+    '%%answer': 'answer',
+}
+_SOLUTION_MARKS = ('### BEGIN SOLUTION', '### END SOLUTION')
+_SOMETHING = re.compile(r'\S')
+_NODE_NAME = re.compile(r'^[A-Za-z][A-Za-z0-9_]*$')
+_MESSAGE_NAME = re.compile(r'^[A-Z][A-Za-z0-9]*$')
+_ODD = re.compile(r'[\\0-9]')
+_ANSWER_NAME = re.compile(r'^[a-z][a-z0-9_]*$')
+
+
+class CellSyntaxError(ValueError):
+    """A cell's magic line does not say which file the cell is."""
+
+
+class NotALetterError(ValueError):
+    """
+    The answer to a multiple-choice question is none of its letters.
+
+    :param reason: short stable name
+    :param text: what was written, in words, for a message
+    """
+
+    def __init__(self, reason: str, text: str) -> None:
+        super().__init__(f"expected 'a', 'b', 'c' or 'd', got {text}")
+        self.reason = reason
+        self.text = text
+
+
+@dataclass(frozen=True)
+class CellFile:
+    """
+    A cell seen as a file of the learner's package.
+
+    :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
+    :param name: as written on the magic line
+    :param body: text of the file; solution marks are blanked, so line n of the body is line
+        n + ``first_line`` of the cell
+    :param first_line: number of cell lines before the body
+    """
+
+    kind: str
+    name: str
+    body: str
+    first_line: int = 1
+
+    @property
+    def path(self) -> str:
+        """Return where the grader puts the file, relative to the package."""
+        return {
+            'node': f'{self.name}.py',
+            'rosmsg': f'msg/{self.name}.msg',
+            'rospkg': self.name,
+            'answer': f'answers/{self.name}.txt',
+        }[self.kind]
+
+    @property
+    def unsolved(self) -> bool:
+        """Return whether the stub's own text is still in the cell."""
+        return UNSOLVED in self.body
+
+
+def check_name(kind: str, name: str) -> None:
+    """
+    Refuse a name that is not a safe file name for its kind.
+
+    :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
+    :raises CellSyntaxError: with the rule and an example
+    """
+    if kind == 'node' and not _NODE_NAME.match(name):
+        raise CellSyntaxError(
+            f'%%node {name}: expected letters, digits and underscores, as in '
+            f'%%node temp_publisher, got {name!r}.'
+        )
+    if kind == 'rosmsg' and not _MESSAGE_NAME.match(name):
+        raise CellSyntaxError(
+            f'%%rosmsg {name}: a message name starts with a capital letter and has only letters '
+            f'and digits, as in %%rosmsg Temperature, got {name!r}.'
+        )
+    if kind == 'rospkg' and name not in PACKAGE_FILES:
+        raise CellSyntaxError(
+            f'%%rospkg {name}: expected one of {", ".join(PACKAGE_FILES)}, got {name!r}.'
+        )
+    if kind == 'answer' and not _ANSWER_NAME.match(name):
+        raise CellSyntaxError(
+            f'%%answer {name}: expected the name of a question, as in %%answer q01, got {name!r}.'
+        )
+
+
+def parse_cell(source: str) -> CellFile | None:
+    """
+    Read a cell as a file, or return None if it has no magic line of ours.
+
+    :param source: the whole text of a code cell
+    :raises CellSyntaxError: if the magic line names no valid file
+    """
+    source = source.replace('\r\n', '\n')
+    line, start = first_line(source)
+    word, _, name = line.replace('\t', ' ').partition(' ')
+    if word not in _KINDS:
+        return None
+    if len(line) > MAGIC_LINE_MAX:
+        raise CellSyntaxError(
+            f'{word}: expected a first line of at most {MAGIC_LINE_MAX} characters, got '
+            f'{len(line)}. Write {word} and a name, and the file below it.'
+        )
+    kind, name = _KINDS[word], name.strip(' ')
+    check_name(kind, name)
+    below = source[start + len(line) + 1 :]
+    return CellFile(kind, name, body_of(below), source.count('\n', 0, start) + 1)
+
+
+def first_line(source: str) -> tuple[str, int]:
+    """
+    Return the first line that is not blank, and where in the text it begins.
+
+    :param source: the whole text of a cell; however long it is, no other line is copied
+    """
+    found = _SOMETHING.search(source)
+    if found is None:
+        return '', 0
+    start = source.rfind('\n', 0, found.start()) + 1
+    end = source.find('\n', start)
+    return source[start : end if end >= 0 else None], start
+
+
+def body_of(text: str) -> str:
+    """
+    Blank the solution marks, keeping line numbers, and end the text with one newline.
+
+    :param text: the cell's text below its magic line
+    """
+    kept = ['' if line.strip() in _SOLUTION_MARKS else line for line in text.split('\n')]
+    return '\n'.join(kept).rstrip() + '\n'
+
+
+def chosen_letter(body: str) -> str | None:
+    """
+    Read the answer to a multiple-choice question.  It is a Python literal and never executed.
+
+    Capital letters, blanks around the letter and comments next to it are accepted.
+
+    :param body: text of an ``%%answer`` cell below its magic line
+    :returns: a small letter, or None if nothing was chosen yet
+    :raises NotALetterError: for everything else
+    """
+    if len(body) > ANSWER_MAX:
+        raise NotALetterError('too_long', f'{len(body)} characters')
+    lines = [line.partition('#')[0].strip() for line in body.splitlines()]
+    written = '\n'.join(filter(None, lines))
+    if not written:
+        return None
+    try:
+        value = ast.literal_eval(expression(written)) if not _ODD.search(written) else ()
+    except (ValueError, TypeError, RecursionError, MemoryError):
+        bare = len(written) == 1 and written.lower() in LETTERS
+        raise NotALetterError('no_quotes' if bare else 'no_literal', _shown(written)) from None
+    if value is None:
+        return None
+    letter = value.strip().lower() if isinstance(value, str) else ''
+    if len(letter) != 1 or letter not in LETTERS:
+        raise NotALetterError('no_letter', _shown(written))
+    return letter
+
+
+def _shown(text: str) -> str:
+    """Return the first line of a text, at most 40 characters of it, without control characters."""
+    line = text.partition('\n')[0]
+    shown = ''.join(char if char.isprintable() else '?' for char in line[:40])
+    return shown if line[:40] == text else f'{shown} ...'

@@ -1,0 +1,1 @@
+"""Learners' Python, read as a syntax tree and never run."""

@@ -1,0 +1,147 @@
+"""
+From a rebuilt notebook to the files each exam judges.
+
+A cell is a file: its magic line says which one (:mod:`autograder.submission.cells`).  The release
+says which file each cell has to be, so a learner who edits the magic line is told so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+from autograder.results import ExamResult, Problem, SubmissionResult
+from autograder.submission.cells import CellFile, CellSyntaxError, first_line, parse_cell
+from autograder.submission.notebook import marks_of, Notebook
+from autograder.submission.submission import Opened
+
+CHECK_PREFIX = 'check_'
+"""The check cell of an exam has this and the exam's name as its grade id."""
+
+_MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg', 'answer': '%%answer'}
+
+
+class ExamCells(Protocol):
+    """What is needed of an :class:`autograder.exam.exam.Exam` here."""
+
+    @property
+    def name(self) -> str:
+        """Return the exam's name."""
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Return the grade ids of the answers that the exam judges, in order."""
+
+
+@dataclass(frozen=True)
+class ExamFiles:
+    """
+    The files that one exam judges.
+
+    :param files: relative path -> text; a missing answer has no entry
+    :param problems: cells that are no file, one line each
+    """
+
+    files: Mapping[str, str] = field(default_factory=dict)
+    problems: tuple[Problem, ...] = ()
+
+
+def answer_files(release: Notebook) -> dict[str, CellFile]:
+    """
+    Return which file each answer cell has to be, by grade id.
+
+    :param release: the notebook that students received
+    :raises CellSyntaxError: if the release itself is wrong
+    """
+    files = {}
+    for cell in release['cells']:
+        marks = marks_of(cell)
+        if cell['cell_type'] == 'code' and marks.get('solution'):
+            found = parse_cell(cell['source'])
+            if found is not None:
+                files[marks['grade_id']] = found
+    return files
+
+
+def extract(
+    opened: Opened, exams: Iterable[ExamCells], release: Notebook, where: str = 'notebook'
+) -> dict[str, ExamFiles]:
+    """
+    Return the files of every exam.  An untouched stub goes along: the exam says so.
+
+    :param opened: the submission
+    :param exams: the exams of the assignment
+    :param release: the notebook that students received
+    :param where: how to name the file in messages
+    """
+    expected = answer_files(release)
+    sources = {marks_of(cell).get('grade_id'): cell['source'] for cell in opened.notebook['cells']}
+    result = {}
+    for exam in exams:
+        files, problems = {}, []
+        for grade_id in exam.cells:
+            if grade_id in opened.missing or grade_id not in expected:
+                continue
+            found, problem = _read(sources[grade_id], expected[grade_id], grade_id, where)
+            if problem is not None:
+                problems.append(problem)
+            if found is not None:
+                files[found.path] = found.body
+        result[exam.name] = ExamFiles(files, tuple(problems))
+    return result
+
+
+def with_reasons(result: SubmissionResult, exams: Iterable[ExamCells]) -> SubmissionResult:
+    """
+    Say of answers that are not there that a note has the reason, where one has.
+
+    :param result: with the problems that were found in what was handed in
+    """
+    cells = {exam.name: set(exam.cells) for exam in exams}
+    return replace(
+        result, exams=tuple(_with_reason(one, cells[one.exam], result) for one in result.exams)
+    )
+
+
+def _with_reason(exam: ExamResult, cells: set[str], result: SubmissionResult) -> ExamResult:
+    reasons = [one for one in result.problems if cells & set(one.cells)]
+    checks = tuple(
+        replace(
+            check,
+            cause='The answer could not be found in what was handed in; the note says why.',
+            try_this=f'{reasons[0].try_this[:1].upper()}{reasons[0].try_this[1:]}.',
+        )
+        if reasons and check.cause_id == 'missing_file'
+        else check
+        for check in exam.checks
+    )
+    return replace(exam, checks=checks)
+
+
+def _read(
+    source: str, wanted: CellFile, grade_id: str, where: str
+) -> tuple[CellFile | None, Problem | None]:
+    """Read one answer as the file it has to be."""
+    line = f'{_MAGIC[wanted.kind]} {wanted.name}'
+    got = ''
+    try:
+        found = parse_cell(source)
+    except CellSyntaxError:
+        found, got = None, _quoted(source)
+    if found is not None and found.path == wanted.path:
+        return found, None
+    problem = Problem(
+        f'{where}, cell {grade_id}',
+        f'the first line {line}',
+        got or _quoted(source),
+        f'write {line} as the first line again',
+        (grade_id,),
+    )
+    return None, problem
+
+
+def _quoted(source: str) -> str:
+    """Quote the first line with something on it, shortened."""
+    line = first_line(source)[0].strip()
+    return repr(line[:60]) if line else 'an empty cell'

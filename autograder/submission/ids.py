@@ -1,0 +1,36 @@
+"""From a name to a student id: what nbgrader and every file system take, one a name."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import unicodedata
+
+from autograder.submission.inbox import is_letter, is_student_id, MAX_NAME_CHARS
+
+_DIGITS = 12
+"""Nobody tries so many names to get the id of somebody else: 16 to the power of this."""
+_REPLACED = re.compile(rf'.*--[0-9a-f]{{{_DIGITS}}}')
+
+
+def student_id(name: str) -> str:
+    """
+    Return a name as a student id: the name itself if it can be an id.
+
+    Letters of all alphabets are kept, with the signs that belong to them.  If anything has to be
+    replaced, a digest of the name follows, so that different names never become one id, regardless
+    of their source and of the other students.
+
+    :returns: empty if there is no letter or digit
+    """
+    text = unicodedata.normalize('NFC', name)
+    kept = ''.join(char if is_letter(char) or char in ' .@-' else '_' for char in text)
+    kept = kept.strip(' ._-@')
+    while kept and unicodedata.category(kept[0])[0] == 'M':  # a sign without its letter
+        kept = kept[1:].lstrip(' ._-@')
+    if not kept:
+        return ''
+    if is_student_id(text) and not _REPLACED.fullmatch(text):
+        return text
+    digest = hashlib.sha256(text.encode('utf-8', 'surrogatepass')).hexdigest()[:_DIGITS]
+    return f'{kept[: MAX_NAME_CHARS - _DIGITS - 2].rstrip()}--{digest}'

@@ -1,0 +1,209 @@
+"""
+The folder of submitted work: who handed in what.
+
+``submitted/<student>/<assignment>/<notebook>.ipynb``, as nbgrader's collect leaves it.  These
+folders were filled from outside, so nothing is followed that could lead elsewhere: only
+regular files in real folders, looked at with lstat and opened without following links.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from contextlib import suppress
+from dataclasses import dataclass
+import os
+from pathlib import Path
+import stat
+import unicodedata
+
+from autograder.results import Problem
+from autograder.submission.reading import read_file, SUBMIT_AGAIN, unreadable
+
+MAX_NAME_CHARS = 100
+# nbgrader globs with the id, splits lists of ids at commas and exports it to CSV unquoted.
+_BESIDE_LETTERS = frozenset(' ._@-')
+
+
+@dataclass(frozen=True)
+class Submission:
+    """
+    What one student handed in for one assignment.
+
+    :param student: name of the student's folder, the student id of the gradebook
+    :param folder: the folder that was looked into
+    :param data: content of a notebook that is in no file
+    :param problems: what went wrong while looking
+    :param recordable: False if the name cannot be an id in the gradebook
+    :param path: the notebook's file; a class of them is too much to hold at once
+    """
+
+    student: str
+    folder: Path
+    data: bytes | None = None
+    problems: tuple[Problem, ...] = ()
+    recordable: bool = True
+    path: Path | None = None
+
+    def read(self, where: str) -> tuple[bytes | None, tuple[Problem, ...]]:
+        """
+        Read the notebook again on each call: None if there is none to read.
+
+        :param where: how to name the file in messages
+        :returns: the content, and what went wrong while looking and reading
+        """
+        if self.path is None:
+            return self.data, self.problems
+        data, problems = read_file(self.path, where)
+        return data, problems or self.problems
+
+
+def discover(
+    submitted: Path, assignment: str, notebook: str, known: Collection[str] = ()
+) -> tuple[Submission, ...]:
+    """
+    Look into every student's folder, in the order of their names.
+
+    :param submitted: the folder of the class
+    :param assignment: name of the assignment's folder
+    :param notebook: file name of the released notebook
+    :param known: names of all assignments, to tell a misnamed folder from another assignment
+    :returns: one entry per student who handed in something that may be meant for it
+    :raises OSError: if the folder of the class itself cannot be read
+    """
+    found = []
+    for name in students_in(submitted, {assignment, *known}):
+        submission = _student(submitted / name, assignment, notebook, known)
+        if submission is not None:
+            found.append(submission)
+    return tuple(found)
+
+
+def students_in(submitted: Path, assignments: Collection[str]) -> list[str]:
+    """
+    Return the names of the students' folders, sorted: those with a notebook of the course.
+
+    A folder without one says nothing about who it belongs to: it may be part of a raw download,
+    or a whole class one level deeper.
+
+    :param assignments: names of the folders in which the notebook may be
+    :raises OSError: if the folder of the class cannot be read
+    """
+    return [one for one in _folders(submitted) if _has_notebook(submitted / one, assignments)]
+
+
+def without_notebooks(submitted: Path, assignments: Collection[str]) -> list[str]:
+    """
+    Return the names of the folders that belong to no student of the course, sorted.
+
+    :raises OSError: if the folder of the class cannot be read
+    """
+    return [one for one in _folders(submitted) if not _has_notebook(submitted / one, assignments)]
+
+
+def _folders(submitted: Path) -> list[str]:
+    """Return what may be a student's folder, without notes and editor files next to them."""
+    return [
+        name
+        for name in sorted(os.listdir(submitted))
+        if name[0] != '.' and not stat.S_ISREG(os.lstat(submitted / name).st_mode)
+    ]
+
+
+def _has_notebook(folder: Path, assignments: Collection[str]) -> bool:
+    """
+    Return whether a notebook, readable or not, is in the folder of an assignment.
+
+    A link in place of that folder counts, so that the attempt is reported; it is not followed.
+    """
+    for place in (folder / one for one in assignments):
+        with suppress(OSError):  # It is missing, or may not be read.
+            kind = stat.S_ISDIR(os.lstat(folder).st_mode) and os.lstat(place).st_mode
+            if kind and stat.S_ISLNK(kind):
+                return True
+            if kind and any(name.endswith('.ipynb') for name in os.listdir(place)):
+                return True
+    return False
+
+
+def is_student_id(name: str) -> bool:
+    """Return whether a folder's name can be an id in nbgrader's gradebook."""
+    begins = name[:1] == '_' or unicodedata.category(name[:1] or ' ')[0] in 'LN'
+    known = all(is_letter(char) or char in _BESIDE_LETTERS for char in name)
+    short = len(name) <= MAX_NAME_CHARS and not name.endswith(' ')
+    return begins and known and short and name.isprintable()
+
+
+def is_letter(char: str) -> bool:
+    """
+    Tell whether a character is a letter or digit of any alphabet, or a sign that belongs to one.
+
+    Regular expressions count no such sign as part of a word, but it may be a name's only vowel.
+    """
+    return unicodedata.category(char)[0] in 'LMN'
+
+
+def _student(
+    folder: Path, assignment: str, notebook: str, known: Collection[str]
+) -> Submission | None:
+    """Look into one student's folder; None if there is only work for other assignments."""
+    name = folder.name
+    readable = name.encode('utf-8', 'surrogateescape').decode('utf-8', 'replace')
+    if not is_student_id(name):
+        problem = Problem(
+            f'submitted/{readable[:MAX_NAME_CHARS]!r}',
+            f'a student id of at most {MAX_NAME_CHARS} letters, digits and . _ - @',
+            'another folder name, which nbgrader would misread',
+            'rename the folder to the student id',
+        )
+        return Submission(readable[:MAX_NAME_CHARS], folder, None, (problem,), recordable=False)
+    where = f'submitted/{name}'
+    try:
+        if not stat.S_ISDIR(os.lstat(folder).st_mode):
+            return Submission(name, folder, None, (_no_folder(where),))
+        inside = sorted(os.listdir(folder))
+    except OSError as error:
+        return Submission(name, folder, None, (unreadable(where, error),))
+    if assignment in inside:
+        return open_folder(folder / assignment, name, notebook)
+    strange = [entry for entry in inside if entry not in known and not entry.startswith('.')]
+    if inside and not strange:
+        return None
+    got = f'only {", ".join(map(repr, strange[:3]))}'[:120] if strange else 'an empty folder'
+    problem = Problem(where, f'a folder {assignment}', got, 'rename the folder, or submit again')
+    return Submission(name, folder, None, (problem,))
+
+
+def open_folder(folder: Path, student: str, notebook: str) -> Submission:
+    """
+    Find the notebook in one submission folder.
+
+    A single notebook under another name, as browsers make them ("name (1).ipynb"), counts.
+
+    :param folder: ``submitted/<student>/<assignment>``
+    :param student: name of the student
+    :param notebook: file name of the released notebook
+    """
+    where = f'submitted/{student}/{folder.name}'
+    try:
+        if not stat.S_ISDIR(os.lstat(folder).st_mode):
+            return Submission(student, folder, None, (_no_folder(where),))
+        inside = sorted(os.listdir(folder))
+    except OSError as error:
+        return Submission(student, folder, None, (unreadable(where, error),))
+    notes: tuple[Problem, ...] = ()
+    chosen = notebook
+    if notebook not in inside:
+        others = [name for name in inside if name.endswith('.ipynb') and name[0] != '.']
+        if len(others) != 1:
+            got = f'{len(others)} other notebooks' if others else 'no notebook'
+            problem = Problem(where, f'the file {notebook}', got, SUBMIT_AGAIN)
+            return Submission(student, folder, None, (problem,))
+        chosen = others[0]
+        got = f'{chosen[:60]!r}, which was graded instead'
+        notes = (Problem(where, f'the file {notebook}', got, 'keep the file name next time'),)
+    return Submission(student, folder, problems=notes, path=folder / chosen)
+
+
+def _no_folder(where: str) -> Problem:
+    """Return the problem that a folder is needed and something else is there."""
+    return Problem(where, 'a folder', 'a link or a file', SUBMIT_AGAIN)

@@ -1,0 +1,72 @@
+"""
+Whether a submitted notebook still has the cells of the release, in words for the instructor.
+
+None of it changes a grade, because only the answers' texts survive (see
+:mod:`autograder.submission.submission`). nbgrader's checksums say nothing about tags, and are
+wrong for every cell whose text is made at release; here cells are compared with the release
+itself.  What editors add by themselves (outputs, ids, folding, timing) is not looked at, so an
+honest notebook gives no line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, TYPE_CHECKING
+
+from autograder.submission.notebook import MARKS
+
+if TYPE_CHECKING:
+    from autograder.submission.notebook import StudentCell
+
+
+MOST_LINES = 20
+
+
+def changes(release: Mapping[str, Any], cells: Sequence[StudentCell]) -> tuple[str, ...]:
+    """
+    Return how the cells that nbgrader knows differ from the release.
+
+    :param release: the notebook that students received
+    :param cells: all cells of the submitted one
+    """
+    by_id: dict[str, list[StudentCell]] = {}
+    for cell in cells:
+        by_id.setdefault(cell.grade_id, []).append(cell)
+    lines: list[str] = []
+    for released in release['cells']:
+        grade_id = released['metadata'].get('nbgrader', {}).get('grade_id')
+        if grade_id:
+            lines += _about(released, grade_id, by_id.pop(grade_id, []))
+    lines += [
+        f'there is a cell with the grade id {name[:60]!r}, which the release does not have'
+        for name in sorted(by_id)
+        if name
+    ]
+    more = len(lines) - MOST_LINES
+    return (*lines[:MOST_LINES], *([f'{more} more differences from the release'] * (more > 0)))
+
+
+def _about(
+    released: dict[str, Any], grade_id: str, copies: Sequence[StudentCell]
+) -> Iterator[str]:
+    """Say what is different about one cell of the release."""
+    marks = released['metadata'].get('nbgrader', {})
+    answer = bool(marks.get('solution'))
+    name = f'{"answer" if answer else "locked"} cell {grade_id}'
+    if not copies:
+        yield f'{name} is missing'
+        return
+    if len(copies) > 1:
+        yield f'{name} is there {len(copies)} times'
+    wanted = {key: marks[key] for key in MARKS if marks.get(key) is not None}
+    for cell in copies[:1]:
+        if not answer and cell.source.strip() != released['source'].strip():
+            yield f'{name} has another text'
+        if cell.cell_type != released['cell_type']:
+            yield f'{name} is a {cell.cell_type[:20]!r} cell'
+        for key, value in wanted.items():
+            if cell.marks.get(key) != value:
+                yield f'{name} has another value of {key}'
+        tags = released['metadata'].get('tags', [])
+        if not answer and sorted(cell.tags) != sorted(tags):
+            yield f'{name} has the tags {", ".join(cell.tags)[:80] or "removed"!r}'

@@ -1,0 +1,208 @@
+"""Read notebooks: the course's own, and, with bounds on everything, those of students."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+import json
+from pathlib import Path
+from typing import Any
+
+from autograder.results import Problem
+
+Notebook = dict[str, Any]
+"""A notebook in format 4, as JSON types."""
+MAX_BYTES = 16 * 1024 * 1024
+MAX_PARTS = 500_000
+"""Bound on lists, objects and strings: a small file of ``[],[],...`` fills the memory."""
+MAX_CELLS = 5_000
+MAX_ANSWER_BYTES = 64 * 1024
+"""Bound on one answer, ten times a long one: it goes to a compiler and a database."""
+FRESH_COPY = 'download a fresh copy of the assignment and copy the answers into it'
+
+
+@dataclass(frozen=True)
+class StudentCell:
+    """One cell of a submitted notebook: all we read of it."""
+
+    grade_id: str
+    cell_type: str
+    source: str
+    marks: Mapping[str, Any] = field(default_factory=dict)
+    tags: tuple[str, ...] = ()
+
+
+def read_notebook(
+    data: bytes, where: str
+) -> tuple[tuple[StudentCell, ...] | None, tuple[Problem, ...]]:
+    """
+    Read the cells of a submitted notebook.
+
+    :param data: content of the file
+    :param where: how to name the file in messages
+    :returns: the cells, or None if this is not a notebook; and what is wrong
+    """
+
+    def refuse(expected: str, got: str, try_this: str) -> tuple[None, tuple[Problem, ...]]:
+        return None, (Problem(where, expected, got, try_this),)
+
+    if len(data) > MAX_BYTES:
+        return None, (too_large(where, len(data)),)
+    if not data or data.isspace():
+        return refuse('a Jupyter notebook', 'an empty file', 'save the notebook and submit again')
+    if _parts(data) > MAX_PARTS:
+        return refuse('a Jupyter notebook', 'far too many parts', FRESH_COPY)
+    objects = _Objects()
+    try:
+        # Only points are compared; int() takes hours for a number of a few megabytes.
+        content = json.loads(
+            data.decode('utf-8-sig'),
+            parse_int=small_number,
+            parse_float=small_number,
+            object_pairs_hook=objects,
+        )
+    except UnicodeDecodeError as error:
+        got = f'bytes that are not UTF-8 (byte {error.start})'
+        return refuse('a Jupyter notebook in UTF-8', got, 'save it in JupyterLab and submit again')
+    except RecursionError:
+        return refuse('a Jupyter notebook', 'JSON nested too deeply', FRESH_COPY)
+    except ValueError as error:
+        return refuse('a Jupyter notebook', _broken_json(data, error), _json_advice(data))
+    cells, problems = _read_cells(content, where)
+    if objects.repeated and cells is not None:
+        got = f'{objects.repeated[:40]!r} more than once in one object; the last one counts'
+        problems = (Problem(where, 'every JSON key once', got, FRESH_COPY),)
+    return cells, problems
+
+
+class _Objects:
+    """Makes JSON objects and notices a key that is there twice: readers differ in which counts."""
+
+    repeated = ''
+
+    def __call__(self, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        """Make one object."""
+        made = dict(pairs)
+        if len(made) != len(pairs) and not self.repeated:
+            seen: set[str] = set()
+            for name, _ in pairs:
+                if name in seen:
+                    self.repeated = name
+                    break
+                seen.add(name)
+        return made
+
+
+def too_large(where: str, size: int) -> Problem:
+    """Say that a file is larger than any notebook we read."""
+    limit = f'a file of at most {MAX_BYTES // 2**20} MiB'
+    got = f'{size / 2**20:.1f} MiB'
+    return Problem(where, limit, got, 'clear all outputs, save and submit again')
+
+
+def _parts(data: bytes) -> int:
+    """Count at least what the parser makes of the text: each string begins with a bare quote."""
+    quotes = data.count(b'"') - data.count(b'\\"')
+    return data.count(b'[') + data.count(b'{') + quotes
+
+
+def _broken_json(data: bytes, error: ValueError) -> str:
+    """Say whether the text is cut off, no JSON at all, or broken at a line."""
+    if not data.lstrip(b'\xef\xbb\xbf \t\r\n').startswith(b'{'):
+        return 'a file that is not JSON'
+    text, place = getattr(error, 'doc', '').rstrip(), getattr(error, 'pos', 0)
+    if not text.endswith('}') or place >= len(text):
+        return f'JSON that ends in the middle, after {len(data)} bytes'
+    line = getattr(error, 'lineno', 0)
+    return f'broken JSON in line {line}' if line else 'broken JSON'
+
+
+def _json_advice(data: bytes) -> str:
+    """Return the advice for a file that is not JSON."""
+    if not data.lstrip(b'\xef\xbb\xbf \t\r\n').startswith(b'{'):
+        return 'submit the .ipynb file itself, not an export, a picture or an archive of it'
+    return 'open the notebook in JupyterLab, save it and submit the saved file'
+
+
+def _read_cells(
+    content: object, where: str
+) -> tuple[tuple[StudentCell, ...] | None, tuple[Problem, ...]]:
+    """Read what we use of parsed JSON, ignoring anything odd beside it."""
+    cells = content.get('cells') if isinstance(content, dict) else None
+    if not isinstance(cells, list):
+        old = isinstance(content, dict) and 'worksheets' in content
+        got = 'a notebook in format 3' if old else 'JSON that has no list of cells'
+        try_this = 'open it in JupyterLab, which converts it, and save' if old else FRESH_COPY
+        return None, (Problem(where, 'a Jupyter notebook in format 4', got, try_this),)
+    if len(cells) > MAX_CELLS:
+        expected = f'at most {MAX_CELLS} cells'
+        return None, (Problem(where, expected, f'{len(cells)} cells', FRESH_COPY),)
+    return tuple(_read_cell(cell) for cell in cells), ()
+
+
+def _read_cell(cell: object) -> StudentCell:
+    """Read one cell; parts of the wrong type count as empty."""
+    if not isinstance(cell, dict):
+        return StudentCell('', '', '')
+    metadata = cell.get('metadata')
+    metadata = metadata if isinstance(metadata, dict) else {}
+    marks = metadata.get('nbgrader')
+    marks = marks if isinstance(marks, dict) else {}
+    grade_id, tags = marks.get('grade_id'), metadata.get('tags')
+    kind, source = cell.get('cell_type'), cell.get('source')
+    if isinstance(source, list):
+        source = ''.join(part for part in source if isinstance(part, str))
+    return StudentCell(
+        grade_id if isinstance(grade_id, str) else '',
+        kind if isinstance(kind, str) else '',
+        _clean(source) if isinstance(source, str) else '',
+        {name: marks[name] for name in MARKS if name in marks},
+        tuple(tag for tag in tags if isinstance(tag, str)) if isinstance(tags, list) else (),
+    )
+
+
+def _clean(text: str) -> str:
+    """
+    Return text with Unix line ends and no half surrogate pairs, which no file can hold.
+
+    Of a text that is too long for an answer, only so much is kept that it stays too long.
+    """
+    text = text[: 2 * (MAX_ANSWER_BYTES + 1)]  # two characters of it are one Windows line end
+    text = text.replace('\r\n', '\n').replace('\r', '\n')
+    return text.encode('utf-8', 'replace').decode('utf-8')
+
+
+def marks_of(cell: Notebook) -> dict[str, Any]:
+    """Return a trusted cell's nbgrader metadata, empty if it has none."""
+    marks = cell.get('metadata', {}).get('nbgrader', {})
+    return marks if isinstance(marks, dict) else {}
+
+
+def read_release(path: Path) -> Notebook:
+    """
+    Read a notebook of ours: the text of each cell becomes one string, as nbformat has it.
+
+    :raises OSError: if it cannot be read
+    :raises ValueError: if it is not a notebook
+    """
+    notebook = json.loads(path.read_text(encoding='utf-8'))
+    if not isinstance(notebook, dict) or not isinstance(notebook.get('cells'), list):
+        raise ValueError(f'{path.name} is no notebook in format 4')
+    for cell in notebook['cells']:
+        cell['source'] = ''.join(cell['source'])
+    return notebook
+
+
+MARKS = ('grade', 'solution', 'locked', 'points', 'task')
+"""nbgrader's marks that decide what a cell is worth."""
+_NUMBERS = {number / 20: number / 20 for number in range(20001)}
+"""Points as courses give them, in steps of 0.05; shared, as a file may hold millions."""
+
+
+def small_number(text: str) -> float | bool:
+    """
+    Return a number as a notebook's points may be, or True for any other.
+
+    :param text: as it is written in the file
+    """
+    return _NUMBERS.get(float(text), True) if len(text) < 12 else True

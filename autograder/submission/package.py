@@ -1,0 +1,94 @@
+"""
+A package folder on disk as the files that exams judge.
+
+Nodes may lie at the top or, as in every Python ROS package, in the folder named like the package;
+links are not followed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from autograder.results import ExamResult
+from autograder.submission.reading import read_file
+
+if TYPE_CHECKING:
+    from autograder.exam.exam import Exam
+
+MAX_FILES = 200
+NOTEBOOK_KINDS = ('.py', '.msg', '.srv', '.action', '.xml', '.txt', '.cfg', '.toml', '.yaml')
+"""What the cells of a lesson make."""
+
+KINDS = (
+    *NOTEBOOK_KINDS,
+    *('', '.md', '.rst', '.in', '.cmake', '.json', '.yml', '.sh', '.launch'),
+    *('.h', '.hpp', '.c', '.cpp'),
+)
+"""What a build may need; no suffix have the marker in resource/ and licences."""
+
+
+def read_package(folder: Path) -> dict[str, str]:
+    """
+    Return the texts of a package by the paths that the exams use.
+
+    :param folder: the package, or any folder laid out like one
+    """
+    found: dict[str, str] = {}
+    for path in sorted(folder.rglob('*')):
+        inside = path.relative_to(folder)
+        if any(part.startswith(('.', '__pycache__')) for part in inside.parts):
+            continue
+        if path.suffix not in NOTEBOOK_KINDS or path.is_symlink() or not path.is_file():
+            continue
+        if path.suffix == '.py' and len(inside.parts) > 1 and inside.parts[0] != 'test':
+            inside = Path(*inside.parts[1:])
+        data, problems = read_file(path, str(inside))
+        if data is not None and not problems and len(found) < MAX_FILES:
+            found.setdefault(inside.as_posix(), data.decode('utf-8', 'replace'))
+    return found
+
+
+def own_files(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
+    """
+    Return the files that an exam is about, of all that a notebook has made.
+
+    A message package is built without the nodes of later exercises, as in grading; so an edit of
+    a node builds nothing again.
+
+    :param files: from :func:`read_package`
+    """
+    if exam.scenario.program != 'build' or any(name.endswith('.py') for name in exam.requires):
+        return dict(files)
+    return {name: text for name, text in files.items() if not name.endswith('.py')}
+
+
+def what_is_there(files: Mapping[str, str]) -> str:
+    """Name the first files of a package, for a message about one that is not there."""
+    if not files:
+        return 'no file of a package'
+    names = [name if name.isprintable() else repr(name) for name in files]
+    more = f' and {len(names) - 8} more' if len(names) > 8 else ''
+    return f'only {", ".join(names[:8])}{more}'
+
+
+def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
+    """
+    Speak of files where the result of a missing one speaks of a notebook's cells.
+
+    :param result: the exam's result on these files
+    """
+    checks = [
+        replace(
+            check,
+            observed=what_is_there(files),
+            cause='The file was not saved in the folder that is checked.',
+            try_this='Save it there, then check again.',
+        )
+        if check.cause_id == 'missing_file'
+        else check
+        for check in result.checks
+    ]
+    return replace(result, checks=tuple(checks))

@@ -1,0 +1,49 @@
+"""Read a file that a student or another system laid down, whatever it really is."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+import stat
+
+from autograder.results import Problem
+from autograder.submission.notebook import MAX_BYTES, too_large
+
+SUBMIT_AGAIN = 'ask the student to submit again'
+
+
+def read_file(
+    path: Path, where: str, owner: int | None = None
+) -> tuple[bytes | None, tuple[Problem, ...]]:
+    """
+    Read a regular file without following links or waiting for a pipe.
+
+    :param path: the file
+    :param where: how to name it in messages
+    :param owner: number of the user who has to own it, None for any
+    """
+    try:
+        kind = os.lstat(path).st_mode
+        if not stat.S_ISREG(kind):
+            got = 'a symbolic link' if stat.S_ISLNK(kind) else 'something else'
+            return None, (Problem(where, 'a regular file', got, SUBMIT_AGAIN),)
+        # The file may have been exchanged since lstat, so look again at what was opened.
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+        with os.fdopen(descriptor, 'rb') as file:
+            now = os.fstat(descriptor)
+            if not stat.S_ISREG(now.st_mode):
+                return None, (Problem(where, 'a regular file', 'something else', SUBMIT_AGAIN),)
+            if owner not in (None, now.st_uid):
+                got = 'a file that another user put in its place'
+                return None, (Problem(where, 'the file that was listed', got, SUBMIT_AGAIN),)
+            if now.st_size > MAX_BYTES:
+                return None, (too_large(where, now.st_size),)
+            return file.read(now.st_size + 1), ()  # reading makes room for what it asks for
+    except OSError as error:
+        return None, (unreadable(where, error),)
+
+
+def unreadable(where: str, error: OSError) -> Problem:
+    """Say why the system does not let us read."""
+    reason = (error.strerror or type(error).__name__).lower()
+    return Problem(where, 'something that can be read', reason, 'check its permissions')

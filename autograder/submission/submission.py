@@ -1,0 +1,187 @@
+"""
+From the bytes a student handed in to a notebook we trust: the release plus the answers.
+
+Only the text of answer cells survives.  Everything else in a submitted notebook - outputs,
+tags, metadata, changed tests, extra cells - is dropped, because nbgrader and Jupyter act on
+it.  Nothing here raises on bad input: what is wrong becomes a
+:class:`~autograder.results.Problem` that says which answers are missing because of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+import copy
+from dataclasses import dataclass, replace
+
+from autograder.results import Problem
+from autograder.submission.cells import CellSyntaxError, first_line, parse_cell
+from autograder.submission.integrity import changes
+from autograder.submission.notebook import (
+    FRESH_COPY,
+    marks_of,
+    MAX_ANSWER_BYTES,
+    Notebook,
+    read_notebook,
+    StudentCell,
+)
+
+
+@dataclass(frozen=True)
+class Opened:
+    """
+    A submission that can be graded.
+
+    :param notebook: the release with the student's answers in it
+    :param problems: what was wrong; ``cells`` of each names the answers that are missing
+    :param flags: what an instructor should look at, see :mod:`autograder.submission.integrity`
+    """
+
+    notebook: Notebook
+    problems: tuple[Problem, ...]
+    flags: tuple[str, ...] = ()
+
+    @property
+    def missing(self) -> frozenset[str]:
+        """Return the grade ids of the answers that are missing."""
+        return frozenset(cell for problem in self.problems for cell in problem.cells)
+
+
+def open_submission(
+    data: bytes | None, release: Notebook, where: str, problems: Sequence[Problem] = ()
+) -> Opened:
+    """
+    Turn submitted bytes into a notebook that can be graded.
+
+    :param data: content of the submitted file, None if there is none to read
+    :param release: the notebook that students received
+    :param where: how to name the file in messages
+    :param problems: what went wrong before, for example when the file was looked for
+    """
+    cells, found = read_notebook(data, where) if data is not None else (None, ())
+    notebook, more = rebuild(release, cells, where)
+    answers = tuple(answer_ids(release))
+    if cells is None:
+        blamed = [
+            replace(problem, cells=answers, unusable=True) for problem in (*problems, *found)
+        ]
+        return Opened(notebook, tuple(blamed))
+    if answers and not _grade_ids(release) & {cell.grade_id for cell in cells}:
+        got = f'{len(cells)} other cells' if cells else 'a notebook without cells'
+        nothing = Problem(where, 'cells of this assignment', got, FRESH_COPY, answers, True)
+        return Opened(notebook, (*problems, nothing, *found, *more))
+    return Opened(notebook, (*problems, *found, *more), changes(release, cells))
+
+
+def _grade_ids(release: Notebook) -> set[str]:
+    """Return the grade ids of all cells that have one."""
+    return {marks_of(cell).get('grade_id', '') for cell in release['cells']} - {''}
+
+
+def answer_ids(release: Notebook) -> Iterator[str]:
+    """Yield the grade ids of all cells that students fill in."""
+    for cell in release['cells']:
+        marks = marks_of(cell)
+        if marks.get('solution'):
+            yield marks['grade_id']
+
+
+def rebuild(
+    release: Notebook, student: Sequence[StudentCell] | None, where: str = 'notebook'
+) -> tuple[Notebook, tuple[Problem, ...]]:
+    """
+    Return the release with the student's answers in it, found by grade id.
+
+    :param release: the notebook that students received
+    :param student: cells of the submitted notebook; None if it could not be read
+    :param where: how to name the file in messages
+    :returns: a new notebook and what is to be said about the answers.  A missing answer leaves
+        the release's stub in place and is named by a problem's ``cells``.
+    """
+    notebook = copy.deepcopy(release)
+    problems: list[Problem] = []
+    by_file = _by_file(student or ())
+    by_id: dict[str, list[StudentCell]] = {}
+    for found in student or ():
+        by_id.setdefault(found.grade_id, []).append(found)
+    for cell in notebook['cells']:
+        marks = marks_of(cell)
+        if student is not None and marks.get('grade_id'):
+            copies = by_id.get(marks['grade_id'], [])
+            if marks.get('solution'):
+                problems += _fill_in(cell, copies, by_file, where)
+            elif copies and copies[0].source.strip() != cell['source'].strip():
+                problems.append(_changed_check(marks['grade_id'], where))
+        if cell['cell_type'] == 'code':
+            cell['outputs'], cell['execution_count'] = [], None
+    return notebook, tuple(problems)
+
+
+def _fill_in(
+    cell: Notebook, copies: Sequence[StudentCell], by_file: Mapping[str, StudentCell], where: str
+) -> Iterator[Problem]:
+    """Put the first of the student's copies into an answer cell; yield what is wrong."""
+    grade_id = marks_of(cell)['grade_id']
+    spot = f'{where}, cell {grade_id}'
+    if not copies:
+        yield _missing_answer(cell, by_file, spot)
+        return
+    answer = copies[0]
+    if len(answer.source.encode()) > MAX_ANSWER_BYTES:
+        limit = f'an answer of at most {MAX_ANSWER_BYTES // 1024} KiB'
+        yield Problem(spot, limit, 'a longer one', 'leave out generated data', (grade_id,))
+        return
+    if len(copies) > 1:
+        yield Problem(
+            spot,
+            'one cell with this grade id',
+            f'{len(copies)}; the first one counts',
+            'delete the copies',
+        )
+    if answer.cell_type != cell['cell_type']:
+        yield Problem(
+            spot,
+            f'a {cell["cell_type"]} cell',
+            f'a {answer.cell_type or "broken"} cell, graded as {cell["cell_type"]}',
+            'set the cell type back in the notebook toolbar',
+        )
+    cell['source'] = answer.source
+
+
+def _missing_answer(cell: Notebook, by_file: Mapping[str, StudentCell], spot: str) -> Problem:
+    """Say that an answer is missing, and where a cell looks like it."""
+    grade_id, wanted = marks_of(cell)['grade_id'], _path(cell['source'])
+    got = 'no such cell'
+    if wanted in by_file:
+        name = by_file[wanted].grade_id
+        title = f'grade id {name[:60]!r}' if name else 'no grade id'
+        got = f'no such cell, only a cell for {wanted} with {title}'
+    return Problem(spot, 'the cell with the answer', got, FRESH_COPY, (grade_id,))
+
+
+def _by_file(cells: Sequence[StudentCell]) -> dict[str, StudentCell]:
+    """Return the first cell for each file that a magic line names."""
+    found: dict[str, StudentCell] = {}
+    for cell in cells:
+        path = _path(cell.source)
+        if path:
+            found.setdefault(path, cell)
+    return found
+
+
+def _path(source: str) -> str:
+    """Return which file a cell's magic line names, empty if none."""
+    try:
+        found = parse_cell(first_line(source)[0])
+    except CellSyntaxError:
+        return ''
+    return found.path if found else ''
+
+
+def _changed_check(grade_id: str, where: str) -> Problem:
+    """Say that a locked cell was edited; the release's text is used."""
+    return Problem(
+        f'{where}, cell {grade_id}',
+        'the text of the release (this cell is locked)',
+        'a changed text, which was ignored',
+        'leave locked cells as they are',
+    )

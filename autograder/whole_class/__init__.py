@@ -1,1 +1,0 @@
-"""A class from its inbox to its reports: grading, judging again, statistics, similarity."""
