@@ -35,7 +35,7 @@ from typing import Any
 import psutil
 
 from autograder.layout import Layout
-from autograder.runs.recording import Recording
+from autograder.recording import Recording
 from benchmarks import reduced_course, report
 from benchmarks.submissions import publishers, REFERENCE
 
@@ -55,7 +55,7 @@ SAMPLES = (
 )
 MORE_CHECKS = '''
 
-from autograder.judging.exam import Failed, Run
+from autograder.exam.exam import Failed, Run
 
 
 @exam.check(points=1, needs=['starts_its_node'])
@@ -78,7 +78,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.class_of_200')
     parser.add_argument('--size', type=int, default=FULL_SIZE, metavar='N', help='submissions')
     parser.add_argument(
-        '--seconds', type=int, default=SECONDS, metavar='N', help='simulated, of the exam'
+        '--seconds', type=int, default=SECONDS, metavar='N', help='virtual, of the exam'
     )
     chosen = parser.parse_args()
     size, seconds = chosen.size, chosen.seconds

@@ -1,11 +1,11 @@
 """
-A grading is killed again and again, and continued: nothing may be lost, doubled or left over.
+Kill a grading repeatedly, and continue it: nothing may be lost, duplicated or left over.
 
-A class is graded once in peace.  Then it is graded anew while, at random instants, the command
-itself, one of its worker processes, or a process of a run (sandbox, probe, a student's program) is
-killed without warning; the same command is started again until it comes to its end.  Its results,
-and what is in the gradebook, have to be the same as in peace; no sandbox may outlive its grader,
-and no temporary file the whole.
+A class is graded once undisturbed.  Then it is graded from scratch while, at random instants, the
+command itself, one of its worker processes, or a process of a run (sandbox, probe, a student's
+program) is killed without warning; the same command is started again until it completes.  Its
+results, and what is in the gradebook, have to be the same as in the undisturbed grading.  No
+sandbox may outlive its grader, and no temporary file may be left at the end.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def soak(
 
     :param root: an empty folder
     :param names: of sample submissions
-    :param seconds: simulated seconds of the exam
+    :param seconds: virtual seconds of the exam
     """
     (root / 'tmp').mkdir()
     layout = reduced_course.build(root / 'course', publishers(names), seconds)
@@ -121,7 +121,7 @@ def soak(
 
 def _enter_soon(layout: Layout) -> None:
     """Have even so small a class entered in the gradebook while the rest of it is run."""
-    path = layout.root / 'autograder' / 'whole_class' / 'entering.py'
+    path = layout.root / 'autograder' / 'gradebook' / 'live_entry.py'
     text = path.read_text(encoding='utf-8')
     if text.count('TOGETHER = 10') != 1:
         raise RuntimeError(f'{path.name}: expected TOGETHER = 10 once; adapt this benchmark.')
@@ -194,7 +194,7 @@ def _killed_or_done(
     if others:
         _kill(chance.choice(others))
         account.kills[kind] += 1
-        # Whoever had a run on it is done again, or for review: then the next start does it.
+        # A submission whose run was killed runs again now, or is for review until the next start.
         said, errors = grading.communicate()
         if grading.returncode == REFUSED:
             return None  # the sandbox was just being tried out

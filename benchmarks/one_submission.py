@@ -1,9 +1,9 @@
 """
-One submission over sixty simulated seconds with all checks, against the floor.
+One submission over sixty virtual seconds with all checks, against the floor.
 
 The floor is the least any grader of this kind must do: start the sandbox, the probe and the
 student's node, and wait until the first message is at the probe.  It uses the same sandbox,
-probe and file, with a scenario of a single clock step.  Whole runs and floor runs alternate, so
+probe and file, with a scenario of two seconds.  Whole runs and floor runs alternate, so
 that both meet the same load.
 """
 
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 import os
 from pathlib import Path
 import statistics
@@ -18,12 +19,12 @@ import time
 from typing import Any
 
 from autograder import exams
-from autograder.judging.clock_steps import parts_of, stepped
-from autograder.judging.exam import Advance, Exam, Scenario
+from autograder.exam.exam import Advance, Exam, Scenario
+from autograder.grading.examine import examine
 from autograder.runs import observe as observing
-from autograder.runs.examine import examine
+from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.confined import Confined, Limits, Program
-from autograder.sandboxes.sandbox import Sandbox, strongest
+from autograder.sandboxes.sandbox import Sandbox
 from benchmarks import report
 from benchmarks.submissions import EXAM, publishers, REFERENCE
 
@@ -38,9 +39,9 @@ STEPS = (
     ('@python', "let the student's program go"),
     ('@imported', "the student's imports"),
     ('@node', "rclpy.init and the student's node"),
-    ('barrier', 'discovery and the first round trip'),
-    ('first message', 'the clock up to the first message'),
-    ('end', 'the rest of the simulated minute'),
+    ('seen', 'discovery'),
+    ('first message', 'virtual time up to the first message'),
+    ('end', 'the rest of the virtual minute'),
     ('closed', 'tear-down'),
     ('judged', 'judging'),
 )
@@ -90,20 +91,18 @@ class _Clocked(observing._Watched):
 class _ClockedSandbox(Sandbox):
     """The sandbox, which also notes when it stood."""
 
-    def start(self, program: Program, limits: Limits, home: Path) -> Confined:
+    def start(
+        self, program: Program, limits: Limits, home: Path, inherited: Sequence[int] = ()
+    ) -> Confined:
         """Start a program and note the time."""
-        confined = super().start(program, limits, home)
+        confined = super().start(program, limits, home, inherited)
         _Clocked.marks['sandbox'] = time.monotonic()
         return confined
 
 
 def floor_of(scenario: Scenario) -> Scenario:
-    """Return the scenario that ends with the first message: one step, beyond the first second."""
-    return Scenario(
-        file=scenario.file,
-        watch=scenario.watch,
-        steps=(Advance(seconds=0.25, step_s=0.25, phase_s=1.1),),
-    )
+    """Return the scenario that ends soon after the first message."""
+    return replace(scenario, steps=(Advance(2.0),))
 
 
 def whole_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> Marks:
@@ -172,19 +171,14 @@ def _figures(exam: Exam, whole: Sequence[Marks], floor: Sequence[Marks]) -> dict
     whole_s = report.spread([marks['judged'] for marks in whole])
     first_s = report.spread([marks['first message'] for marks in floor])
     closed_s = report.spread([marks['closed'] for marks in floor])
-    parts = parts_of(exam.scenario, {FILE: publishers([REFERENCE])[REFERENCE]})
-    taken = stepped(exam.scenario, parts).steps
-    steps = sum(one.count for one in taken if isinstance(one, Advance))
-    stepping_s = statistics.median(marks['end'] - marks['barrier'] for marks in whole)
+    seconds = sum(step.seconds for step in exam.scenario.steps if isinstance(step, Advance))
     return {
-        'exam': f'{exam.facts["simulated_s"]} simulated seconds, {len(exam.checks)} checks',
+        'exam': f'{seconds:g} virtual seconds, {len(exam.checks)} checks',
         'whole_s': whole_s,
         'floor_s': first_s,
         'floor_with_tear_down_s': closed_s,
         'ratio': round(whole_s['median'] / first_s['median'], 2),
         'ratio_with_tear_down': round(whole_s['median'] / closed_s['median'], 2),
-        'clock_steps': steps,
-        'ms_per_clock_step': round(1000 * stepping_s / steps, 2),
         'whole_steps_s': _medians(whole),
         'floor_steps_s': _medians(floor),
     }
@@ -230,11 +224,7 @@ def _print(facts: Mapping[str, Any], figures: Mapping[str, Any]) -> None:
     ]
     report.print_table(['where the time goes (medians)', 'whole [s]', '', 'floor [s]'], rows)
     longest = max(figures['whole_steps_s'], key=lambda what: figures['whole_steps_s'][what])
-    print(f'Most of it: {longest}.')
-    print(
-        f'{figures["clock_steps"]} clock steps, {figures["ms_per_clock_step"]} ms each, '
-        'two round trips to the node in each.\n'
-    )
+    print(f'Most of it: {longest}.\n')
 
 
 if __name__ == '__main__':

@@ -21,8 +21,8 @@ import time
 from typing import Any
 
 from autograder.gradebook import converters
-from autograder.handed_in.submission import marks_of, read_release
 from autograder.layout import Layout
+from autograder.submission.notebook import marks_of, read_release
 from benchmarks.submissions import ASSIGNMENT, EXAM
 
 KEPT_CELLS = ('spec_publisher', EXAM, f'check_{EXAM}')
@@ -60,7 +60,7 @@ def build(
 
     :param root: an empty folder
     :param answers: by student, the text of ``temp_publisher.py``
-    :param seconds: simulated seconds of the exam
+    :param seconds: virtual seconds of the exam
     :param more: further checks, as text of the exam's module
     :param more_points: what they give
     """
@@ -103,7 +103,7 @@ def _left_out(folder: str, names: list[str]) -> list[str]:
 
 
 def _set_window(path: Path, seconds: int) -> None:
-    """Set how many seconds the copied exam simulates."""
+    """Set how many seconds the copied exam lasts."""
     text = path.read_text(encoding='utf-8')
     if text.count('seconds=60') != 1:
         raise RuntimeError(f'{path.name}: expected seconds=60 once; adapt this benchmark.')

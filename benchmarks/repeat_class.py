@@ -1,9 +1,9 @@
 """
-The sample class graded again and again, to see whether all verdicts stay the same.
+Grade the sample class repeatedly, to see whether all verdicts stay the same.
 
-Every repeat runs everything afresh.  Compared is all that a result says, texts included, except
-its timing and pictures.  Processes that only burn time (``--busy``) show whether load changes a
-verdict.
+Every repeat runs everything again.  Everything in a result is compared, including texts, except
+its timing and pictures.  Processes that only burn CPU time (``--busy``) show whether load changes
+a verdict.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ import tempfile
 import time
 from typing import Any
 
+from autograder.authoring.sample_class import write_sample_class
+from autograder.commands.grade import in_a_pool
+from autograder.grading.pipeline import grade_class, load_lesson, SandboxEngine
 from autograder.layout import Layout
-from autograder.runs.workers import grading_folder
-from autograder.sample_class import write_sample_class
-from autograder.sandboxes.sandbox import strongest
-from autograder.whole_class.grading import in_a_pool
-from autograder.whole_class.inbox import discover
-from autograder.whole_class.pipeline import grade_class, load_lesson, SandboxEngine
+from autograder.runs.pool import grading_folder
+from autograder.sandboxes.choose import strongest
+from autograder.submission.inbox import discover
 from benchmarks import report
 
 FULL_REPEATS = 50

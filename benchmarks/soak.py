@@ -1,14 +1,14 @@
 """
-The same files judged again and again, calm and under load, to see whether a result changes.
+Judge the same files repeatedly, calm and under load, to see whether a result changes.
 
-Judged is a fixed panel of references, near misses and attacks (``panel.yaml``), 200 times; or,
-with ``--everything``, each submission and attack that there is, a few times.  Each repeat runs
-all of them afresh, in another order, in one of three ways in turn: *calm* (one run a processor),
+The program judges a fixed panel of references, near misses and attacks (``panel.yaml``) 200 times;
+or, with ``--everything``, all submissions and attacks a few times.  Each repeat runs all of them
+again, in a different order, in one of three ways in turn: *calm* (one run per processor),
 *oversubscribed* (runs and burners that together want the processors eight times over) and
-*parallel* (eight runs at a time).  Compared is all that a result says, texts and flags
-included, except its ``timing``; pictures, whose points may be one step of the clock apart, are
-counted by themselves.  An attack whose docstring calls its points a bound, because luck has a
-part, is compared with it.
+*parallel* (eight runs at a time).  Everything in a result is compared, including texts and flags,
+except its ``timing``; pictures, whose points may be one step of the clock apart, are counted
+separately.  If an attack's points vary from run to run, its docstring calls them a bound, and its
+result is compared with that bound.
 """
 
 from __future__ import annotations
@@ -27,8 +27,9 @@ import time
 from typing import Any
 
 from autograder.errors import GraderError
-from autograder.runs.examine import examine
-from autograder.sandboxes.sandbox import Sandbox, strongest
+from autograder.grading.examine import examine
+from autograder.sandboxes.choose import strongest
+from autograder.sandboxes.sandbox import Sandbox
 from benchmarks import report
 from benchmarks.repeat_class import busy
 from benchmarks.soak_tasks import everything, panel, Task
@@ -188,7 +189,7 @@ def _verdicts(outcome: str) -> str:
 
 
 def _allowed(task: Task, outcome: str) -> bool:
-    """Tell whether luck may decide between this and another outcome."""
+    """Return whether this outcome may differ from run to run."""
     return task.bound is not None and not outcome.endswith('over its bound')
 
 

@@ -14,13 +14,13 @@ from pathlib import Path
 import yaml
 
 from autograder import exams
-from autograder.handed_in.extract import extract
-from autograder.handed_in.submission import open_submission
-from autograder.judging.exam import Exam
+from autograder.authoring.sample_class import compose, samples
+from autograder.exam.exam import Exam
+from autograder.grading.pipeline import load_lesson, SandboxEngine
 from autograder.layout import Layout
-from autograder.sample_class import compose, samples
-from autograder.sandboxes.sandbox import strongest
-from autograder.whole_class.pipeline import load_lesson, SandboxEngine
+from autograder.sandboxes.choose import strongest
+from autograder.submission.extract import extract
+from autograder.submission.submission import open_submission
 from tests.attacks.corpus import files_of, programs
 
 PANEL = Path(__file__).with_name('panel.yaml')
@@ -101,7 +101,7 @@ def _attacks() -> Iterator[Task]:
     """Yield every program of the corpus."""
     for attack in programs():
         files = tuple(sorted(files_of(attack).items()))
-        bound = attack.points if attack.at_most or attack.review else None
+        bound = attack.points if attack.at_most else None
         name, exam = f'attack/{attack.kind}/{attack.name}', exams.load(attack.kind)
         # A flag that names a limit, or a bound, means that it goes on until somebody ends it.
         slow = bound is not None or any(word in str(attack.flags) for word in ENDED)

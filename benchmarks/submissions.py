@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 import json
 
-from autograder.handed_in.extract import answer_files
+from autograder.authoring.sample_class import compose
 from autograder.layout import Layout
-from autograder.sample_class import compose
+from autograder.submission.extract import answer_files
 
 ASSIGNMENT = '07_temperature_monitor'
 EXAM = 'temperature_publisher'

@@ -21,10 +21,11 @@ import time
 from typing import Any
 
 from autograder import exams
-from autograder.handed_in.extract import extract
-from autograder.handed_in.submission import open_submission, read_release
-from autograder.judging.exam import Exam
+from autograder.exam.exam import Exam
 from autograder.layout import Layout
+from autograder.submission.extract import extract
+from autograder.submission.notebook import read_release
+from autograder.submission.submission import open_submission
 from benchmarks import report
 
 RUNS = 3
@@ -59,7 +60,7 @@ def lay_out(files: Files, folder: Path, comment: str = '') -> None:
     """
     Write files as a notebook's cells do.
 
-    :param comment: put below message files, so that they are new to whoever has built them before
+    :param comment: appended to message files, so that they differ from those of earlier builds
     """
     for name, text in files.items():
         path = folder / name
@@ -75,7 +76,7 @@ def waited_s(exam: Exam, folder: Path, solved: bool) -> float:
     :param solved: whether full points are expected
     :raises RuntimeError: if there is no such verdict: then the time means nothing
     """
-    command = [sys.executable, '-m', 'autograder', 'check', exam.name]
+    command = [sys.executable, '-m', 'autograder.commands.check', exam.name]
     command += ['--files', str(folder), '--visible', '--json']
     began = time.monotonic()
     done = subprocess.run(command, capture_output=True, text=True, check=False)

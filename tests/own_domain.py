@@ -1,14 +1,16 @@
 """
-ROS domains that no other test on this machine uses at the same time.
+ROS domains that no other test and no notebook on this machine uses at the same time.
 
-ROS's own ``domain_coordinator`` keeps them apart, also between two checkouts: who has a domain
-holds a TCP port that belongs to it.
+Two kinds of claims keep them apart, also between two checkouts: the course's own, which kernels
+respect, and the TCP port of ROS's ``domain_coordinator``, which the tests of the ROS package use.
 """
 
 from __future__ import annotations
 
-from contextlib import ExitStack, suppress
+from contextlib import closing, ExitStack, suppress
 import random
+
+from environment.ros_domain import claim
 
 DOMAINS = range(1, 101)
 LEFT_TO_OTHERS = 12
@@ -16,26 +18,37 @@ LEFT_TO_OTHERS = 12
 
 def own_domain(until: ExitStack) -> int:
     """
-    Return a domain that nobody else has.
+    Return a domain that no other program has claimed.
 
     :param until: what gives it back when it is closed
     """
-    import domain_coordinator  # ROS's: whoever only collects tests may have none
-
-    shuffled = iter(random.SystemRandom().sample(DOMAINS, len(DOMAINS)))
-    return until.enter_context(domain_coordinator.domain_id(lambda: next(shuffled)))
+    found = _claimed(until, random.SystemRandom().sample(DOMAINS, len(DOMAINS)), most=1)
+    if not found:
+        raise RuntimeError('expected a free ROS domain, all of them are claimed')
+    return found[0]
 
 
 def other_domains(until: ExitStack) -> list[int]:
     """
-    Return all domains that nobody else has, but for a few that are left to tests that begin later.
+    Return all domains that no other program has claimed, without some for tests that begin later.
 
     :param until: what gives them back when it is closed
     """
-    import domain_coordinator
+    chosen = random.SystemRandom().sample(DOMAINS, len(DOMAINS) - LEFT_TO_OTHERS)
+    return _claimed(until, chosen, most=len(chosen))
 
-    found = []
-    for number in random.SystemRandom().sample(DOMAINS, len(DOMAINS) - LEFT_TO_OTHERS):
-        with suppress(RuntimeError):  # somebody has it
-            found.append(until.enter_context(domain_coordinator.domain_id(lambda: number)))  # noqa: B023
+
+def _claimed(until: ExitStack, numbers: list[int], most: int) -> list[int]:
+    import domain_coordinator  # of ROS, which is not there where tests are only collected
+
+    found: list[int] = []
+    for number in numbers:
+        if len(found) == most:
+            break
+        with suppress(RuntimeError), ExitStack() as held:
+            held.enter_context(domain_coordinator.domain_id(lambda: number))  # noqa: B023
+            if (claimed := claim([number])) is not None:
+                held.enter_context(closing(claimed.holder))
+                until.push(held.pop_all())
+                found.append(number)
     return found

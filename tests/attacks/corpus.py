@@ -9,8 +9,8 @@ a paragraph::
     Stopped by: what keeps it from getting it
     Deserves: 15            the points of its honest part; "15 at most" where luck has a part
     Flag: same name         words that the instructor must see; several lines, or none
+    Ends: cpu_limit         the reason for which its run must end, or none
 
-"or review" after the points: the grader may also decline to give any, and call a person.
 A program may import ``honest``, the honest solution in ``honest/``, and bend it.
 """
 
@@ -26,25 +26,24 @@ from typing import Any
 from unittest import mock
 
 from autograder import exams
-from autograder.errors import ProbeFailed
-from autograder.handed_in.extract import answer_files
-from autograder.handed_in.submission import read_release
-from autograder.judging.results import ExamResult
+from autograder.exam.scenario import Scenario
+from autograder.grading.examine import examine
 from autograder.layout import Layout
-from autograder.runs import observe
-from autograder.runs.examine import examine
-from autograder.runs.recording import Recording
-from autograder.runs.scenario import Scenario
+from autograder.recording import Recording
+from autograder.results import ExamResult
+from autograder.runs import observe, watchdog
 from autograder.sandboxes.confined import Limits, Program
 from autograder.sandboxes.sandbox import Sandbox
+from autograder.submission.extract import answer_files
+from autograder.submission.notebook import read_release
 
 FOLDER = Path(__file__).parent
 CANARY = 'CANARY-7f3a9c'
 """Planted wherever a program should not be able to look."""
 
 NOTEBOOKS = 'notebooks'
-_FIELD = re.compile(r'^(Tries|Stopped by|Deserves|Flag): (.+(?:\n[ ]+.+)*)', re.MULTILINE)
-POINTS = re.compile(r'(\d+)( at most)?( or review)?')
+_FIELD = re.compile(r'^(Tries|Stopped by|Deserves|Flag|Ends): (.+(?:\n[ ]+.+)*)', re.MULTILINE)
+POINTS = re.compile(r'(\d+)( at most)?')
 
 
 @dataclass(frozen=True)
@@ -55,8 +54,8 @@ class Attack:
     :param kind: name of the folder: an exam, or ``notebooks``
     :param points: what its honest part deserves, and it gets
     :param at_most: whether the points are an upper bound
-    :param review: whether no score and a person is right, too
     :param flags: words that the instructor must see
+    :param ends: the reason for which its run ends, if it is stated
     """
 
     path: Path
@@ -65,8 +64,8 @@ class Attack:
     stopped_by: str
     points: float
     at_most: bool
-    review: bool
     flags: tuple[str, ...]
+    ends: str
 
     @property
     def name(self) -> str:
@@ -99,8 +98,8 @@ def read(path: Path) -> Attack:
         fields['Stopped by'][0],
         float(points[1]),
         bool(points[2]),
-        bool(points[3]),
         tuple(fields.get('Flag', ())),
+        fields.get('Ends', [''])[0],
     )
 
 
@@ -120,16 +119,16 @@ class Outcome:
     """
     What came of a program.
 
-    :param result: None if the grader declined to judge
+    :param result: None if the grader declined to judge, which is a fault of it
     :param recording: None if there is none
-    :param fault: why there is no result, in words
-    :param declined: False if it was not the attack for which there is none
+    :param fault: why there is no result
+    :param took_s: real time of all that, other runs beside it
     """
 
     result: ExamResult | None
     recording: Recording | None
     fault: str = ''
-    declined: bool = True
+    took_s: float = 0.0
 
 
 def grade(attack: Attack, sandbox: Sandbox, kept: Path) -> Outcome:
@@ -142,10 +141,7 @@ def grade(attack: Attack, sandbox: Sandbox, kept: Path) -> Outcome:
     # Facts are what the hidden exam knows and nobody else.
     exam.facts['canary'] = CANARY
     folder = kept / attack.kind / attack.name
-    try:
-        result = examine(exam, files_of(attack), sandbox=sandbox, recordings=folder)
-    except ProbeFailed as error:
-        return Outcome(None, None, str(error))
+    result = examine(exam, files_of(attack), sandbox=sandbox, recordings=folder)
     found = list(folder.rglob('*.jsonl'))
     return Outcome(result, Recording.load(found[0]) if found else None)
 
@@ -172,7 +168,7 @@ def reference(assignment: str) -> dict[str, str]:
 
 @contextmanager
 def early_limits() -> Iterator[None]:
-    """Let time and processor limits be reached sooner; no other limit is changed."""
+    """Let limits of processor time be reached sooner; no other limit is changed."""
     whole = observe.program_for
 
     def program_for(
@@ -181,8 +177,8 @@ def early_limits() -> Iterator[None]:
         program, limits = whole(scenario, submission, python, **options)
         if scenario.program == 'build':
             return program, limits
-        return program, replace(limits, wall_s=20.0, cpu_s=6)
+        return program, replace(limits, cpu_s=6)
 
-    longer = mock.patch.object(observe, 'MOST_WALL', 50)
-    with mock.patch.object(observe, 'program_for', program_for), longer:
+    sooner = mock.patch.object(watchdog, 'PROBE_S', 3.0)
+    with mock.patch.object(observe, 'program_for', program_for), sooner:
         yield

@@ -1,9 +1,10 @@
 """
 One hostile program in one isolation mode; prints what it got hold of, as JSON.
 
-Usage: mode_world.py MODE FOLDER [linger].  The folder holds files the program must not read.  It
-is a program of its own because some modes are for a plain user and some for root.  With ``linger``
-it prints its process id while the hostile program and its daemon run, and waits to be killed.
+Usage: mode_world.py MODE FOLDER [linger | run].  The folder holds files the program must not read.
+It is a program of its own because some modes are for a plain user and some for root.  With
+``linger`` it says so while the hostile program and its daemon run, and waits to be killed; with
+``run`` it says so while a probe watches a program that computes forever.
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ import socket
 import sys
 
 from autograder import exams
-from autograder.runs.examine import examine
-from autograder.runs.observe import INSIDE, laid_out
-from autograder.sandboxes import sandbox
+from autograder.exam.scenario import Advance, Scenario
+from autograder.grading.examine import examine
+from autograder.runs.observe import INSIDE, laid_out, observe
+from autograder.sandboxes import choose, sandbox
 from autograder.sandboxes.confined import Limits, Program
 
 HOSTILE = """
@@ -100,18 +102,30 @@ def hostile_run(box: sandbox.Sandbox, folder: Path, linger: bool) -> list[str]:
     return lines
 
 
+def endless_run(box: sandbox.Sandbox) -> None:
+    """Watch a program that computes forever, and say so when its node was seen."""
+    program = 'import rclpy\nrclpy.init()\nnode = rclpy.create_node("n")\n'
+    program += 'import time\ntime.sleep(1)\nwhile True:\n    pass\n'
+    scenario = Scenario(file='x.py', steps=(Advance(60.0),))
+    observe('endless', scenario, {'x.py': program}, box, lambda event: print('runs', flush=True))
+
+
 def main() -> None:
-    """Run the hostile program and an honest exam."""
+    """Run the hostile program and, where a program is confined, two honest exams."""
     mode, folder = sys.argv[1], Path(sys.argv[2])
-    box = sandbox.isolated() if mode.startswith('bwrap') else sandbox.weak(mode)
+    box = choose.isolated() if mode.startswith('bwrap') else choose.weak(mode)
     assert box.mode == mode
+    if sys.argv[3:] == ['run']:
+        endless_run(box)
     lines = hostile_run(box, folder, sys.argv[3:] == ['linger'])
-    if mode == 'none':
-        print(json.dumps({'hostile': lines}))
-        return
-    answer = Path('tests/submissions/01_node_life/pass__own_spin_loop/harbour.py')
-    result = examine(exams.load('harbour'), {'harbour.py': answer.read_text()}, sandbox=box)
-    print(json.dumps({'hostile': lines, 'result': result.to_json(), 'points': result.points}))
+    answers = Path('tests/submissions/03_topics/pass__functions_style')
+    results = []
+    for name in ('talker', 'running_mean'):  # one publishes by its timer, one answers
+        exam = exams.load(name, hidden=mode != 'none')
+        files = {file: (answers / file).read_text('utf-8') for file in exam.requires}
+        result = examine(exam, files, sandbox=box)
+        results.append({**result.to_json(), 'lacks': result.max_points - result.points})
+    print(json.dumps({'hostile': lines, 'results': results}))
 
 
 if __name__ == '__main__':

@@ -23,8 +23,9 @@ Submissions that try to cheat the grader, to read what is hidden, or to break it
 in `tests/attacks/`. Each is graded as any other submission is, with the real sandbox and the
 hidden exams, and `pytest tests/attacks` asserts for each that
 
-* it gets the points that its honest part deserves: exactly, or, where luck has a part, not more
-  ("at most"; "or review": the grader may also decline to judge, and call a person);
+* it gets the points that its honest part deserves: exactly, or, if it varies from run to run, not
+  more ("at most"); no attack makes the grader decline to judge;
+* its run ends in a minute at most, and for the reason that is named here;
 * a canary in the grader's environment, its memory and its open files shows up nowhere in what the
   program printed or sent, in the recording, the report and the feedback;
 * the instructor is shown the flag that is named here;
@@ -61,16 +62,17 @@ def _section(kind: str, group: Sequence[Attack]) -> list[str]:
     else:
         title = f'## Programs for the exam {kind}'
         what = f'Of {exams.load(kind).max_points:g} points.'
-    lines = [title, '', what, '', '| Attack | Tries to | Stopped by | Deserves and gets | Flag |']
-    lines += ['|---|---|---|---|---|']
+    head = '| Attack | Tries to | Stopped by | Deserves and gets | Run ends with | Flag |'
+    lines = [title, '', what, '', head, '|---|---|---|---|---|---|']
     return [*lines, *map(_row, group), '']
 
 
 def _row(attack: Attack) -> str:
-    points = f'{attack.points:g}{" at most" * attack.at_most}{" or review" * attack.review}'
+    points = f'{attack.points:g}{" at most" * attack.at_most}'
     flags = ', '.join(f'“{flag}”' for flag in attack.flags)
     name = attack.name.replace('_', ' ')
-    cells = (name, attack.tries.rstrip('.'), attack.stopped_by, points, flags)
+    ends = f'`{attack.ends}`' if attack.ends else ''
+    cells = (name, attack.tries.rstrip('.'), attack.stopped_by, points, ends, flags)
     return f'| {" | ".join(cell.replace("|", "&#124;") for cell in cells)} |'
 
 

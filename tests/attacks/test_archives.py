@@ -16,8 +16,8 @@ import zipfile
 
 import pytest
 
-from autograder.handed_in import intake
-from autograder.handed_in.intake import NotTakenInError, read_handed_in
+from autograder.submission import intake
+from autograder.submission.intake import NotTakenInError, read_handed_in
 from tests.attacks.archives import KEPT, pack, PACKAGE, REFUSED
 from tests.attacks.corpus import CANARY
 
@@ -65,7 +65,7 @@ def test_an_archive_in_an_archive_is_not_opened(tmp_path, outside):
 
 
 def test_a_name_that_is_not_utf_8_is_read_as_some_letters(tmp_path):
-    """Old programs pack so; it names a file inside all the same."""
+    """Old programs write such names; the name still refers to a file in the archive."""
     path = pack(tmp_path, ('my_pkg/my_pkg/gru_.py', 'x = 1'))
     path.write_bytes(path.read_bytes().replace(b'gru_', b'gr\xfc_'))
 

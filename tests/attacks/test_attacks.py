@@ -8,16 +8,17 @@ once, side by side; every property is then a test of its own.
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 import os
 from pathlib import Path
 import time
 
 import pytest
 
+from autograder.classroom.pages import write_reports
 from autograder.errors import GraderError
-from autograder.judging.results import SubmissionResult
-from autograder.sandboxes.sandbox import strongest
-from autograder.whole_class.report import write_reports
+from autograder.results import SubmissionResult
+from autograder.sandboxes.choose import strongest
 from tests.attacks.corpus import Attack, CANARY, early_limits, grade, Outcome, programs
 
 # All of them run below the first test's limit of time; on two processors they take four minutes.
@@ -28,6 +29,8 @@ SLEEPER = b'86397'
 LOOT = ('FOUND', 'WROTE', 'ESCAPED', 'REACHED')
 """What a program prints when it got something."""
 WORKERS = 3
+LONGEST_S = 60.0
+"""Real time for what may use six seconds of a processor, beside others."""
 
 
 def names(attack: Attack) -> str:
@@ -48,11 +51,10 @@ def graded(tmp_path_factory):
     def run(attack: Attack) -> Outcome:
         began = time.monotonic()
         try:
-            return grade(attack, sandbox, kept)
+            outcome = grade(attack, sandbox, kept)
         except GraderError as error:  # no reason to lose what came of the others
-            return Outcome(None, None, str(error), declined=False)
-        finally:
-            print(f'{time.monotonic() - began:5.1f} s  {names(attack)}')
+            outcome = Outcome(None, None, str(error))
+        return replace(outcome, took_s=time.monotonic() - began)
 
     with secret.open() as file, early_limits(), ThreadPoolExecutor(WORKERS) as pool:
         os.set_inheritable(file.fileno(), True)
@@ -65,13 +67,21 @@ def test_attack_gains_nothing(graded, attack):
     """The score is what the honest part of the program deserves."""
     outcome = graded[attack.path]
 
-    if outcome.result is None:
-        assert attack.review, outcome.fault
-        assert outcome.declined, outcome.fault
-    elif attack.at_most or attack.review:
+    assert outcome.result is not None, outcome.fault
+    if attack.at_most:
         assert outcome.result.points <= attack.points
     else:
         assert outcome.result.points == attack.points
+
+
+@pytest.mark.parametrize('attack', ATTACKS, ids=names)
+def test_attack_ends_in_time_and_as_it_is_stated(graded, attack):
+    """No submission costs more than its processor time, and its end is a finding about it."""
+    outcome = graded[attack.path]
+
+    assert outcome.took_s < LONGEST_S
+    if attack.ends:
+        assert outcome.recording.end_reason == attack.ends
 
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)
@@ -90,8 +100,8 @@ def test_attack_finds_and_reaches_nothing(graded, attack):
 def test_attack_that_names_a_flag_is_flagged(graded, attack):
     """The instructor sees what was noticed."""
     outcome = graded[attack.path]
-    assert outcome.declined, outcome.fault
-    seen = outcome.result.flags if outcome.result else (outcome.fault,)
+    assert outcome.result is not None, outcome.fault
+    seen = outcome.result.flags
 
     for flag in attack.flags:
         assert any(flag in one for one in seen), seen

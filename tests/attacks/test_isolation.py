@@ -13,11 +13,11 @@ import pytest
 
 import autograder
 from autograder import exams
-from autograder.runs.examine import examine
+from autograder.grading.examine import examine
 from autograder.runs.observe import INSIDE, laid_out
+from autograder.sandboxes.choose import plain, strongest
 from autograder.sandboxes.confined import Limits, Program
 from autograder.sandboxes.processes import usage
-from autograder.sandboxes.sandbox import plain, strongest
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros]
 
@@ -25,8 +25,8 @@ LAUNCHER = """
 import sys
 from pathlib import Path
 from autograder.sandboxes.confined import Limits, Program
-from autograder.sandboxes.processes import Threads
-from autograder.sandboxes.sandbox import strongest
+from autograder.sandboxes.processes import family
+from autograder.sandboxes.choose import strongest
 box = strongest()
 argv = (box.ros.python, '/grader/inside/run_node.py', '/submission/x.py')
 program = Program(argv, {sys.argv[1]: '/grader/inside', sys.argv[2]: '/submission'})
@@ -34,7 +34,7 @@ confined = box.start(program, Limits(), Path('/'))
 if sys.argv[3] == 'running':
     confined.release()
     confined.process.stdout.readline()
-while len(Threads(confined.pid).processes) < 2:  # bubblewrap's first process, and the program
+while len(list(family(confined.pid))) < 2:  # bubblewrap's first process, and the program
     pass
 print(confined.pid, flush=True)
 sys.stdin.read()

@@ -20,8 +20,9 @@ import pytest
 
 from autograder import exams
 from autograder.errors import SandboxUnavailable
-from autograder.runs.examine import examine
-from autograder.sandboxes import isolation, landlock, sandbox
+from autograder.grading.examine import examine
+from autograder.sandboxes import choose, isolation, landlock
+from autograder.sandboxes.processes import family
 from environment.ros import ros_environment
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros]
@@ -116,7 +117,7 @@ def test_a_hostile_program_reaches_nothing(world):
 
 
 def kernel_scopes_signals() -> bool:
-    """Tell whether this kernel's Landlock knows signals."""
+    """Return whether this kernel's Landlock can restrict signals."""
     from autograder.inside.system_calls import landlock_version
 
     return landlock_version() >= 6
@@ -125,10 +126,7 @@ def kernel_scopes_signals() -> bool:
 def test_nothing_outlives_a_killed_grader(world):
     """A grader that is killed takes the program and its daemon along."""
     mode, _, folder = world
-    argv = [*prefix(mode, folder.with_name(f'aside-{mode}')), sys.executable, '-B']
-    argv += ['-m', 'tests.attacks.mode_world', mode, str(folder), 'linger']
-    pipes = {'stdin': subprocess.PIPE, 'stdout': subprocess.PIPE}
-    with subprocess.Popen(argv, cwd=ROOT, **pipes) as grader:
+    with started(mode, folder, 'linger') as grader:
         assert grader.stdout.readline() == b'lingers\n'
         deadline = time.monotonic() + 60
         while not (found := sleeping()):  # it has been forked, and becomes the sleeper soon
@@ -138,6 +136,28 @@ def test_nothing_outlives_a_killed_grader(world):
     for pidfd in sleepers:
         assert select.select([pidfd], [], [], 60)[0], 'it goes on'
         os.close(pidfd)
+
+
+@pytest.mark.parametrize('mode', isolation.MODES)
+def test_no_process_of_a_run_outlives_a_killed_grader(mode, planted):
+    """Neither the program, nor the probe, nor the clock's driver, though time stands still."""
+    if mode.startswith('landlock') and (refused := landlock.refusal(root=mode[8:] == '-uid')[0]):
+        pytest.skip(refused)
+    with started(mode, planted, 'run') as grader:
+        assert grader.stdout.readline() == b'runs\n'
+        found = [os.pidfd_open(pid) for pid in family(grader.pid) if pid != grader.pid]
+        grader.kill()
+    assert len(found) >= 3
+    for pidfd in found:
+        assert select.select([pidfd], [], [], 60)[0], 'it goes on'
+        os.close(pidfd)
+
+
+def started(mode: str, folder: Path, what: str) -> subprocess.Popen[bytes]:
+    """Start a grader that goes on until it is killed."""
+    argv = [*prefix(mode, folder.with_name(f'aside-{mode}')), sys.executable, '-B']
+    argv += ['-m', 'tests.attacks.mode_world', mode, str(folder), what]
+    return subprocess.Popen(argv, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
 
 def test_nothing_outlives_the_run(world):
@@ -157,14 +177,21 @@ def sleeping() -> list[int]:
     return found
 
 
-def test_an_honest_program_gets_its_points_and_the_result_says_the_mode(world):
+def test_honest_programs_get_their_points_and_results_say_the_mode(world):
     """Grading works, and what was not protected is written into the result."""
     mode, seen, _ = world
 
-    assert seen['points'] == 8
-    assert seen['result']['mode'] == mode
-    assert bool(seen['result']['not_protected']) == mode.startswith('landlock')
-    assert seen['result']['flags'] == []
+    check_honest(mode, seen['results'])
+
+
+def check_honest(mode: str, results) -> None:
+    """Find full points in a mode, for one program that publishes and one that answers."""
+    assert len(results) == 2
+    for result in results:
+        assert result['lacks'] == 0, result
+        assert result['mode'] == mode
+        assert bool(result['not_protected']) != mode.startswith('bwrap')
+        assert result['flags'] == []
 
 
 def test_hidden_exams_are_never_run_without_isolation():
@@ -172,18 +199,20 @@ def test_hidden_exams_are_never_run_without_isolation():
     exam = exams.load('harbour', hidden=True)
 
     with pytest.raises(SandboxUnavailable, match='never run with isolation none'):
-        examine(exam, {'harbour.py': ''}, sandbox=sandbox.plain())
+        examine(exam, {'harbour.py': ''}, sandbox=choose.plain())
 
 
 def test_a_named_weak_mode_is_used_only_if_nothing_better_works():
-    """Permission for less is no request for less."""
-    assert sandbox.strongest('none').isolated
+    """Allowing a weak mode does not select it while a stronger mode works."""
+    assert choose.strongest('none').isolated
 
 
 def test_without_isolation_the_same_program_reaches_everything(planted):
     """The program that finds nothing elsewhere is able to find something."""
-    seen = run_world('none', planted)['hostile']
+    seen = run_world('none', planted)
     for path in planted.iterdir():
         path.unlink()
 
-    assert {'read REACHED', 'write REACHED', 'cut REACHED', 'tcp REACHED'} <= set(seen)
+    reached = {'read REACHED', 'write REACHED', 'cut REACHED', 'tcp REACHED'}
+    assert reached <= set(seen['hostile'])
+    check_honest('none', seen['results'])

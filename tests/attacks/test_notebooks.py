@@ -21,14 +21,14 @@ from types import ModuleType
 
 import pytest
 
+from autograder.classroom.pages import page_name, write_reports
 from autograder.gradebook.record import enter_assignment, record
-from autograder.handed_in.submission import read_release
-from autograder.judging.results import SubmissionResult
+from autograder.grading.pipeline import grade_class, Graded, Lesson, load_lesson, SandboxEngine
 from autograder.layout import Layout
-from autograder.sandboxes.sandbox import strongest
-from autograder.whole_class.inbox import discover
-from autograder.whole_class.pipeline import grade_class, Graded, Lesson, load_lesson, SandboxEngine
-from autograder.whole_class.report import page_name, write_reports
+from autograder.results import SubmissionResult
+from autograder.sandboxes.choose import strongest
+from autograder.submission.inbox import discover
+from autograder.submission.notebook import read_release
 from tests.attacks.corpus import Attack, CANARY, notebooks
 from tests.attacks.handing_in import ASSIGNMENT, cell, lay_out, PAYLOAD
 
@@ -213,7 +213,9 @@ def test_gradebook_has_everybody_once_with_their_own_points(graded):
     with sqlite3.connect(graded.layout.work / 'gradebook.db') as gradebook:
         stored = dict(gradebook.execute(query).fetchall())
     given = {
-        name: one.result.points for name, one in graded.graded.items() if one.submission.recordable
+        name: None if one.result.review else one.result.points
+        for name, one in graded.graded.items()
+        if one.submission.recordable
     }
 
     assert stored == given

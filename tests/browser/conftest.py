@@ -7,7 +7,7 @@ Playwright is imported by the fixtures only: the other tests are collected witho
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import contextmanager, ExitStack
 from dataclasses import dataclass
 import json
 import os
@@ -23,6 +23,8 @@ from urllib.request import urlopen
 
 import pytest
 
+from environment import install_files
+from environment.places import Places
 from tests.own_domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -101,13 +103,36 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope='session')
 def lab(course: Path) -> Iterator[Lab]:
     """Return a JupyterLab that knows nothing of the user's own settings and open files."""
-    home = course.parent
+    with _running(course, course.parent) as running:
+        yield running
+
+
+@pytest.fixture
+def students_lab(course: Path, tmp_path: Path) -> Iterator[Lab]:
+    """Return a JupyterLab with the settings of a copy that students have."""
+    places = Places.of('.venv', tmp_path)
+    install_files.write_jupyter_settings(places)
+    install_files.write_terminal(places)
+    with _running(course, tmp_path, places.venv / 'etc' / 'jupyter') as running:
+        yield running
+
+
+@contextmanager
+def _running(course: Path, home: Path, config: Path | None = None) -> Iterator[Lab]:
+    """
+    Run a JupyterLab.
+
+    :param home: receives what it keeps
+    :param config: a folder of settings that come before those of the environment
+    """
     settings = home / 'settings' / '@jupyterlab' / 'notebook-extension'
     settings.mkdir(parents=True)
     # All cells are in the page, not only those in sight.
     (settings / 'tracker.jupyterlab-settings').write_text('{"windowingMode": "none"}')
     # In a test, ipykernel leaves alone what C code prints, such as the lines of ROS loggers.
     inherited = {name: text for name, text in os.environ.items() if name != UNDER_TEST}
+    if config is not None:
+        inherited['JUPYTER_CONFIG_PATH'] = str(config)
     token = secrets.token_hex(8)
     log = home / 'jupyterlab.log'
     until = ExitStack()

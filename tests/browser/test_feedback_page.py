@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from accessibility import violations
 import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 import pytest
 
-from autograder.judging.results import CheckResult, ExamResult, Verdict
+from autograder.results import CheckResult, ExamResult, Verdict
 
 pytestmark = [pytest.mark.browser, pytest.mark.nbgrader]
 
@@ -51,7 +52,7 @@ TIMELINE = {
     'deviation': 2.0,
 }
 OUTSIDE = """() => [...document.querySelectorAll('main *')]
-    .filter(one => !one.closest('svg') && !one.closest('pre'))
+    .filter(one => !one.closest('svg') && !one.closest('pre') && !one.closest('thead, tbody'))
     .filter(one => one.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
     .map(one => one.outerHTML.slice(0, 200))"""
 WITHOUT_WORDS = """() => [...document.querySelectorAll('svg')]
@@ -80,7 +81,8 @@ def failing(name: str) -> CheckResult:
 @pytest.fixture(scope='module')
 def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a page of feedback as nbgrader writes it for this course."""
-    from autograder.gradebook.nbgrader_plugin import _score, _told, FeedbackExporter
+    from autograder.gradebook.grade_cells import _score, _told
+    from autograder.gradebook.nbgrader_plugin import FeedbackExporter
     from autograder.gradebook.settings import load_config
     from autograder.layout import Layout
 
@@ -103,8 +105,10 @@ def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
         outputs=[_told(result, ()), _score(1.0)],
         execution_count=1,
     )
-    heading = new_markdown_cell(f'## Part 2: Names\n\n{"Some words. " * 400}')
-    notebook = new_notebook(cells=[heading, node, check])
+    words = f'| topic | type |\n|---|---|\n| {LONG} | String |\n\n{"Some words. " * 400}'
+    heading = new_markdown_cell(f'## Part 2: Names\n\n{words}\n\n### Self-check')
+    again = new_markdown_cell('### Self-check')
+    notebook = new_notebook(cells=[heading, again, node, check])
     nbformat.validate(notebook)
     told = {'notebook': 'topics', 'score': 1.0, 'max_score': 6.0, 'late_penalty': 0.5}
     exporter = FeedbackExporter(config=load_config(Layout(ROOT)))
@@ -137,6 +141,21 @@ def test_a_feedback_page_fits_and_asks_for_nothing(
     )
     background = page.evaluate('getComputedStyle(document.body).backgroundColor')
     assert (background == 'rgb(255, 255, 255)') == (scheme == 'light')
+    context.close()
+
+
+@pytest.mark.parametrize('width', [1280, 360])
+def test_axe_finds_nothing_on_a_feedback_page(feedback: Path, browser: Any, width: int) -> None:
+    """What scrolls has a name and can be focused, and no id is repeated."""
+    # The page forbids every script, that of axe too.
+    context = browser.new_context(viewport={'width': width, 'height': 900}, bypass_csp=True)
+    page = context.new_page()
+    page.goto(feedback.as_uri())
+
+    assert violations(page) == []
+    ids = page.evaluate('[...document.querySelectorAll("[id]")].map(one => one.id)')
+    assert 'Self-check-2' in ids
+    assert len(ids) == len(set(ids))
     context.close()
 
 

@@ -34,6 +34,9 @@ CHECKS = (
     ('temperature_publisher', 15),
     ('temperature_subscriber', 15),
 )
+WRAPPING = """() => [...new Set([...document.querySelectorAll('.jp-OutputArea-output pre')]
+    .map(output => getComputedStyle(output).wordBreak))]"""
+"""How lines of output are broken; JupyterLab's own way is break-all."""
 RUNS_AND_SHOWS = """
 ([cell, words, trouble]) => document.querySelector(trouble) !== null
     || cell.querySelector('.jp-InputPrompt').textContent.includes('*')
@@ -58,7 +61,7 @@ def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shot
     live.screenshot(path=shots / 'live.png')
     wait_until_run(page.locator('.jp-CodeCell').last)
 
-    # Each line is with the cell that caused it, also when cells follow one another at once.
+    # Each line is under the cell that caused it, even when cells run in quick succession.
     for fed, warnings in (('feed([(29.9', 2), ('feed([(300.0', 1)):
         output = cell_with(page, fed).locator('.jp-Cell-outputArea')
         assert output.inner_text().count('[WARN] [temperature_subscriber]') == warnings
@@ -76,6 +79,7 @@ def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shot
         assert len(marks) > 3
         assert set(marks) == {'✓ Passed:'}
     assert page.evaluate(WITHOUT_WORDS) == []
+    assert page.evaluate(WRAPPING) == ['normal']
     assert page.locator(TROUBLE).all_inner_texts() == []
     assert page.errors == []
     assert 'without encryption' not in lab.log.read_text()  # as kernels warn learners
@@ -149,3 +153,42 @@ def test_formgrader_shows_a_submission_and_makes_feedback(
     expect(answer).to_contain_text('Successfully generated feedback', timeout=CELL_MS)
     folder = lab.course / 'autograder' / '_work' / 'feedback' / student / ASSIGNMENT
     assert 'Checks: temperature publisher' in (folder / f'{name}.html').read_text('utf-8')
+
+
+def test_check_notices_an_edited_cell_that_was_not_run(lab: Lab, page: Any, shots: Path) -> None:
+    """JupyterLab saves the notebook soon, and the file that is judged is older."""
+    from playwright.sync_api import expect
+
+    folder = lab.course / 'edited'
+    folder.mkdir()
+    cells = [
+        {'cell_type': 'code', 'source': source, 'metadata': {}, 'outputs': []}
+        for source in (
+            'from roslab import check',
+            '%%node talker\n# the first text\n',
+            "check('talker')",
+        )
+    ]
+    metadata = {'kernelspec': {'name': 'ros2_jazzy', 'display_name': 'ROS 2 Jazzy'}}
+    notebook = {'cells': cells, 'metadata': metadata, 'nbformat': 4, 'nbformat_minor': 4}
+    path = folder / 'edited.ipynb'
+    path.write_text(json.dumps(notebook), encoding='utf-8')
+    open_notebook(lab, page, 'edited/edited.ipynb')
+    choose(page, 'Run', 'Run All Cells')
+    checked = cell_with(page, "check('talker')")
+    wait_until_run(checked)
+    shown = checked.locator('.jp-Cell-outputArea')
+    expect(shown).to_contain_text('Judged: talker.py, saved')
+    expect(shown).to_contain_text('by In [2]')
+    expect(shown).not_to_contain_text('is older than its cell')
+
+    cell_with(page, 'the first text').locator('.cm-line').last.click()
+    page.keyboard.type('# the second text')
+    unsaved = page.locator('.lm-TabBar-tab.jp-mod-dirty')
+    expect(unsaved).to_have_count(1)
+    expect(unsaved).to_have_count(0, timeout=OPEN_MS)
+    checked.locator('.cm-line').last.click()
+    page.keyboard.press('Control+Enter')
+    expect(shown).to_contain_text('talker.py is older than its cell', timeout=CELL_MS)
+    checked.screenshot(path=shots / 'edited.png')
+    assert page.errors == []

@@ -166,7 +166,7 @@ def test_laboratory_shows_a_table_with_headers_and_a_timeline(
     assert len(offered) == 4
     row = table.get_by_role('row', name=re.compile('^BEST_EFFORT, VOLATILE'))
     expect(row.get_by_role('cell')).to_have_text(
-        ['match', 'no: DURABILITY', 'no: RELIABILITY', 'no: RELIABILITY']
+        ['✓ match', '✗ no: DURABILITY', '✗ no: RELIABILITY', '✗ no: RELIABILITY']
     )
     table.screenshot(path=shots / 'table.png')
     timeline = picture(page, r'Timeline of .* pulse: 8 messages.* deadline missed: \d+ marks')

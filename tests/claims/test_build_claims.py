@@ -105,7 +105,7 @@ def test_without_the_group_cmake_stops(tmp_path):
 
 @claim('M6', 'C2')
 def test_first_argument_is_the_name_of_the_project(tmp_path):
-    """Another name builds, and its libraries are then looked for in vain."""
+    """A different name builds, but Python then fails to find its libraries."""
     built = build(
         tmp_path,
         {

@@ -157,7 +157,7 @@ def test_spin_once_takes_the_node_away_from_its_executor(world):
 
 @claim('X7')
 def test_exception_in_a_callback_leaves_spin(world):
-    """Whoever spins gets it, and a thread ends with it."""
+    """``spin()`` raises the exception in its caller, and a spinning thread ends with it."""
 
     def fail():
         raise ZeroDivisionError('in a callback')

@@ -16,6 +16,7 @@ from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
 
 claim = pytest.mark.claim
 pytestmark = pytest.mark.ros
@@ -104,7 +105,7 @@ def test_call_site_can_be_limited(world, rosout):
 
 @claim('P5')
 def test_call_site_keeps_its_severity(world):
-    """The same line with another level is refused."""
+    """A call site that has logged at one level refuses a different level."""
     log = world.node().get_logger()
 
     def say(level):
@@ -149,7 +150,7 @@ def test_parameter_is_validated_in_a_callback(world):
 
 @claim('P8', 'C16', 'C32')
 def test_edges_of_a_threshold():
-    """Equal is not above, NaN is nowhere, and a slow random walk seldom crosses."""
+    """30.0 is not above 30.0, NaN never is, and a slow random walk rarely crosses 30."""
     assert not 30.0 > 30.0
     assert not math.nan > 30.0
     # Steps of at most 0.5 from 20: two minutes can cross 30, and nearly all walks do not.
@@ -160,7 +161,7 @@ def test_edges_of_a_threshold():
 
 
 def crosses(draw, seconds: int) -> bool:
-    """Tell whether a random walk with measuring noise passes 30 degrees."""
+    """Return whether a random walk with measurement noise exceeds 30 degrees."""
     value = 20.0
     for _ in range(seconds):
         value += draw.uniform(-0.5, 0.5)
@@ -170,6 +171,23 @@ def crosses(draw, seconds: int) -> bool:
 
 
 @claim('P10')
+def test_only_what_is_published_after_the_match_arrives(world):
+    """A test that publishes at once tests nothing, and the wait for it has to end."""
+    heard, bench = [], world.node('bench')
+    publisher = bench.create_publisher(String, 'readings', 10)
+    publisher.publish(String(data='too early'))
+    with pytest.raises(AssertionError, match='waited 0 s for a subscription'):
+        world.spin_until(publisher.get_subscription_count, timeout=0, what='a subscription')
+
+    world.node('monitor').create_subscription(String, 'readings', heard.append, 10)
+    world.spin_until(publisher.get_subscription_count, what='a subscription')
+    publisher.publish(String(data='matched'))
+    world.spin_until(lambda: heard, what='a reading')
+
+    assert [one.data for one in heard] == ['matched']
+
+
+@claim('E12')
 def test_world_of_a_test_is_its_own(world, other_world):
     """Two contexts on the domain of the test see each other, and nobody of the next domain."""
     stranger = Context()

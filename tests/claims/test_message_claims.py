@@ -126,7 +126,7 @@ def test_arrays_and_strings_have_bounds():
 
 @claim('M14')
 def test_comments_are_kept_with_their_field():
-    """What stands behind a field is its documentation."""
+    """The comment after a field is its documentation."""
     (field,) = parse('float64 value  # in degrees Celsius').fields
 
     assert 'in degrees Celsius' in field.annotations['comment']

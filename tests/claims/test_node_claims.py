@@ -250,7 +250,7 @@ def end_by(signal_number: int, text: str) -> tuple[int, str]:
     while process.stdout.readline().strip() != 'up':
         assert process.poll() is None
     # rclpy 7.1.6 can overlook a signal: its executor wakes before the context is shut down, and
-    # waits again (one in forty runs here). Whoever ends a program then sends another.
+    # waits again (one in forty runs here). So send the signal again, as a user would.
     for _ in range(4):
         process.send_signal(signal_number)
         try:

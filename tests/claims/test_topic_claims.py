@@ -31,7 +31,7 @@ def test_publishers_and_subscriptions_are_no_nodes(world):
 
 @claim('T2')
 def test_topic_joins_many_with_many(world):
-    """Two publishers and two subscriptions: each hears both, and nobody is no error."""
+    """Each subscription receives from both publishers; publishing to none is not an error."""
     node, heard = world.node(), {1: [], 2: []}
     publishers = [node.create_publisher(String, 'chatter', 10) for _ in range(2)]
     publishers[0].publish(String(data='to nobody'))

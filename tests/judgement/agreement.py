@@ -1,10 +1,10 @@
 """
-Write docs/agreement.md: whether the grader says of each sample submission what it should.
+Write docs/agreement.md: compare results of the sample submissions with the expected ones.
 
-``python -m tests.judgement.agreement`` grades the submissions of ``tests/submissions/`` for the
-exercises whose results are out of date, and writes the table; names of exams behind it choose
-others, ``--fresh`` grades all again.  ``--check`` runs nothing: it fails if the table was made
-from other files than those of today.
+``python -m tests.judgement.agreement`` grades the submissions in ``tests/submissions/`` for the
+exercises whose results are out of date, and writes the table.  Names of exams after the command
+select different ones; ``--fresh`` grades everything again.  ``--check`` runs nothing: it fails if
+the table was not made from the current files.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 import sys
 from typing import Any
 
-from autograder.judging.results import ExamResult, Verdict
+from autograder.results import ExamResult, Verdict
 from tests.judgement.kept import load, run_all, save, table, write_or_compare
 from tests.judgement.references import digest, Exercise, exercises
 from tests.judgement.samples import (
@@ -144,7 +144,7 @@ def _list(exercise: Exercise, kept: Mapping[str, Any]) -> list[str]:
 
 
 def late(kept: Mapping[str, Any]) -> list[str]:
-    """Return the exams whose results were made from other files than those of today."""
+    """Return the exams whose results were not made from the current files."""
     return [
         one.name for one in exercises() if kept.get(one.name, {}).get('digest') != digest_of(one)
     ]

@@ -114,7 +114,7 @@ def _changes(exercise: Exercise) -> Iterator[tuple[str, Change]]:
 
 
 def _is_left(change: Change, source: str, left: set[str]) -> bool:
-    """Tell whether a change does not matter: by its place, its kind or the text it changes."""
+    """Return whether to skip a change because of its place, its kind or the text it changes."""
     return bool(left & {change.place, change.kind, source[change.start : change.end]})
 
 

@@ -7,11 +7,11 @@ import re
 from typing import Any
 
 from autograder import exams
-from autograder.judging.exam import Exam
-from autograder.judging.results import CheckResult
-from autograder.judging.tracebacks import PUBLIC
-from autograder.judging.untold import namespace_of
-from autograder.runs.scenario import Advance, Call, Feed
+from autograder.exam.exam import Exam
+from autograder.exam.scenario import Advance, Call, Feed
+from autograder.judging.causes.redaction import namespace_of
+from autograder.judging.causes.tracebacks import PUBLIC
+from autograder.results import CheckResult
 
 NAMES = exams.names()
 LEAST_DIGITS = 3
@@ -53,20 +53,17 @@ def _secret_words(exam: Exam) -> set[str]:
 
 
 def _secret_numbers(exam: Exam) -> Iterator[float]:
-    """Yield the numbers that are sent, but for those that every lesson shows."""
+    """Yield the numbers that an exam sends, except those that every lesson shows."""
     public = {float(word) for word in PUBLIC if word.isdigit()} | {30.01, 29.99}
     yield from {float(one) for one in sent_by(exam) if isinstance(one, (int, float))} - public
 
 
 def _moments_s(exam: Exam) -> Iterator[float]:
-    """Yield the moments at which the clock is seen [s]."""
-    moment_ns = 0
-    for step in exam.scenario.steps:
-        if isinstance(step, Advance):
-            ticks = step.to_json()
-            for number in range(ticks['steps']):
-                moment_ns += ticks['step_ns'] if number else ticks['first_ns']
-                yield moment_ns / 1e9
+    """Yield the moments of the ROS clock that is drawn [s]."""
+    if clock := exam.scenario.ros_clock:
+        seconds = sum(step.seconds for step in exam.scenario.steps if isinstance(step, Advance))
+        for number in range(round(seconds * clock.rate / clock.step_s)):
+            yield clock.begins_s + number * clock.step_s
 
 
 def sent_by(exam: Exam) -> Iterator[Any]:

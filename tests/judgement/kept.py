@@ -15,12 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from autograder.errors import RecordingInvalid
-from autograder.judging.clock_steps import parts_of
-from autograder.judging.exam import Exam
-from autograder.judging.results import ExamResult
-from autograder.runs.examine import examine, files_digest, judged
-from autograder.runs.recording import Recording
-from autograder.sandboxes.sandbox import strongest
+from autograder.exam.exam import Exam
+from autograder.grading.examine import examine, files_digest, judged
+from autograder.recording import Recording
+from autograder.results import ExamResult
+from autograder.sandboxes.choose import strongest
 from tests.judgement.references import LAYOUT
 
 FOLDER = Path(__file__).parent
@@ -34,19 +33,18 @@ def run_all(
     """
     Judge files by exams in the real sandbox, two at a time.
 
-    A recording of the same files and the same scenario is read, also if something around the
-    program has changed since; tests and ``--fresh`` take only those of today.
+    An existing recording of the same files and the same scenario is used, even if the code around
+    the program has changed since; tests and ``--fresh`` use only current recordings.
 
-    :param work: exams with the files that they judge
-    :returns: in the order of ``work``
-    :raises GraderError: for a fault of ours
+    :param work: exams, each with the files that it judges
+    :returns: the results, in the order of ``work``
+    :raises GraderError: if the grader itself fails
     """
     box = strongest()
     before = {} if fresh else _recorded({exam.name for exam, _ in work})
 
     def one(exam: Exam, files: Mapping[str, str]) -> ExamResult:
-        parts = float(parts_of(exam.scenario, files))
-        path = before.get((exam.name, exam.scenario_digest()[:32], files_digest(files), parts))
+        path = before.get((exam.name, exam.scenario_digest()[:32], files_digest(files)))
         if path is not None:
             with suppress(RecordingInvalid):  # an older format, or damaged: it is made again
                 return judged(exam, files, Recording.load(path))
@@ -58,8 +56,8 @@ def run_all(
     return [task.result() for task in tasks]
 
 
-def _recorded(names: Iterable[str]) -> dict[tuple[str, str, str, float], Path]:
-    """Return the newest recording of each exam, scenario, files and clock steps."""
+def _recorded(names: Iterable[str]) -> dict[tuple[str, str, str], Path]:
+    """Return the newest recording of each exam, scenario and files."""
     found = {}
     for name in names:
         paths = sorted(
@@ -69,7 +67,7 @@ def _recorded(names: Iterable[str]) -> dict[tuple[str, str, str, float], Path]:
             with path.open(encoding='utf-8') as lines:
                 about = json.loads(lines.readline())
             scenario, files = about.get('scenario', ''), about.get('files', '')
-            found[name, scenario, files, about.get('divided', 1.0)] = path
+            found[name, scenario, files] = path
     return found
 
 
@@ -87,11 +85,11 @@ def save(name: str, data: Mapping[str, Any]) -> None:
 
 def write_or_compare(name: str, page: str, late: Sequence[str], arguments: Sequence[str]) -> int:
     """
-    Write a page, or with ``--check`` tell whether it is up to date.
+    Write a page, or with ``--check`` report whether it is up to date.
 
-    :param name: of the page in ``docs/`` and of the module that makes it
-    :param late: what was made from other files than those of today, in words
-    :returns: exit code
+    :param name: the name of the page in ``docs/`` and of the module that generates it
+    :param late: the results that were not made from the current files, as text
+    :returns: the exit code
     """
     path = DOCS / f'{name}.md'
     if '--check' not in arguments:
@@ -105,7 +103,7 @@ def write_or_compare(name: str, page: str, late: Sequence[str], arguments: Seque
 
 
 def cell(text: str) -> str:
-    """Return a text as it can stand in a cell of a Markdown table."""
+    """Return a text in a form that is valid in a cell of a Markdown table."""
     return ' '.join(text.split()).replace('|', '&#124;')
 
 

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 import sys
 from typing import Any
 
-from autograder.judging.results import ExamResult
+from autograder.results import ExamResult
 from tests.judgement.derive import all_mutants, Mutant, mutants_of, written
 from tests.judgement.kept import load, run_all, save, table, write_or_compare
 from tests.judgement.references import digest, Exercise, exercises
@@ -147,7 +147,7 @@ def _section(exam: str, found: Mapping[str, Sequence[str] | None]) -> list[str]:
 
 
 def late(kept: Mapping[str, Any]) -> list[str]:
-    """Return the exams whose results were made from other files than those of today."""
+    """Return the exams whose results were not made from the current files."""
     return [
         exercise.name
         for exercise in exercises()

@@ -38,13 +38,13 @@ OTHER_TYPE = {'Float64': 'Float32', 'String': 'Char'}
 @dataclass(frozen=True)
 class Change:
     """
-    One change of a text.
+    One change to a text.
 
-    :param kind: what sort of slip it is
+    :param kind: the kind of slip
     :param start: offset of the first character that is replaced
-    :param end: offset behind the last one
-    :param text: what stands there instead
-    :param place: function in which it is, empty outside
+    :param end: offset after the last character that is replaced
+    :param text: the replacement
+    :param place: the function that contains the change, empty outside functions
     """
 
     kind: str
@@ -191,7 +191,7 @@ def numbers(place: Place) -> Iterator[Change]:
 
 
 def _is_period(place: Place) -> bool:
-    """Tell whether a number is a period, by its name or by who gets it."""
+    """Return whether a number is a period, judged by its name or by the call that takes it."""
     parent = place.parent
     if isinstance(parent, ast.Assign) and isinstance(parent.targets[0], ast.Name):
         return parent.targets[0].id.endswith('_S')
@@ -307,7 +307,7 @@ def _missing(text: str) -> str:
 
 
 def types(place: Place) -> Iterator[Change]:
-    """A field that gets a value of another type, a message class that is another one."""
+    """Give a field a value of a different type, or import a different message class."""
     node = place.node
     if isinstance(node, ast.Assign) and _is_field(node.targets[0]):
         value = place.text(node.value)
@@ -327,7 +327,7 @@ def types(place: Place) -> Iterator[Change]:
 
 
 def _is_field(node: ast.AST) -> bool:
-    """Tell whether a target is a field of a message, and not an attribute of the node."""
+    """Return whether a target is a field of a message, not an attribute of the node."""
     return isinstance(node, ast.Attribute) and getattr(node.value, 'id', 'self') != 'self'
 
 
@@ -360,10 +360,13 @@ def callbacks(place: Place) -> Iterator[Change]:
     yield Change('loop in callback', start, start, loop, node.name)
     yield Change('exception', start, start, f'{indent}self.nubmer += 1', node.name)
     yield Change('ends by itself', end, end, f'{indent}raise SystemExit', node.name)
+    if re.search(rf'create_timer\([^()]*\bself\.{node.name}\b', place.source):
+        pause = f'{indent}import time{indent}time.sleep(2.0)'
+        yield Change('sleep in callback', start, start, pause, node.name)
 
 
 def _is_callback(place: Place, node: ast.FunctionDef) -> bool:
-    """Tell whether a method is handed to rclpy."""
+    """Return whether a method is passed to rclpy."""
     inside = place.source[: place.span()[0]] + place.source[place.span()[1] :]
     return f'self.{node.name})' in inside or f'self.{node.name},' in inside
 

@@ -15,14 +15,19 @@ import inspect
 from pathlib import Path
 import sys
 
-from autograder import exams, judging
-from autograder.handed_in.extract import answer_files
-from autograder.handed_in.submission import read_release
-from autograder.judging.exam import Exam
+from autograder import exams
+from autograder.exam.exam import Exam
 from autograder.layout import Layout
+from autograder.submission.extract import answer_files
+from autograder.submission.notebook import read_release
 
 LAYOUT = Layout.here()
-SHARED = tuple(sorted(Path(judging.__file__).parent.glob('*.py')))
+GRADER = LAYOUT.root / 'autograder'
+SHARED = (
+    *sorted((GRADER / 'exam').glob('*.py')),
+    *sorted((GRADER / 'judging').rglob('*.py')),
+    *sorted((GRADER / 'submission' / 'code').glob('*.py')),
+)
 """What decides verdicts and causes, beside an exam's own modules."""
 
 

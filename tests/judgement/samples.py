@@ -1,8 +1,8 @@
 """
-The sample submissions exercise by exercise: what each tries, and what every check must say to it.
+The sample submissions by exercise: what each one tries, and what every check must report.
 
-``expected.json`` of a submission lists the checks that fail, with their causes.  All others pass,
-but for those that wait for one that does not.
+``expected.json`` of a submission lists the checks that fail, with their causes.  Every other check
+passes, unless it needs a check that does not pass.
 """
 
 from __future__ import annotations
@@ -13,12 +13,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from autograder import sample_class
-from autograder.handed_in.extract import answer_files, extract
-from autograder.handed_in.submission import Notebook, open_submission, read_release
-from autograder.judging.exam import Exam
-from autograder.judging.results import ExamResult, Verdict
-from autograder.sample_class import compose, expected_of
+from autograder.authoring import sample_class
+from autograder.authoring.sample_class import compose, expected_of
+from autograder.exam.exam import Exam
+from autograder.results import ExamResult, Verdict
+from autograder.submission.extract import answer_files, extract
+from autograder.submission.notebook import Notebook, read_release
+from autograder.submission.submission import open_submission
 from tests.judgement.references import Exercise, exercises, LAYOUT
 
 UNTOUCHED = 'zero__untouched_stub'
@@ -44,7 +45,7 @@ class Sample:
 
     @property
     def counts(self) -> bool:
-        """Tell whether it is an answer to this exercise, and neither a stub nor a copy."""
+        """Return whether the sample answers this exercise and is neither a stub nor a copy."""
         return self.name != UNTOUCHED and (self.own or self.name == REFERENCE)
 
 
@@ -110,7 +111,7 @@ def verdicts_of(result: ExamResult) -> dict[str, tuple[str, str]]:
 
 
 def differences(sample: Sample, result: ExamResult) -> list[str]:
-    """Return where a result is another one than expected, in words."""
+    """Return one line for each check whose result differs from the expected one."""
     wanted: Mapping[str, Any] = expected_verdicts(sample.exercise.exam, sample.failed)
     got = verdicts_of(result)
     return [

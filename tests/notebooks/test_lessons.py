@@ -21,8 +21,8 @@ from nbclient import NotebookClient
 import nbformat
 import pytest
 
-from autograder.handed_in.cells import UNSOLVED
-from autograder.portions import portions
+from autograder.authoring.portions import portions
+from autograder.submission.cells import UNSOLVED
 from tests.own_domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -167,6 +167,38 @@ def test_lesson_executed_passes_its_own_checks(path: Path) -> None:
 
         assert points is not None, (where, said.get(where))
         assert points[1] == points[2], said[where]
+
+
+SHOWN = {
+    ('node_life', 'part-2-context-with'): r'inside: True\nafterwards: False\n',
+    ('messages', 'part-2-workspace'): (
+        r"(?s)build.*install.*src.*Package 'hello' not found\nHi from hello\.\n"
+    ),
+    ('messages', 'part-2-executables'): r'^No executable found\n',
+    ('temperature_monitor', 'part-5-start'): r'26\.5\n.*already declared.*threshold_c.*\n',
+    ('temperature_monitor', 'part-5-set'): (
+        r'(?s)Set parameter successful\n.*DOUBLE.*failed: too cold\n'
+    ),
+}
+"""What cells print that claims depend on, by lesson and cell."""
+
+
+@executed
+@pytest.mark.parametrize(
+    ('path', 'cell'),
+    [
+        pytest.param(path, cell, id=f'{lesson}-{cell}')
+        for lesson, cell in SHOWN
+        for path in LESSONS
+        if path.stem == lesson
+    ],
+)
+def test_cell_shows_what_it_claims_to_teach(path: Path, cell: str) -> None:
+    """The learner sees it happen; a sentence would be no more than told."""
+    said = ''.join(one.text for where, one in run(path).outputs('stream') if where == cell)
+
+    # What `!` prints has the line ends of a terminal.
+    assert re.search(SHOWN[path.stem, cell], said.replace('\r\n', '\n')), said
 
 
 @lessons

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from autograder.errors import ProbeFailed
-from autograder.judging.results import CheckResult, ExamResult, Verdict
 from autograder.layout import Layout
+from autograder.results import CheckResult, ExamResult, Verdict
 
 CANARY = 'HIDDEN-INPUT-31.4159'
 """Stands for a hidden input: it is known to the exam and must appear nowhere."""

@@ -5,20 +5,23 @@ from __future__ import annotations
 from conftest import ASSIGNMENT
 from fake_engine import FakeEngine
 from nbgrader.api import Gradebook
+import pytest
 
-from autograder.collect.times import due_dates
+from autograder.authoring.sample_class import take_out_sample_class
+from autograder.classroom.pages import write_reports
+from autograder.classroom.people import keep_people, read_people
+from autograder.classroom.results_of_class import last_results, results_file
+from autograder.collect.source.times import due_dates
+from autograder.commands.forget import forget, traces
+from autograder.errors import GraderError
 from autograder.exports.marks import from_gradebook, GRADED
-from autograder.gradebook import entered
+from autograder.gradebook import journal
+from autograder.gradebook.live_entry import begin_to_enter, enter, Guard
 from autograder.gradebook.settings import gradebook_file, load_config
-from autograder.judging.results import SubmissionResult
+from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
-from autograder.sample_class import take_out_sample_class
-from autograder.whole_class.class_results import last_results, results_file
-from autograder.whole_class.entering import begin_to_enter, enter
-from autograder.whole_class.inbox import discover
-from autograder.whole_class.people import keep_people
-from autograder.whole_class.pipeline import grade_class, load_lesson
-from autograder.whole_class.report import write_reports
+from autograder.results import SubmissionResult
+from autograder.submission.inbox import discover
 
 NOTEBOOK = 'temperature_monitor.ipynb'
 WRITTEN = 'explain_threshold'
@@ -43,13 +46,13 @@ def hand_in(course: Layout, student: str, stamp: str = '', **changes: str) -> No
         (folder / 'timestamp.txt').write_text(stamp, encoding='utf-8')
 
 
-def grade(course: Layout) -> int:
+def grade(course: Layout, guard: Guard | None = None) -> int:
     """Grade the class and enter it; return how many submissions were entered."""
     engine = FakeEngine()
     lesson = load_lesson(course, ASSIGNMENT, engine)
     class_ = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
     graded = grade_class(class_, lesson, engine, jobs=1)
-    count, refused = enter(course, lesson, graded, lambda: begin(course))
+    count, refused = enter(course, lesson, graded, lambda: begin(course), guard)
     assert refused == ''
     return count
 
@@ -156,14 +159,14 @@ def says_that_settings_are_wrong(course: Layout) -> None:
         assert due_dates(course).problem.startswith('no due dates, the gradebook cannot be read')
 
 
-def refused(course: Layout) -> str:
-    """Grade the class, and return why the one submission in it was not entered."""
+def refused(course: Layout, count: int = 1) -> str:
+    """Grade the class, and return why its submissions were not entered."""
     engine = FakeEngine()
     lesson = load_lesson(course, ASSIGNMENT, engine)
     class_ = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
     graded = grade_class(class_, lesson, engine, jobs=1)
-    count, said = enter(course, lesson, graded, lambda: begin(course))
-    assert count == 1
+    new, said = enter(course, lesson, graded, lambda: begin(course))
+    assert new == count
     return said
 
 
@@ -181,7 +184,7 @@ def fills_what_was_changed_or_lost(course: Layout) -> None:
     assert grade(course) == 2
     assert scores(course, 'ann')[CHECK] == scores(course, 'bob')[CHECK] == 15
 
-    lines = entered.journal(course, ASSIGNMENT)
+    lines = journal.journal(course, ASSIGNMENT)
     lines.write_bytes(lines.read_bytes()[:-20].splitlines(keepends=True)[-1])
     assert grade(course) == 2
 
@@ -195,7 +198,7 @@ def fills_a_gradebook_that_was_deleted(course: Layout) -> None:
         return  # a server keeps it
 
     path.unlink()
-    assert entered.shown(course, ASSIGNMENT) == {}
+    assert journal.shown(course, ASSIGNMENT) == {}
     assert not path.exists()
     path.with_name(f'{path.name}.unfinished').write_bytes(b'of a grading that was killed')
 
@@ -284,7 +287,81 @@ def lets_the_sample_students_go(course: Layout) -> None:
     assert not results_file(course, ASSIGNMENT).exists()
 
 
+def leaves_lower_marks_as_they_are(course: Layout) -> None:
+    """Until it is said that they are meant."""
+    hand_in(course, 'ann')
+    grade(course)
+    by_hand(course, 'ann', 4)
+    hand_in(course, 'ann', temperature_topic='temprature_topic')
+
+    guard = Guard(course)
+    assert grade(course, guard) == 0
+    assert guard.lowered_in(ASSIGNMENT) == ['ann 44 to 34']
+    assert scores(course, 'ann')[CHECK] == 15
+    server = gradebook_file(course) is None
+    assert ('pg_dump --format=custom' in guard.refusal('')) == server
+
+    assert grade(course, Guard(course, yes=True)) == 1
+    assert scores(course, 'ann')[CHECK] == 5
+
+
+def forgets_a_student(course: Layout) -> None:
+    """With all that grading has made; what was handed in moves, and others stay as they are."""
+    for student in ('1001', '1002'):
+        hand_in(course, student)
+    keep_people(course, {'1001': 'Ann Example', '1002': 'Bob Example'})
+    grade(course)
+    by_hand(course, '1001', 4)
+    there = [SubmissionResult(one, ASSIGNMENT) for one in ('1001', '1002')]
+    write_reports(course.reports, ASSIGNMENT, there)
+
+    found = traces(course, '1001')
+    assert found.marks == (f'{ASSIGNMENT}, 44 points, 4 of them given by hand',)
+    assert (found.results, found.journals) == ((ASSIGNMENT,), (ASSIGNMENT,))
+    assert found.name == 'Ann Example'
+    assert found.made == (course.work / 'autograded' / '1001',)
+    assert (found.moved, found.left) == (course.submitted / '1001', None)
+    assert traces(course, 'ann example') == found
+    assert grade(course) == 0  # looking changes nothing
+
+    forget(course, '1001')
+    with pytest.raises(GraderError, match=r'there is no such student. Did you mean 1002?'):
+        traces(course, '1001')
+    with book(course) as gradebook:
+        assert [student.id for student in gradebook.students] == ['1002']
+    assert [one.student for one in last_results(course, ASSIGNMENT)] == ['1002']
+    assert [one.name for one in course.reports.glob('*/students/*')] == ['1002.html']
+    assert read_people(course) == {'1002': 'Bob Example'}
+    assert list(journal.noted(journal.journal(course, ASSIGNMENT))) == ['1002']
+    (moved,) = (course.work / 'forgotten').iterdir()
+    assert (moved / ASSIGNMENT / NOTEBOOK).is_file()
+    assert grade(course) == 0
+
+    forget(course, '1002')
+    hand_in(course, '1003')
+    assert grade(course) == 1  # a gradebook that was emptied on purpose is no damaged one
+
+
+def forgets_a_folder_that_is_no_students(course: Layout) -> None:
+    """Of a grading that took it for one: its files are not what the next grading looks at."""
+    hand_in(course, 'ann')
+    (course.submitted / 'notes').mkdir()
+    grade(course)
+    with book(course) as gradebook:
+        gradebook.add_student('notes')
+
+    assert traces(course, 'notes').marks == ('no submission',)
+    assert traces(course, 'notes').left == course.submitted / 'notes'
+    forget(course, 'notes')
+    assert (course.submitted / 'notes').is_dir()
+    with book(course) as gradebook:
+        assert [student.id for student in gradebook.students] == ['ann']
+
+
 ALL = (
+    leaves_lower_marks_as_they_are,
+    forgets_a_student,
+    forgets_a_folder_that_is_no_students,
     names_students_whose_names_are_known,
     lets_the_sample_students_go,
     writes_reruns_and_keeps_grades_given_by_hand,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from autograder.judging.exam import Exam, Failed, Run
-from autograder.runs.scenario import Advance, Scenario
+from autograder.exam.exam import Exam, Failed, Run
+from autograder.exam.scenario import Advance, Scenario
 
 TALKER = """
 import rclpy
@@ -18,11 +18,11 @@ rclpy.spin(node)
 
 
 def exam_of_a_talker() -> Exam:
-    """Return an exam of three simulated seconds."""
+    """Return an exam of three virtual seconds."""
     scenario = Scenario(
         file='talker.py',
         watch={'/said': 'std_msgs/msg/String'},
-        steps=(Advance(seconds=3.0, step_s=0.25),),
+        steps=(Advance(3.0),),
     )
     exam = Exam(
         'talker',

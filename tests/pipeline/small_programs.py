@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from autograder.exam.scenario import Scenario
+from autograder.recording import Recording
 from autograder.runs.observe import observe
-from autograder.runs.recording import Recording
-from autograder.runs.scenario import Scenario
-from autograder.sandboxes.sandbox import strongest
+from autograder.sandboxes.choose import strongest
 
 PROGRAM = """
 import rclpy

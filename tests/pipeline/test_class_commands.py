@@ -17,6 +17,9 @@ from fake_engine import CANARY, FakeEngine
 import pytest
 
 from autograder import __main__ as command
+from autograder.authoring.sample_class import compose
+from autograder.classroom.pages import write_reports
+from autograder.classroom.results_of_class import one_graded
 from autograder.exports.gradescope_zip import autograder_zip
 from autograder.exports.marks import (
     AUTOMATIC,
@@ -28,13 +31,10 @@ from autograder.exports.marks import (
     REVIEW,
 )
 from autograder.gradebook.record import record
-from autograder.judging.results import ExamResult, SubmissionResult
+from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
-from autograder.sample_class import compose
-from autograder.whole_class.class_results import one_graded
-from autograder.whole_class.inbox import discover
-from autograder.whole_class.pipeline import grade_class, load_lesson
-from autograder.whole_class.report import write_reports
+from autograder.results import ExamResult, SubmissionResult
+from autograder.submission.inbox import discover
 
 NOTEBOOK = 'temperature_monitor.ipynb'
 TEXT_ONLY = '09_check_your_understanding'
@@ -51,7 +51,7 @@ def solved(course: Layout, **changes: str) -> bytes:
 
 @pytest.fixture
 def graded(course, monkeypatch):
-    """Return a course in which four students were graded, one of them for review."""
+    """Return a course in which four students were graded, two of them for review."""
     for student, data in {
         'ann': solved(course),
         'bob': solved(course, temperature_topic='temprature_topic'),
@@ -97,6 +97,26 @@ class TestMarks:
         assert {name: one.points for name, one in found.items()} == dict.fromkeys(found)
         assert (found['ann'].status, found['eve'].status) == (BY_HAND, REVIEW)
         assert [one.status for one in found.values()].count(NOT_ENTERED) == 1
+
+    def test_unusable_work_gets_the_mark_that_a_person_gives(self, course):
+        """Until then it has none; the next grading keeps it."""
+        folder = course.submitted / 'cut' / ASSIGNMENT
+        folder.mkdir(parents=True)
+        (folder / NOTEBOOK).write_bytes(solved(course)[:9000])
+        lesson = load_lesson(course, ASSIGNMENT, FakeEngine())
+
+        def mark():
+            there = discover(course.submitted, ASSIGNMENT, NOTEBOOK)
+            done = grade_class(there, lesson, FakeEngine(), 2)
+            record(course, lesson, done)
+            write_reports(course.reports, ASSIGNMENT, [one.result for one in done])
+            (found,) = marks(course, one_graded(course, ASSIGNMENT), 'gradebook')
+            return found
+
+        assert mark().points is None
+        grade_by_hand(course, 'cut', 2.0)
+
+        assert mark().points == 8.0  # for each of three checks and the written question
 
     def test_a_mark_has_the_manual_points_and_the_penalty(self, graded):
         """40 of the checks and 4 by hand, 2 for being late."""
@@ -179,14 +199,14 @@ class TestCommands:
 
         assert command.main(arguments) == command.FOR_REVIEW
         there = sorted(path.parent.name for path in tmp_path.glob('*/results.json'))
-        assert there == ['ann', 'bad~20name~20', 'bob']
+        assert there == ['ann', 'bob']
         assert json.loads((tmp_path / 'ann' / 'results.json').read_text('utf-8'))['score'] == 40
 
     def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):
         """Review is an exit code for stats; similar shows the copy."""
         assert command.main(['stats', 'temperature_monitor', '--json']) == command.FOR_REVIEW
         (numbers,) = json.loads(capsys.readouterr().out)
-        assert (numbers['submissions'], numbers['marks']['count']) == (4, 3)
+        assert (numbers['submissions'], numbers['marks']['count']) == (4, 2)
 
         assert command.main(['report']) == command.OK
         assert Path(capsys.readouterr().out.strip()).name == 'class.html'

@@ -11,13 +11,19 @@ from places_world import class_of_talkers, exam_of_a_talker, told
 import pytest
 
 from autograder import __main__ as command
+from autograder.grading import cluster
+from autograder.grading.cluster import (
+    about,
+    Cluster,
+    cluster_engine,
+    ClusterUnavailable,
+    mode_of_all,
+)
+from autograder.grading.examine import examine
 from autograder.layout import Layout
-from autograder.runs import cluster
-from autograder.runs.cluster import about, Cluster, cluster_engine, ClusterUnavailable, mode_of_all
-from autograder.runs.examine import examine
+from autograder.runs.pool import WorkerDied
 from autograder.runs.version import version
-from autograder.runs.workers import WorkerDied
-from autograder.sandboxes.sandbox import strongest
+from autograder.sandboxes.choose import strongest
 
 pytestmark = [
     pytest.mark.cluster,

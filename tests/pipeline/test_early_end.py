@@ -10,9 +10,9 @@ import subprocess
 
 import pytest
 
+from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.confined import Confined, Limits, Program
 from autograder.sandboxes.probes import start_probe
-from autograder.sandboxes.sandbox import strongest
 
 pytestmark = [pytest.mark.pipeline]
 
@@ -40,7 +40,7 @@ def test_a_probe_ends_at_whatever_moment_it_is_killed(tmp_path: Path, turn: int)
         Program((sandbox.ros.python, '-c', 'import sys; sys.stdin.read()')), Limits(), home
     )
     try:
-        probe = start_probe(sandbox, student, home)
+        probe = start_probe(sandbox, student, home, {}, ())
         probe.kill()
         said = probe.stdout.read()
         words = probe.end()

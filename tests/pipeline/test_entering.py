@@ -9,11 +9,11 @@ from fake_engine import FakeEngine
 from gradebooks import CHECK, grade, hand_in, scores
 import pytest
 
-from autograder.gradebook import entered
-from autograder.whole_class import entering
-from autograder.whole_class.entering import Entering
-from autograder.whole_class.inbox import discover
-from autograder.whole_class.pipeline import grade_class, load_lesson
+from autograder.gradebook import journal
+from autograder.gradebook import live_entry as entering
+from autograder.gradebook.live_entry import Entering
+from autograder.grading.pipeline import grade_class, load_lesson
+from autograder.submission.inbox import discover
 
 pytestmark = [pytest.mark.pipeline, pytest.mark.nbgrader]
 
@@ -64,7 +64,7 @@ def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
         if not ready:
             assert engine.begun.wait(GOES_ON_S)
         elif not engine.free.is_set():
-            early.extend(sorted(entered.shown(class_, ASSIGNMENT)))
+            early.extend(sorted(journal.shown(class_, ASSIGNMENT)))
             engine.free.set()
 
     assert run(class_, engine, meanwhile) == (3, '')
@@ -79,9 +79,9 @@ def test_a_gradebook_that_refuses_meanwhile_is_asked_again_at_the_end(class_, mo
     engine, real = Held(), entering.enter
     asked: list[list[str]] = []
 
-    def busy_at_first(layout, lesson, graded, begin):
+    def busy_at_first(layout, lesson, graded, begin, guard):
         asked.append([one.result.student for one in graded])
-        return (0, 'locked') if len(asked) == 1 else real(layout, lesson, graded, begin)
+        return (0, 'locked') if len(asked) == 1 else real(layout, lesson, graded, begin, guard)
 
     monkeypatch.setattr(entering, 'enter', busy_at_first)
 

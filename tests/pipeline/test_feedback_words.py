@@ -14,16 +14,17 @@ from test_nbgrader_round_trip import nbgrader
 from test_sample_class import EXAMINED
 
 from autograder import __main__ as command
-from autograder import exams, sample_class
+from autograder import exams
+from autograder.authoring import sample_class
+from autograder.authoring.exam_mistakes import lesson_headings, no_section, read_mistakes
+from autograder.classroom.pages import page_name, write_reports
+from autograder.exam.read_more import SECTIONS, where_to_read
 from autograder.explaining.feedback import check_lines, titles_of, told
 from autograder.gradebook.record import record
-from autograder.judging.exam_mistakes import lesson_headings, no_section, read_mistakes
-from autograder.judging.reading_list import SECTIONS, where_to_read
+from autograder.grading.pipeline import grade_class, load_lesson, SandboxEngine
 from autograder.layout import Layout
-from autograder.sandboxes.sandbox import strongest
-from autograder.whole_class.inbox import Submission
-from autograder.whole_class.pipeline import grade_class, load_lesson, SandboxEngine
-from autograder.whole_class.report import page_name, write_reports
+from autograder.sandboxes.choose import strongest
+from autograder.submission.inbox import Submission
 from roslab import checking
 from roslab.package_files import LearnerPackage
 
@@ -175,7 +176,9 @@ def test_the_visible_checks_of_a_notebook_say_them(result, said, tmp_path):
 
     report = checking._run(EXAM, package)
 
-    assert str(report).splitlines()[1:] == lines_of(result)
+    lines = str(report).splitlines()
+    assert lines[1].startswith('  Judged: temp_publisher.py, saved ')
+    assert lines[2:] == lines_of(result)
     assert facts_of(report._repr_html_()) == said
     assert f'{NOTEBOOK}#Part-2:-The-publisher' in read(report._repr_html_()).links
     assert read(report._repr_html_()).pictures == 1

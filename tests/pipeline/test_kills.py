@@ -12,7 +12,7 @@ pytestmark = [pytest.mark.benchmark, pytest.mark.pipeline, pytest.mark.ros, pyte
 
 @pytest.mark.timeout(1800)
 def test_five_kills_lose_nothing_double_nothing_and_leave_nothing(tmp_path):
-    """At instants drawn anew each time; ``python -m benchmarks.kills`` does fifty."""
+    """Each kill comes at a new random instant; ``python -m benchmarks.kills`` does fifty."""
     names = ('pass__reference', 'fail__two_hertz', 'error__exception_in_callback')
 
     account = soak(tmp_path, names, kills=5, seed=5, jobs=2, seconds=5)

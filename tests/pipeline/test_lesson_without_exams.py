@@ -9,12 +9,12 @@ import shutil
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 import pytest
 
+from autograder.classroom.pages import write_reports
 from autograder.gradebook import converters
 from autograder.gradebook.record import enter_assignment, record
+from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
-from autograder.whole_class.inbox import discover
-from autograder.whole_class.pipeline import grade_class, load_lesson
-from autograder.whole_class.report import write_reports
+from autograder.submission.inbox import discover
 
 pytestmark = pytest.mark.nbgrader
 
@@ -35,7 +35,7 @@ class NoExams:
 
 
 def test_lesson_without_exams_is_released_graded_and_reported(tmp_path):
-    """Whoever hands it in has no points of none, and a page."""
+    """A student who hands in the lesson gets 0 of 0 points and a page."""
     layout = Layout(tmp_path)
     shutil.copy(ROOT / 'nbgrader_config.py', tmp_path)
     source = layout.solutions / ASSIGNMENT / 'tour.ipynb'

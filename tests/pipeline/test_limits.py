@@ -6,25 +6,39 @@ from dataclasses import replace
 
 import pytest
 
+from autograder.exam.scenario import Advance, Scenario
 from autograder.runs import observe
 from autograder.runs.observe import observe as run
-from autograder.runs.scenario import Scenario
+from autograder.sandboxes.choose import plain, strongest
 from autograder.sandboxes.confined import Limits
-from autograder.sandboxes.sandbox import strongest
+from autograder.sandboxes.sandbox import Sandbox
 
 pytestmark = [pytest.mark.pipeline, pytest.mark.ros]
 
-SOON = Limits(wall_s=4.0)
+LIMITS = Limits()
 
 BUSY = 'while True:\n    pass\n'
-SLEEPS = 'import time\ntime.sleep(1000)\n'
+BUSY_NODE = f"""
+import rclpy
+import time
+rclpy.init()
+node = rclpy.create_node('n')
+time.sleep(1.0)
+{BUSY}
+"""
+LOCKED = """
+import fcntl
+held, wanted = open('/tmp/lock', 'w'), open('/tmp/lock', 'w')
+fcntl.flock(held, fcntl.LOCK_EX)
+fcntl.flock(wanted, fcntl.LOCK_EX)
+"""
 CHILDREN = """
 import os, time
 for _ in range(6):
     if os.fork() == 0:
         held = bytearray(b'x') * (50 << 20)
         time.sleep(1000)
-time.sleep(1000)
+while True: pass
 """
 PRINTS = "import sys\nwhile True:\n    sys.stdout.write('x' * 65536)\n"
 FILES = """
@@ -34,26 +48,26 @@ for number in itertools.count():
 """
 
 
-def recorded(monkeypatch, text: str, limits: Limits):
+def recorded(monkeypatch, text: str, limits: Limits, sandbox: Sandbox | None = None):
     """Return the recording of a program that runs under some limits."""
     whole = observe.program_for
     monkeypatch.setattr(observe, 'program_for', lambda *facts: (whole(*facts)[0], limits))
-    monkeypatch.setattr(observe, 'MOST_WALL', 100)  # of limits that are a tenth of the real ones
-    scenario = Scenario(file='x.py', appear_s=30.0)
-    return run('limits', scenario, {'x.py': text}, strongest())[0]
+    scenario = Scenario(file='x.py', appear_s=30.0, steps=(Advance(60.0),))
+    return run('limits', scenario, {'x.py': text}, sandbox or strongest())[0]
 
 
+@pytest.mark.timeout(120)
 @pytest.mark.parametrize(
     ('text', 'limits', 'reason'),
     [
-        (SLEEPS, replace(SOON, wall_s=3.0), 'wall_time_limit'),
-        (BUSY, replace(SOON, cpu_s=1, wall_s=30.0), 'cpu_limit'),
-        (BUSY, replace(SOON, wall_s=30.0), 'busy_before_node'),
-        (CHILDREN, replace(SOON, memory=200 << 20, wall_s=30.0), 'memory_limit'),
-        (PRINTS, replace(SOON, output=1 << 20), 'output_limit'),
-        (FILES, replace(SOON, inodes=500, wall_s=30.0), 'inode_limit'),
+        (LOCKED, LIMITS, 'waits_outside'),
+        (BUSY_NODE, replace(LIMITS, cpu_s=2), 'cpu_limit'),
+        (BUSY, LIMITS, 'busy_before_node'),
+        (CHILDREN, replace(LIMITS, memory=200 << 20), 'memory_limit'),
+        (PRINTS, replace(LIMITS, output=1 << 20), 'output_limit'),
+        (FILES, replace(LIMITS, inodes=500), 'inode_limit'),
     ],
-    ids=['wall', 'processor', 'processor_before_a_node', 'memory_of_all', 'output', 'inodes'],
+    ids=['wait', 'processor', 'processor_before_a_node', 'memory_of_all', 'output', 'inodes'],
 )
 def test_a_limit_that_is_watched_ends_the_run(text, limits, reason, monkeypatch):
     """The grader looks from outside, sums over all processes, and ends the sandbox."""
@@ -61,6 +75,21 @@ def test_a_limit_that_is_watched_ends_the_run(text, limits, reason, monkeypatch)
 
     assert recording.process['killed'] == reason
     assert recording.end_reason == reason
+
+
+WRITES = """
+import itertools, os
+for number in itertools.count():
+    with open(f'{os.environ["TMPDIR"]}/{number}', 'wb') as file:
+        file.write(bytes(1 << 20))
+"""
+
+
+def test_files_of_a_program_without_its_own_file_system_are_summed(monkeypatch):
+    """Elsewhere its folders have a size of their own."""
+    recording = recorded(monkeypatch, WRITES, replace(LIMITS, folder=32 << 20), plain())
+
+    assert recording.end_reason == 'disk_limit'
 
 
 FORKS = """
@@ -128,7 +157,7 @@ except OSError:
 )
 def test_a_limit_of_the_kernel_stops_the_program_itself(text, least, most, monkeypatch):
     """The program gets an error, and can say how far it came."""
-    recording = recorded(monkeypatch, text, SOON)
+    recording = recorded(monkeypatch, text, LIMITS)
     said = str(recording.process['stdout'])
 
     assert said.startswith('count '), recording.process
@@ -154,12 +183,10 @@ rclpy.spin(node)
 )
 def test_the_probe_bounds_the_size_and_the_number_of_messages(size, count, reason, monkeypatch):
     """What is too large is written down by its size, and what is too much ends the run."""
-    from autograder.runs.scenario import Advance
-
     scenario = Scenario(
         file='x.py',
         watch={'/chatter': 'std_msgs/msg/String'},
-        steps=(Advance(90.0, phase_s=0.05, step_s=0.025),),
+        steps=(Advance(90.0),),
     )
     files = {'x.py': NODE.format(size=size, count=count)}
     recording, _ = run('limits', scenario, files, strongest())

@@ -18,11 +18,11 @@ import psutil
 import pytest
 
 from autograder.errors import GraderError, TooBusy
-from autograder.runs import workers
-from autograder.runs.examine import examine
+from autograder.grading.examine import examine
+from autograder.runs import pool as workers
+from autograder.runs.pool import grading_folder, outcome_of, Pool, run_task, task_of
 from autograder.runs.version import difference, version
-from autograder.runs.workers import grading_folder, outcome_of, Pool, run_task, task_of
-from autograder.sandboxes.sandbox import strongest
+from autograder.sandboxes.choose import strongest
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = exam_of_a_talker().scenario.to_json()
@@ -32,7 +32,7 @@ SCENARIO = exam_of_a_talker().scenario.to_json()
 @pytest.mark.ros
 @pytest.mark.slow
 def test_verdicts_of_a_pool_are_those_of_one_by_one():
-    """Whoever runs it, the judge sees the same."""
+    """The judge sees the same, whichever process runs the submission."""
     exam, sandbox = exam_of_a_talker(), strongest()
     alone = [told(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
 
@@ -130,9 +130,15 @@ def hangs(task: bytes) -> bytes:
     return b''
 
 
+def stops_itself(task: bytes) -> bytes:
+    """Stop, as after SIGSTOP from outside."""
+    os.kill(os.getpid(), signal.SIGSTOP)
+    return b'went on'
+
+
 @pytest.fixture
 def fifo(tmp_path):
-    """Return a path at which whoever reads waits until somebody has written."""
+    """Return the path of a named pipe: reading from it blocks until something is written."""
     path = tmp_path / 'fifo'
     os.mkfifo(path)
     return path
@@ -158,6 +164,21 @@ class TestPool:
 
         assert Killers(tmp_path).begun() == 2
 
+    def test_a_process_that_was_stopped_is_named(self, monkeypatch):
+        """Its run waits, and nothing else would say why the grading does not go on."""
+        monkeypatch.setattr(workers, 'run_task', stops_itself)
+        named = []
+
+        def wake(pid):
+            named.append(pid)
+            os.kill(pid, signal.SIGCONT)
+
+        with Pool(1, wake) as pool:
+            assert pool.run(b'') == b'went on'
+            pids = [process.pid for process in workers.processes(pool._current())]
+
+        assert named == pids
+
     def test_a_pool_that_is_left_with_an_exception_ends_its_processes(self, fifo, monkeypatch):
         """Ctrl-C does not wait for a run, and nobody begins another one."""
         monkeypatch.setattr(workers, 'run_task', hangs)
@@ -182,7 +203,7 @@ class TestPool:
         """A pool of the standard library would wait for ever."""
         code = (
             'import sys; sys.path[:0] = sys.argv[2:]; '
-            'import test_places; from autograder.runs import workers; '
+            'import test_places; from autograder.runs import pool as workers; '
             'workers.run_task = test_places.hangs; '
             'workers.Pool(1).run(sys.argv[1].encode())'
         )

@@ -37,7 +37,7 @@ def as_server(*command: str) -> None:
 
 @pytest.fixture(scope='module')
 def server():
-    """Yield the folder of the socket of a new server, which nobody can reach by network."""
+    """Yield the socket folder of a new server that does not listen on the network."""
     with tempfile.TemporaryDirectory(prefix='pg_') as folder:  # a socket's path is short
         if os.geteuid() == 0:
             shutil.chown(folder, 'postgres', 'postgres')

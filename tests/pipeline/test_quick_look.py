@@ -10,12 +10,12 @@ import zipfile
 import pytest
 
 from autograder import __main__ as command
-from autograder import sample_class
+from autograder.authoring import sample_class
+from autograder.commands import run as quick_look
 from autograder.errors import GraderError
-from autograder.handed_in.intake import NotTakenInError
 from autograder.layout import Layout
-from autograder.sandboxes.sandbox import strongest
-from autograder.whole_class import quick_look
+from autograder.sandboxes.choose import strongest
+from autograder.submission.intake import NotTakenInError
 
 ROOT = Path(__file__).resolve().parents[2]
 LAYOUT = Layout.here()
@@ -137,7 +137,7 @@ class TestWhatIsMeant:
         assert long == short
 
     def test_a_name_that_is_neither_is_answered_with_a_near_one(self):
-        """A typo is quickly mended."""
+        """The suggestion makes a typo easy to fix."""
         with pytest.raises(GraderError, match='Did you mean temperature_monitor'):
             quick_look.exams_named('temprature_monitor', LAYOUT, hidden=False)
 
@@ -161,7 +161,7 @@ class TestWhatIsMeant:
 
     @pytest.mark.parametrize('name', ['odd.ipynb', 'odd.zip', 'odd.py', 'odd'])
     def test_a_path_that_leads_nowhere_is_no_submission(self, tmp_path, name):
-        """Of whatever form: a slip of the instructor's is nobody's zero."""
+        """Whatever its kind: a mistake by the instructor never gives a student zero points."""
         monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
         with pytest.raises(NotTakenInError, match='got nothing of that name'):
@@ -226,7 +226,7 @@ class TestRuns:
         ],
     )
     def test_a_package_that_does_not_start_says_why(self, tmp_path, cause_id, changed):
-        """The first check fails, with the file to mend."""
+        """The first check fails and names the file to fix."""
         folder = python_package(tmp_path / 'a', **changed)
         if 'CMakeLists.txt' in changed:
             (folder / 'setup.py').unlink()
@@ -284,7 +284,7 @@ class TestRuns:
         assert 'Together 15 of 15 points; visible checks; isolation: ' in said.out
         times = [line for line in said.err.splitlines() if '/temperature_topic: ' in line]
         assert len(times) == 10
-        assert times[0].strip().startswith('1.350s  /temperature_topic: temperature_value: 21.0')
+        assert times[0].strip().startswith('0.800s  /temperature_topic: temperature_value: 21.0')
 
     def test_a_notebook_is_one_too_and_json_has_all(self, tmp_path, capsys):
         """What a student of a class handed in, looked at alone."""

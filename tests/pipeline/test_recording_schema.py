@@ -9,12 +9,11 @@ import re
 from jsonschema import Draft202012Validator
 import pytest
 
-from autograder import exams
+from autograder import exams, recording
+from autograder.commands import run as quick_look
 from autograder.layout import Layout
-from autograder.runs import recording
-from autograder.runs.recording import Recording
-from autograder.sandboxes.sandbox import strongest
-from autograder.whole_class import quick_look
+from autograder.recording import Recording
+from autograder.sandboxes.choose import strongest
 
 LAYOUT = Layout.here()
 ROOT = LAYOUT.root

@@ -8,12 +8,13 @@ import tempfile
 
 import pytest
 
-from autograder import exams, sample_class
+from autograder import exams
+from autograder.authoring import sample_class
 from autograder.explaining.feedback import check_lines, MOST_LINES, titles_of, WIDTH
-from autograder.judging.results import SubmissionResult, Verdict
+from autograder.grading.pipeline import grade_class, grading_engine, load_lesson
 from autograder.layout import Layout
-from autograder.whole_class.inbox import Submission
-from autograder.whole_class.pipeline import grade_class, grading_engine, load_lesson
+from autograder.results import SubmissionResult, Verdict
+from autograder.submission.inbox import Submission
 from tests.judgement.drawn_inputs import texts_of, told_of
 from tests.judgement.references import exercises
 from tests.judgement.samples import counted, expected_verdicts, samples, verdicts_of
@@ -124,7 +125,7 @@ def test_every_failing_text_is_short(assignment):
 
 @pytest.mark.parametrize('assignment', EXAMINED)
 def test_no_failing_text_tells_what_was_drawn(assignment):
-    """Whoever is told the inputs writes them into the code, and hands in again."""
+    """A student who learns the inputs could hard-code them and hand in again."""
     drawn = {exam.name: exam for exam in exams.for_assignment(assignment)}
     for name, submission in graded(assignment).items():
         for result in submission.exams:

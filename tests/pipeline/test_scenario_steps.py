@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from autograder.errors import ProbeFailed
-from autograder.runs.recording import WARN
-from autograder.runs.scenario import (
+from autograder.exam.scenario import (
     Advance,
-    Await,
     Feed,
     FeedTopic,
     Join,
@@ -23,8 +19,10 @@ from autograder.runs.scenario import (
     state,
     transition,
 )
+from autograder.recording import WARN
 
 STRING, INT = 'std_msgs/msg/String', 'std_msgs/msg/Int32'
+SECOND = 1_000_000_000
 pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow]
 
 
@@ -59,7 +57,7 @@ class TestJoin:
         assert seen.messages('/map') == []
 
     def test_volatile_listener_hears_nothing_of_the_past(self, run):
-        """It is matched all the same."""
+        """The late listener is matched anyway."""
         seen = run(LATCHED, Join('late', '/map', INT, Qos()))
 
         assert [event['matched'] for event in seen.of('joined')] == [True]
@@ -91,14 +89,12 @@ def make():
     node.create_publisher(Int32, '/values', 10, event_callbacks=events)
     return node
 """
-        steps = [Mark('in'), Join('one', '/values', INT), Await(logs=1)]
-        steps += [Mark('out'), Leave('one'), Await(logs=1)]
+        steps = [Mark('in'), Join('one', '/values', INT), Mark('out'), Leave('one')]
 
         seen = run(body, *steps)
 
         texts = {name: [log['text'] for log in seen.phase(name).logs()] for name in ('in', 'out')}
         assert texts == {'in': ['1 of 1'], 'out': ['0 of 1']}
-        assert [event['enough'] for event in seen.of('awaited')] == [True, True]
 
 
 THERMOMETER = """
@@ -129,7 +125,7 @@ class TestCall:
         """Only the active phase has messages; the state is asked at the end."""
         node = '/lab/thermometer'
         steps = [transition(node, 'configure'), Mark('inactive'), Advance(3)]
-        steps += [transition(node, 'activate'), Mark('active'), Advance(3, phase_s=0.25)]
+        steps += [transition(node, 'activate'), Mark('active'), Advance(3)]
         steps += [transition(node, 'deactivate'), Mark('silent'), Advance(3), state(node)]
 
         seen = run(
@@ -163,9 +159,9 @@ class TestCall:
         assert [len(topics[when]) for when in ('start', 'before', 'after', 'end')] == [0, 0, 1, 1]
 
     def test_parameter_is_set_and_from_the_command_line(self, run):
-        """FAILURE leaves the node unconfigured; a mended parameter lets it through."""
+        """FAILURE leaves the node unconfigured; with a corrected parameter it configures."""
         node = '/thermometer'
-        steps = [Mark('bad'), transition(node, 'configure'), Await(logs=1)]
+        steps = [Mark('bad'), transition(node, 'configure')]
         steps += [Mark('good'), set_parameter(node, 'limit', 20.0), transition(node, 'configure')]
 
         seen = run(THERMOMETER, *steps, arguments=('-p', 'limit:=-1.0'))
@@ -184,24 +180,27 @@ class TestCall:
         assert (asked['event'], asked['reason']) == ('no_answer', 'no_service')
         assert seen.phase('after').of('mark')
 
-    def test_node_that_nobody_spins_is_not_waited_for_long(self, run):
-        """It answered no first question, so even a patience beyond all limits ends no run."""
+    def test_node_that_nobody_spins_does_not_answer(self, run):
+        """Of two nodes of a program, one may be left out of its executor."""
         body = """
 def make():
     global silent
     silent = Node('silent')
     return Node('spun')
 """
-        asked = replace(set_parameter('/silent', 'a', 1), patience_s=1000.0)
+        steps = [set_parameter(name, 'use_sim_time', False) for name in ('/silent', '/spun')]
 
-        seen = run(body, asked, set_parameter('/spun', 'use_sim_time', True))
+        seen = run(body, *steps)
 
         assert [event['reason'] for event in seen.of('no_answer')] == ['too_late']
         assert len(seen.of('answer')) == 1
-        assert seen.end_reason == 'complete'
+        assert {event['node']: event['answered'] for event in seen.of('asked')} == {
+            '/silent': False,
+            '/spun': True,
+        }
 
     def test_program_that_ends_in_a_call_is_no_answer(self, run):
-        """The reason is told, and the run ends."""
+        """The probe's later steps are not part of the run."""
         body = """
 import os
 
@@ -214,8 +213,7 @@ def make():
 """
         seen = run(body, transition('/fragile', 'configure'), Mark('after'))
 
-        (asked,) = seen.answers('/fragile/change_state')
-        assert asked['reason'] == 'student_exited'
+        assert seen.of('mark') == seen.answers('/fragile/change_state') == []
         assert seen.end_reason == 'student_exited'
         assert seen.process['exit'] == 3
 
@@ -240,21 +238,21 @@ def make():
 class TestOffer:
     """A publisher of ours that comes and goes."""
 
-    def test_missed_deadline_is_awaited(self, run):
-        """A deadline runs in wall time, so it is waited for and not stepped to."""
+    def test_missed_deadlines_are_counted(self, run):
+        """A deadline runs in virtual time as all else does."""
         body = LISTENER.replace('{options}', ', deadline=Duration(seconds=0.3)')
         promise = Qos(deadline_s=0.3)
         steps = [Offer('sensor', '/in', STRING, promise), Feed('sensor', [{'data': 'a'}])]
 
-        seen = run(body, *steps, Mark('quiet'), Await(logs=1000, seconds=1.5), Leave('sensor'))
+        seen = run(body, *steps, Mark('quiet'), Advance(1.5), Leave('sensor'))
 
-        assert [log['text'] for log in seen.phase('quiet').logs(level=WARN)][:1] == ['late']
+        assert len(seen.phase('quiet').logs(level=WARN)) >= 5
         assert of_interest(seen, 'offered', 'left') == ['offered', 'left']
 
     def test_refused_publisher_names_the_policy(self, run):
         """Both sides hear of it: our event and the student's log."""
         body = LISTENER.replace('{options}', '')
-        steps = [Offer('sensor', '/in', STRING, Qos('BEST_EFFORT')), Await(logs=1)]
+        steps = [Offer('sensor', '/in', STRING, Qos('BEST_EFFORT'))]
 
         seen = run(body, *steps)
 
@@ -265,8 +263,8 @@ class TestOffer:
     def test_liveliness_changes_when_it_leaves(self, run):
         """The student's node hears of it; without a lease Fast DDS would not tell."""
         body = LISTENER.replace('{options}', ', liveliness_lease_duration=Duration(seconds=2)')
-        steps = [Offer('sensor', '/in', STRING, Qos(lease_s=2.0)), Await(logs=1)]
-        steps += [Mark('gone'), Leave('sensor'), Await(logs=1)]
+        steps = [Offer('sensor', '/in', STRING, Qos(lease_s=2.0)), Advance(2.0)]
+        steps += [Mark('gone'), Leave('sensor')]
 
         seen = run(body, *steps)
 
@@ -290,8 +288,8 @@ class TestOffer:
         assert seen.of('not_connected') != []
         assert seen.end_reason == 'complete'
 
-    def test_node_that_answers_with_messages_needs_no_log(self, run):
-        """With no budget for a first log, a relay is asked at once."""
+    def test_answers_are_told_apart_by_the_input_they_follow(self, run):
+        """One input a second, and an answer at the instant of each."""
         body = """
 def make():
     node = Node('relay')
@@ -301,14 +299,13 @@ def make():
 """
         words = [{'data': word} for word in 'abc']
 
-        seen = run(
-            body, Feed('/in', words), feed={'/in': STRING}, watch={'/out': STRING}, first_log_s=0
-        )
+        seen = run(body, Feed('/in', words), feed={'/in': STRING}, watch={'/out': STRING})
 
         heard = [(event['after_input'], event['data']) for event in seen.messages('/out')]
         assert heard == list(enumerate(words))
-        assert seen.of('no_first_log') == []
-        assert {event['clock_ns'] for event in seen.messages('/out')} == {None}
+        times = [event['clock_ns'] for event in seen.messages('/out')]
+        assert [later - times[0] for later in times] == [0, SECOND, 2 * SECOND]
+        assert times == [event['clock_ns'] for event in seen.of('input')]
 
 
 def test_a_step_that_cannot_be_taken_is_named(run):

@@ -75,7 +75,7 @@ def course(tmp_path_factory) -> Path:
 
 
 def follow(course: Path, line: str) -> subprocess.CompletedProcess[str]:
-    """Type a line of the page, as it stands there, in a terminal where no ROS is sourced."""
+    """Run a line of the page, exactly as written, in a shell where ROS is not sourced."""
     kept = ('HOME', 'PATH', 'TMPDIR', 'COURSE_SECRET')
     return subprocess.run(
         line,
@@ -98,7 +98,7 @@ def test_the_exercise_has_fewer_than_sixty_lines_of_code():
 
 
 def test_the_cells_import_what_they_call():
-    """``check`` is no builtin: without the first cell the learner gets a NameError."""
+    """``check`` is not a builtin: without the first cell the learner gets a NameError."""
     cells = {where.removeprefix('cell').strip(): text for where, text in BLOCKS if 'cell' in where}
     known: dict[str, object] = {}
     exec(cells[''], known)
@@ -132,6 +132,22 @@ def test_following_it_literally_works(course):
     assert 'A door that stays open counts again.' in done.stdout
     assert 'Count the visitors' in done.stdout
     assert '/visitors: data: ' in done.stderr
+
+
+@pytest.mark.pipeline
+@pytest.mark.ros
+@pytest.mark.slow
+def test_misspelt_topic_is_explained_as_in_the_exams_of_the_course(course, tmp_path):
+    """The check of the page needs no code for it."""
+    sample = course / SAMPLES / 'fail__counts_messages' / 'visitor_counter.py'
+    text = sample.read_text(encoding='utf-8')
+    (tmp_path / 'visitor_counter.py').write_text(text.replace("'visitors'", "'visitor'"))
+    look = COMMANDS[3].replace(str(sample.relative_to(course)), f'{tmp_path}/visitor_counter.py')
+
+    said = ' '.join(follow(course, look).stdout.split())
+
+    assert 'Your publisher uses the topic /visitor; did you mean /visitors?' in said
+    assert "Give create_publisher() the name 'visitors'." in said
 
 
 @pytest.mark.pipeline
@@ -176,11 +192,12 @@ def test_the_samples_are_graded_once_there_are_three_right_ones(course, tmp_path
         ),
         ('points=4, ', 'points=0, ', 'check counts_each_opening_once: expected points > 0'),
         ("needs=['answers_", "needs=['answer_", "needs 'answer_every_message', which is no earl"),
+        ('= build((True', '= biuld((True', 'exams/visible/visitor_counter.py, line 34: NameError'),
         ('!= number:', '== number:', 'visitor_counter/counts_each_opening_once: FAILED'),
     ],
 )
 def test_a_mistake_in_it_is_refused_with_its_place(course, tmp_path, wrong, right, said):
-    """Before a class is graded; the last one is a check that the reference fails."""
+    """The proof finds it before any grading; in the last case the reference fails a check."""
     root = tmp_path / 'course'
     shutil.copytree(course, root, symlinks=True)
     assert follow(root, COMMANDS[0]).returncode == 0

@@ -17,6 +17,13 @@ from nbclient import NotebookClient
 from benchmarks.restart_kernels import KERNEL, OWN_SHARED_MEMORY
 from tests.own_domain import own_domain
 
+AS_USER = [
+    *('sh', '-c'),
+    'user=$1; chown "$user" "$2"; shift 2; '
+    'exec setpriv --reuid "$user" --regid "$user" --clear-groups "$@"',
+    'sh',
+]
+"""Runs a kernel as a user; its number, the connection file and the command follow."""
 DEADLINE_S = 400.0  # beyond the limit of a message build, 300 s
 
 TALKER = """
@@ -67,7 +74,9 @@ class Outputs:
 class Kernel:
     """A running kernel, its messages waited for with a deadline."""
 
-    def __init__(self, folder, *arguments, terminal=None, shared_memory=None, domain=None):
+    def __init__(
+        self, folder, *arguments, terminal=None, shared_memory=None, domain=None, user=None
+    ):
         self.manager = jupyter_client.KernelManager(kernel_name=KERNEL)
         self.manager.shutdown_wait_time = DEADLINE_S  # after it, the kernel is killed
         if shared_memory:
@@ -75,7 +84,13 @@ class Kernel:
             spec.argv = [*OWN_SHARED_MEMORY, str(shared_memory), *spec.argv]
         self.until = ExitStack()
         env = variables(self.until)
-        env.update({'ROS_DOMAIN_ID': domain} if domain else {})
+        if domain is not None:  # '' leaves the choice to the kernel
+            env['ROS_DOMAIN_ID'] = domain
+        if user is not None:
+            self.manager.connection_file = str(folder / 'kernel.json')
+            spec = self.manager.kernel_spec
+            spec.argv = [*AS_USER, str(user), self.manager.connection_file, *spec.argv]
+            env |= {'HOME': str(folder), 'ROS_LOG_DIR': str(folder / 'log')}
         options = {'extra_arguments': list(arguments)} if arguments else {}
         self.manager.start_kernel(
             cwd=str(folder), env=env, stdout=terminal, stderr=terminal, **options

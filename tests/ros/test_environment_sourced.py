@@ -46,7 +46,7 @@ def places(tmp_path):
 
 
 def install_colcon_only(plan):
-    """Stand in for pip, which would need the network: only colcon is made callable."""
+    """Replace pip, which would need the network: make only colcon callable."""
     colcon = plan.places.venv / 'bin' / 'colcon'
     colcon.write_text(
         f'#!{plan.places.python}\n'

@@ -12,8 +12,8 @@ import sys
 import pytest
 
 from autograder import exams
+from autograder.grading.examine import examine
 from autograder.layout import Layout
-from autograder.runs.examine import examine
 from autograder.runs.observe import HERE
 from autograder.sandboxes import landlock
 from autograder.sandboxes.sandbox import Sandbox
@@ -150,7 +150,7 @@ def symbols(place: Path) -> dict[str, str]:
 
 
 def test_notes_about_another_compiler_are_left_alone(tmp_path, monkeypatch):
-    """A compiler that has been replaced since the set-up is looked at anew."""
+    """If the compiler has changed since the set-up, CMake examines it again."""
     monkeypatch.syspath_prepend(str(HERE / 'inside'))
     import build_package
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from itertools import product
 import re
 
@@ -102,8 +103,16 @@ def test_table_is_read_without_colours():
 
     assert '<caption>Deadline: 9 pairs, 6 matched' in page
     assert (page.count('scope="col"'), page.count('scope="row"')) == (4, 3)
-    assert page.count('no: DEADLINE') == repr(table).count('no: DEADLINE') == 3
-    assert 'color:' not in page
+    assert page.count('✗ no: DEADLINE') == repr(table).count('✗ no: DEADLINE') == 3
+    assert page.count('✓ match') == repr(table).count('✓ match') == 6
+
+
+def test_match_and_refusal_have_different_colours():
+    """The tints are transparent, so that text stays readable on light and dark pages."""
+    page = qos_table('deadline')._repr_html_()
+    tints = re.findall(r'background: (#\w+)">(?:<b>)?(.)', page)
+
+    assert Counter(tints) == {('#43a04729', '✓'): 6, ('#e5393529', '✗'): 3}
 
 
 def test_unknown_table_is_refused_with_the_known_ones():

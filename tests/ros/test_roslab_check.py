@@ -1,6 +1,8 @@
 """Visible checks in a notebook: the grader's own engine in a child process."""
 
 import os
+import re
+import time
 
 import live_kernels
 import nbformat
@@ -87,6 +89,89 @@ def test_unknown_exercise_is_named(kernel):
     assert "Try: check('temperature_publisher')" in near.text
     assert 'temperature_subscriber' in far.text
     assert 'the checker itself' not in near.text + far.text
+
+
+def test_check_without_a_name_says_which_exercises_there_are(kernel, tmp_path):
+    """Those that the notebook checks, or else all."""
+    kernel.run('from roslab import *')
+    of_all = ' '.join(kernel.run('report = check()').text.split())
+    lesson = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("check('courier')")])
+    nbformat.write(lesson, tmp_path / 'lesson.ipynb')
+    of_lesson = ' '.join(kernel.run('report = check()').text.split())
+
+    expected = 'check(): expected the name of an exercise, in quotes, got nothing. Try: '
+    assert f"{expected}check('check_your_understanding') or check('courier') or" in of_all
+    assert f"{expected}check('courier')." in of_lesson
+
+
+@pytest.mark.parametrize(
+    ('call', 'got'),
+    [
+        (
+            'check(TemperaturePublisher)',
+            'check(TemperaturePublisher): expected {}the class itself',
+        ),
+        ('check(main)', 'check(main): expected {}a function'),
+        ('check(node)', 'check(TemperaturePublisher object): expected {}a TemperaturePublisher'),
+    ],
+)
+def test_check_of_an_object_names_the_exercise_of_its_file(kernel, call, got):
+    """The class, a function of the same cell and a node all lead to the name."""
+    kernel.run('from roslab import *')
+    kernel.run(TWICE_A_SECOND)
+    kernel.run('import rclpy; rclpy.init(); node = TemperaturePublisher()')
+    said = ' '.join(kernel.run(f'report = {call}').text.split())
+
+    assert got.format('the name of an exercise, in quotes, got ') in said
+    assert said.endswith("Try: check('temperature_publisher').")
+
+
+def test_check_of_a_bare_name_asks_for_quotes(kernel):
+    """Also if a cell of the notebook would define that name."""
+    kernel.run('from roslab import *')
+    error = kernel.run('check(talker)').error
+
+    assert error['ename'] == 'NameError'
+    assert error['traceback'] == [
+        "NameError: check() takes the name of an exercise in quotes. Write: check('talker')"
+    ]
+
+
+def test_check_says_which_cell_saved_the_judged_file(kernel, tmp_path):
+    """A file that this kernel did not write, or that changed since, is of no cell."""
+    kernel.run('from roslab import *')
+    kernel.run(TWICE_A_SECOND)
+    by_cell = kernel.run(CHECK).text
+    file = tmp_path / 'ros_ws/src/temp_monitor_pkg/temp_monitor_pkg/temp_publisher.py'
+    os.utime(file, (1_700_000_000, 1_700_000_000))
+    by_other = kernel.run(CHECK).text
+
+    assert re.search(r'Judged: temp_publisher.py, saved \d\d:\d\d by In \[2\]\.', by_cell)
+    assert re.search(
+        r'Judged: temp_publisher.py, saved 1\d Nov \d\d:\d\d by another kernel or program\.',
+        by_other,
+    )
+
+
+def test_check_warns_if_the_cell_was_edited_and_not_run(kernel, tmp_path):
+    """The notebook as saved last has another text, and is newer than the file."""
+    kernel.run('from roslab import *')
+    kernel.run(TWICE_A_SECOND)
+    path = tmp_path / 'lesson.ipynb'
+    later = time.time() + 60
+    found = []
+    for text, saved in (
+        (TWICE_A_SECOND, later),
+        (TWICE_A_SECOND.replace('0.5', '1.0'), later),
+        (TWICE_A_SECOND.replace('0.5', '1.0'), later - 120),
+    ):
+        cells = [nbformat.v4.new_code_cell(text), nbformat.v4.new_code_cell(CHECK)]
+        nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
+        os.utime(path, (saved, saved))
+        found.append('temp_publisher.py is older than its cell' in kernel.run(CHECK).text)
+
+    # A notebook that was saved before the cell ran says nothing about the screen.
+    assert found == [False, True, False]
 
 
 def test_file_that_no_cell_makes_any_more_is_named(kernel, tmp_path):

@@ -164,7 +164,7 @@ def test_error_inside_a_library_stays_as_it_is(notebook, tmp_path, monkeypatch):
 
 
 def test_notebook_that_cannot_be_found_leaves_the_plain_error(notebook):
-    """With two notebooks in the folder, nobody can tell which one this is."""
+    """With two notebooks in the folder, the guide does not know which one this is."""
     notebook.with_name('other.ipynb').write_text(notebook.read_text())
 
     assert guide.notebook_path() is None
@@ -181,7 +181,7 @@ def test_server_names_the_notebook(notebook, monkeypatch):
 
 
 def test_damaged_notebook_has_no_cells(tmp_path):
-    """A file that is no notebook is no reason for a second error."""
+    """A file that is not a notebook does not cause a second error."""
     path = tmp_path / 'damaged.ipynb'
     path.write_text('{"cells": [1]}')
 

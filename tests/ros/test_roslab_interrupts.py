@@ -48,7 +48,7 @@ BLOCKING = {
 @pytest.mark.claim('J2')
 @pytest.mark.parametrize('code', BLOCKING.values(), ids=BLOCKING.keys())
 def test_interrupt_ends_whatever_blocks(kernel_with_node, code):
-    """Each way to block a cell can be interrupted, also with an idle node; ROS survives it."""
+    """Each way to block a cell can be interrupted, even with an idle node, and ROS survives it."""
     outputs = kernel_with_node.interrupt_at(f'print("now", flush=True)\n{code}', 'now')
 
     assert outputs.error['ename'] == 'KeyboardInterrupt'

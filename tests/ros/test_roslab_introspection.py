@@ -63,7 +63,7 @@ class Hearing(Node):
 
 @pytest.fixture
 def session(monkeypatch):
-    """Return a session that shares nothing with other tests and looks only briefly in vain."""
+    """Return a session that shares nothing with other tests and stops searching quickly."""
     monkeypatch.setattr('roslab.introspection.DISCOVERY_S', 0.2)
     monkeypatch.setattr('roslab.graph_picture.DISCOVERY_S', 0.2)
     monkeypatch.setattr(lookup.find_topic, '__defaults__', (0.2,))
@@ -80,7 +80,7 @@ def seen(session, text, **options):
 
 
 def test_live_nodes_that_fit_are_connected(session):
-    """Publisher, topic with its type, and subscriber stand in one line."""
+    """The publisher, the topic with its type and the subscriber are on one line."""
     session.start(Wave)
     session.start(Hearing)
 
@@ -340,7 +340,7 @@ def test_plot_of_the_same_field_replaces_the_older_one(kernel):
 
 
 def test_plot_goes_on_after_stop_all(kernel):
-    """Waiting for a node that was started anew brings the picture back to life."""
+    """Waiting for a node that was started again makes the plot live again."""
     kernel.run(COUNTER, cell_id='a')
     kernel.run('curve = plot("number", "data"); curve.wait(3); stop_all()', cell_id='b')
     out = kernel.run(
@@ -352,7 +352,7 @@ def test_plot_goes_on_after_stop_all(kernel):
 
 
 def test_executed_notebook_keeps_the_last_picture_of_a_plot(tmp_path):
-    """Where nobody looks, the picture stands in its own cell, as it was when it was waited for."""
+    """Without a viewer, the plot's own cell keeps the picture from the time of the wait."""
     notebook = execute(
         [COUNTER, 'curve = plot("number", "data")', 'curve.wait(30); curve.stop()'], tmp_path
     )

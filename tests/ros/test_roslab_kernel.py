@@ -36,6 +36,27 @@ def test_kernel_loads_the_guide_and_does_without(kernel, tmp_path):
     without.shut_down()
 
 
+@pytest.mark.parametrize(
+    ('cell', 'words'),
+    [
+        ('raise NotImplementedError', 'this is not written yet'),
+        ('x = 3\n%%node talker', '%%node has to be the first line'),
+        ('roslab.stop("nobody")', "No node 'nobody' was started"),
+        ('raise KeyboardInterrupt', 'the cell was interrupted'),
+        ('raise roslab.errors.RoslabError("look here")', 'look here'),
+    ],
+)
+def test_explain_repeats_the_hint_that_was_shown_last(kernel_of_module, cell, words):
+    """An error that is shown as a sentence is the last one, like one with a traceback."""
+    kernel_of_module.run('{}["older"]')
+    shown = kernel_of_module.run(cell)
+
+    said = kernel_of_module.run('roslab.explain()').text
+    assert shown.error
+    assert words in ' '.join(said.split())
+    assert 'older' not in said
+
+
 def test_node_cell_is_saved_run_and_exported(tmp_path):
     """%%node keeps the cell as a file and defines its names in the notebook."""
     body = TALKER.replace('from roslab import *', '').replace('import rclpy\n', 'import sys\n')
@@ -162,7 +183,7 @@ def test_mistake_in_a_cell_is_shown_without_frames_of_ipython(kernel_of_module, 
 
 
 def test_nodes_that_are_here_before_the_first_are_told_once(kernel, tmp_path):
-    """As of a lesson whose tab was closed; nobody is told of nodes of the notebook itself."""
+    """As of a notebook with the same domain; nodes of the notebook itself are left out."""
     kernel.run('import os\nfrom roslab import *\nfrom rclpy.node import Node')
     domain = kernel.run('os.environ["ROS_DOMAIN_ID"]').value.strip("'")
     world = live_kernels.Kernel(tmp_path, domain=domain)
@@ -175,7 +196,10 @@ def test_nodes_that_are_here_before_the_first_are_told_once(kernel, tmp_path):
         world.shut_down()
 
     assert quiet.text == ''
-    assert first.text.startswith('Note: /talker run already, in another notebook or a terminal')
+    assert first.text == (
+        'Note: other programs in the ROS domain of this notebook run nodes already: /talker. This '
+        'notebook hears them too.\n'
+    )
     assert '/one' not in first.text
     assert again.text == ''
 

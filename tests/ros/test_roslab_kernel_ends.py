@@ -7,7 +7,7 @@ import pytest
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
-FILES = '*fastrtps*'  # LTTng, which rclpy loads, has a file there that is nobody's
+FILES = '*fastrtps*'  # LTTng, which rclpy loads, has a file there that belongs to no kernel
 # It takes 0.3 s (benchmarks.restart_kernels); far from the time after which Jupyter kills.
 SOON_S = 60
 

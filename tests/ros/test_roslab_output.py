@@ -127,7 +127,7 @@ def test_line_of_c_code_does_not_get_into_the_middle_of_a_printed_one(monkeypatc
 
 
 def test_log_line_arrives_on_stdout(kernel):
-    """A line of a node's logger is no error output."""
+    """A line from a node's logger is not error output."""
     kernel.run(TALKER)
     outputs = kernel.run('start(Talker).get_logger().warning("hot"); logs().messages')
 

@@ -217,7 +217,7 @@ def test_request_that_is_hit_by_the_end_of_a_callback_is_carried_out(session):
 
 
 def test_why_a_node_stopped_is_said_before_it_is_gone(session, monkeypatch):
-    """Whoever waits until the node is gone, as a cell may, finds the reason on the page."""
+    """A cell that waits until the node is gone finds the reason on the page."""
     seen = []
 
     class Page(StringIO):

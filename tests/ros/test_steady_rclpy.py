@@ -1,4 +1,4 @@
-"""What the launcher mends in rclpy: an event that another thread destroys a moment before."""
+"""Test the launcher's fix for rclpy: an event that another thread has just destroyed."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def program(tmp_path: Path) -> str:
 
 
 def test_plain_rclpy_dies_of_it(program: str):
-    """If this passes no more, rclpy is mended and the launcher's mending can go."""
+    """Once this test fails, rclpy has been fixed and the launcher's fix can be removed."""
     assert said(program) == 'died'
 
 

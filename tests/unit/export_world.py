@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from autograder.judging.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
-from autograder.whole_class.class_results import ClassResults
+from autograder.classroom.results_of_class import ClassResults
+from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
 
 ASSIGNMENT = '01_talker'
 FORMULA = '=HYPERLINK("http://127.0.0.1/?"&A1,"x")'

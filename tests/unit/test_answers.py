@@ -8,16 +8,16 @@ import re
 import pytest
 
 from autograder import exams
-from autograder.course import bundled_files
+from autograder.authoring.student_bundle import bundled_files
+from autograder.exam.exam import Run
 from autograder.exams.hidden.check_your_understanding import key
 from autograder.exams.visible.check_your_understanding import path_of, QUESTIONS
-from autograder.handed_in.cells import ANSWER_MAX, chosen_letter, NotALetterError, parse_cell
-from autograder.handed_in.submission import read_release
-from autograder.judging.exam import Run
 from autograder.judging.judge import judge, worth_running
-from autograder.judging.results import Verdict
 from autograder.layout import Layout
-from autograder.runs.recording import Recording
+from autograder.recording import Recording
+from autograder.results import Verdict
+from autograder.submission.cells import ANSWER_MAX, chosen_letter, NotALetterError, parse_cell
+from autograder.submission.notebook import read_release
 from roslab.errors import AnswerRefusedError
 from roslab.magics import run_cell
 

@@ -8,11 +8,11 @@ import json
 import pytest
 
 from autograder import exams
-from autograder.handed_in import built_package
-from autograder.handed_in.built_package import as_package, explained, MARK, package_name
-from autograder.judging.results import CheckResult, ExamResult, Verdict
+from autograder.grading import built_package
+from autograder.grading.built_package import as_package, explained, MARK, package_name
+from autograder.recording import Recording
+from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.runs.observe import HERE
-from autograder.runs.recording import Recording
 
 XML = '<package format="3">\n  <name> thermo </name>\n</package>'
 EXAM = as_package(exams.load('temperature_publisher', hidden=False), 'thermo')

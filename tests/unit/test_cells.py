@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from autograder.handed_in.cells import CellSyntaxError, first_line, MAGIC_LINE_MAX, parse_cell
+from autograder.submission.cells import CellSyntaxError, first_line, MAGIC_LINE_MAX, parse_cell
 
 
 @pytest.mark.parametrize(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from autograder.exam.exam import Failed, Run
 from autograder.judging import checks
-from autograder.judging.exam import Failed, Run
-from autograder.runs.recording import Recording, WARN
+from autograder.recording import Recording, WARN
 
 TOPIC, TYPE = '/lab/reading', 'std_msgs/msg/String'
 QOS = {'reliability': 'RELIABLE', 'durability': 'VOLATILE', 'deadline_ns': None}
@@ -21,7 +23,7 @@ def run_of(*events, **process):
 
 
 def message(clock_s, **data):
-    """Return a message that came at a simulated time."""
+    """Return a message that came at a virtual time."""
     return {'event': 'message', 'topic': TOPIC, 'clock_ns': round(clock_s * 1e9), 'data': data}
 
 
@@ -83,11 +85,40 @@ class TestMessages:
         assert 'case' in failed.value.why.text
 
     @pytest.mark.parametrize(
-        'clocks', [[1.1, 2.1, 3.1], [1.35, 2.1, 3.35], [0.1, 1.1, 2.1, 3.1]], ids=str
+        'clocks', [[1.1, 2.1, 3.1], [1.1, 2.105, 3.1], [0.1, 1.1, 2.1, 3.1]], ids=str
     )
     def test_steady_messages_pass_wherever_they_begin(self, clocks):
-        """A clock step more or less, and one message more or less."""
+        """A polled clock is late by some milliseconds, and one message more or less fits."""
         checks.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
+
+    @pytest.mark.parametrize(
+        ('clocks', 'observed'),
+        [
+            ([1.1], 'one message'),
+            ([1.1, 3.1, 5.1], '3 messages, 2 s apart'),
+            ([1.1, 2.1, 4.1], '3 messages, 1 to 2 s apart'),
+            ([number / 50 for number in range(200)], 'far more messages'),
+        ],
+        ids=['one', 'steady', 'a hole', 'flood'],
+    )
+    def test_rhythm_is_told_in_words(self, clocks, observed):
+        """What is recorded of a flood is its beginning, so its count says nothing."""
+        with pytest.raises(Failed) as failed:
+            checks.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 4.0)
+
+        assert failed.value.observed == observed
+
+    @pytest.mark.parametrize('answered', [True, False])
+    def test_pause_explains_what_is_too_slow_before_the_rate_does(self, answered):
+        """The period in the code may be the right one."""
+        code = 'node.create_timer(1.0, tick)\ndef tick():\n    time.sleep(2.0)\n'
+        asked = {'event': 'asked', 'node': '/lab/a', 'answered': answered}
+        run = replace(run_of(asked), files={'n.py': code})
+
+        with pytest.raises(Failed) as failed:
+            checks.require_period(run, [message(clock) for clock in (1, 3, 5)], 1.0, 5.0)
+
+        assert failed.value.why.cause_id == 'sleeps_in_callback'
 
     @pytest.mark.parametrize(
         ('clocks', 'cause'),
@@ -105,6 +136,15 @@ class TestMessages:
             checks.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
 
         assert (failed.value.why and failed.value.why.cause_id) == cause
+
+    def test_rhythm_that_ends_early_is_not_called_a_wrong_rate(self):
+        """The rhythm is right as long as it lasts."""
+        with pytest.raises(Failed) as failed:
+            checks.require_period(
+                run_of(), [message(clock) for clock in (1.1, 2.1, 3.1)], 1.0, 8.0
+            )
+
+        assert failed.value.why is None
 
     def test_too_few_messages_fail(self):
         """Silence has a cause of its own."""

@@ -12,13 +12,14 @@ from export_world import check, CLASS, EVIL, failed, FULL, REVIEW, submission, V
 from hypothesis import given, settings, strategies
 import pytest
 
-from autograder.commands_class import stats_text
+from autograder.classroom.class_report import class_page, write_class_report
+from autograder.classroom.pages import write_reports
+from autograder.classroom.results_of_class import ClassResults, graded
+from autograder.classroom.statistics import class_numbers, ClassNumbers
+from autograder.commands.export import stats_text
 from autograder.errors import GraderError
 from autograder.layout import Layout
-from autograder.whole_class.class_report import class_page, write_class_report
-from autograder.whole_class.class_results import ClassResults, graded
-from autograder.whole_class.class_statistics import class_numbers, ClassNumbers
-from autograder.whole_class.report import write_reports
+from autograder.results import Problem
 
 LOADS = ('src', 'srcset', 'data', 'poster', 'action', 'xlink:href')
 ASSIGNMENT = '01_talker'
@@ -142,7 +143,7 @@ class TestNumbers:
         assert (numbers.passed, numbers.failed, numbers.not_run) == (0, 5, 0)
 
     def test_digests_come_from_the_recordings_that_are_there(self, tmp_path):
-        """One that is gone, or damaged, is no error."""
+        """A missing or damaged recording is not an error."""
         place = tmp_path / 'autograder' / '_work' / 'recordings' / 'talker'
         place.mkdir(parents=True)
         header = {'scenario': 'a' * 32, 'environment': 'b' * 32}
@@ -164,7 +165,7 @@ class TestNumbers:
         assert numbers.versions == {'python': '3'}
 
     def test_versions_are_those_of_the_recordings(self, tmp_path):
-        """Side by side if there are several; recordings of before name an environment only."""
+        """Several versions are shown side by side; older recordings name only an environment."""
         numbers = with_headers(
             tmp_path,
             {'environment': 'b' * 32, 'made_with': {'grader': '79c8bf8', 'python': '3.9.1'}},
@@ -244,6 +245,21 @@ class TestPage:
 
         assert text.index('The probe broke off') < text.index('Marks')
         assert text.rindex('eve') < text.rindex('ann')
+
+    def test_unusable_work_is_for_review_and_first_in_what_is_worth_a_look(self, layout):
+        """With what is wrong with it, and without a mark."""
+        cut = Problem('x.ipynb', 'a notebook', 'an empty file', 'submit again', ('talker',), True)
+        results = [submission('ann', noticed=('odd cells',)), submission('zoe', problems=(cut,))]
+        numbers = numbers_of(*results)
+        page = class_page(ClassResults(ASSIGNMENT, tuple(results)), numbers)
+        write_reports(layout.reports, ASSIGNMENT, results)
+        index = (layout.reports / ASSIGNMENT / 'index.html').read_text('utf-8')
+
+        assert numbers.review == (('zoe', cut.line()),)
+        assert numbers.marks.count == 1
+        for text in (read(page).text, read(index).text):
+            look = text.index('Worth a look')
+            assert look < text.index(cut.got, look) < text.index('odd cells')
 
     def test_every_student_is_linked_to_a_page_that_is_there(self, layout):
         """The pages of feedback beside it."""

@@ -1,10 +1,10 @@
-"""Where calls and names stand in a learner's code: in a callback, or outside of a def."""
+"""Find calls and names in a learner's code: in a callback, or outside any def."""
 
 from __future__ import annotations
 
 import pytest
 
-from autograder.judging.code_places import (
+from autograder.submission.code.code_places import (
     leaves_out,
     logs_with_python,
     outer_scope,
@@ -97,5 +97,5 @@ def test_seed_counts_where_a_callback_comes_to_it(line, call, found):
     ],
 )
 def test_name_outside_is_reached_by_its_own_word(code, found):
-    """What a class has is no variable of its methods."""
+    """A class attribute is not a variable of the methods."""
     assert outer_scope(code, 'n') == found

@@ -9,6 +9,7 @@ import zipfile
 
 from collect_sources import (
     CANVAS,
+    collect,
     EXCHANGE,
     GOOD,
     GRADESCOPE,
@@ -26,15 +27,17 @@ from collect_sources import (
 import pytest
 
 from autograder import __main__ as command
-from autograder.collect import collect, LEFT, REPLACED, student_id, TAKEN, tree, UNCHANGED
-from autograder.collect.kinds import kind_of
-from autograder.collect.tree import NotCollectedError, opened
-from autograder.judging.results import SubmissionResult
+from autograder.classroom.course_lock import alone
+from autograder.classroom.pages import write_reports
+from autograder.classroom.results_of_class import last_results, results_file
+from autograder.collect.kinds.kind import kind_of
+from autograder.collect.source import tree
+from autograder.collect.source.tree import NotCollectedError, opened
+from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.layout import Layout
-from autograder.whole_class.alone import alone
-from autograder.whole_class.class_results import last_results, results_file
-from autograder.whole_class.inbox import discover, is_student_id
-from autograder.whole_class.report import write_reports
+from autograder.results import SubmissionResult
+from autograder.submission.ids import student_id
+from autograder.submission.inbox import discover, is_student_id
 
 
 @pytest.mark.parametrize(

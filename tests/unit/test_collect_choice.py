@@ -6,6 +6,7 @@ import json
 import tracemalloc
 
 from collect_sources import (
+    collect,
     DAMAGED,
     GOOD,
     laid,
@@ -22,8 +23,10 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.collect import choice, collect, LEFT, TAKEN, tree
-from autograder.collect.tree import NotCollectedError
+from autograder.collect import choice
+from autograder.collect.source import tree
+from autograder.collect.source.tree import NotCollectedError
+from autograder.collect.table import LEFT, TAKEN
 
 STRANGE = 'no cell of the assignment is in it'
 
@@ -89,7 +92,7 @@ class TestSeveralAssignments:
 
 
 class TestOneAssignmentASource:
-    """What Canvas, Moodle and Gradescope give is of one, whoever uploaded something else."""
+    """A Canvas, Moodle or Gradescope export is for one assignment, whatever students uploaded."""
 
     CANVAS = 'ann_1001_56001_{0}', 'bob_1002_56002_{0}', 'cy_1003_56003_{1}', 'cy_1003_56004_{0}'
     MOODLE = tuple(
@@ -288,7 +291,7 @@ class TestBounds:
                 (source / 'ann' / 'talk.ipynb').write_bytes(OTHER)
             return seen
 
-        monkeypatch.setattr('autograder.collect.look', look_and_change)
+        monkeypatch.setattr('autograder.collect.take_in.look', look_and_change)
 
         rows = collect(source, layout, layout.submitted)
 

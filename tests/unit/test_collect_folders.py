@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collect_sources import (
     CANVAS,
+    collect,
     EXCHANGE,
     GOOD,
     GRADESCOPE,
@@ -20,12 +21,12 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.collect import collect, LEFT, TAKEN
-from autograder.collect.tree import NotCollectedError
+from autograder.collect.source.tree import NotCollectedError
+from autograder.collect.table import LEFT, TAKEN
 
 
 class TestFolders:
-    """A folder or a notebook a student."""
+    """Collect one folder or one notebook per student."""
 
     @pytest.mark.parametrize('how', [packed, laid])
     def test_repositories_lose_the_name_of_the_assignment(self, how, tmp_path, layout):
@@ -101,7 +102,7 @@ class TestFolders:
 
 
 class TestIdsOfFolders:
-    """The name of the folder, whoever else is there."""
+    """The id is the name of the folder, whatever other folders there are."""
 
     @pytest.mark.parametrize(
         'names',

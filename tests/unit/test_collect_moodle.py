@@ -18,8 +18,9 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.collect import collect, LEFT, TAKEN
-from autograder.collect.tree import NotCollectedError
+from autograder.collect.source.tree import NotCollectedError
+from autograder.collect.table import LEFT, TAKEN
+from autograder.collect.take_in import collect
 
 
 class TestMoodle:
@@ -128,7 +129,7 @@ class TestMoodle:
             collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
     def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):
-        """The notebooks are there all the same."""
+        """The notebooks are collected anyway."""
 
         def full(*_):
             raise OSError(28, 'No space left on device')

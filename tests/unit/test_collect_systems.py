@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collect_sources import (
     CANVAS,
+    collect,
     EXCHANGE,
     GOOD,
     GRADESCOPE,
@@ -21,8 +22,8 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.collect import collect, LEFT, TAKEN
-from autograder.collect.tree import NotCollectedError
+from autograder.collect.source.tree import NotCollectedError
+from autograder.collect.table import LEFT, TAKEN
 
 LATE = 'late, as Canvas says; no time known, so a late policy cannot act'
 
@@ -177,7 +178,7 @@ class TestCanvas:
 
 
 class TestGradescope:
-    """``submission_metadata.yml`` and a folder a submission."""
+    """``submission_metadata.yml`` and one folder per submission."""
 
     def test_submissions_belong_to_everybody_named(self, tmp_path, layout):
         """With the time of delivery, for nbgrader's late policy."""
@@ -239,7 +240,7 @@ class TestExchange:
     """``inbound/USER+ASSIGNMENT+TIME+RANDOM`` of nbgrader."""
 
     def test_the_newest_counts(self, tmp_path, layout):
-        """Of each assignment; what is released beside is nobody's work."""
+        """The newest work for each assignment counts; released files are not submissions."""
         rows = collect(laid(tmp_path / 'exchange', EXCHANGE), layout, layout.submitted)
 
         found = taken(layout)

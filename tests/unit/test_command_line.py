@@ -14,10 +14,12 @@ import sys
 import pytest
 
 from autograder import __main__ as command
+from autograder.commands import grade as grading
+from autograder.commands.grade import NotEnteredError, submitted_folder
 from autograder.errors import SandboxUnavailable
 from autograder.layout import Layout
-from autograder.whole_class import grading
-from autograder.whole_class.grading import NotEnteredError, submitted_folder
+from autograder.sandboxes import choose
+from autograder.sandboxes.sandbox import Sandbox
 
 
 @pytest.fixture(autouse=True)
@@ -35,7 +37,7 @@ def test_a_missing_folder_is_named(tmp_path, capsys):
 
 
 def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
-    """A typo is quickly mended."""
+    """The suggestion makes a typo quick to fix."""
     arguments = ['grade', '--submitted', str(tmp_path), '--assignment', '07_temprature_monitor']
 
     assert command.main(arguments) == command.USAGE
@@ -44,12 +46,11 @@ def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
 
 def test_grading_refuses_to_run_without_a_sandbox(tmp_path, capsys, monkeypatch):
     """It never falls back to a plain process."""
-    from autograder.sandboxes import sandbox
 
     def refuse():
         raise SandboxUnavailable('No bubblewrap.', 'Install it.')
 
-    monkeypatch.setattr(sandbox, 'strongest', refuse)
+    monkeypatch.setattr(choose, 'strongest', refuse)
 
     assert command.main(['grade', '--submitted', str(tmp_path)]) == command.USAGE
     assert 'No bubblewrap. Install it.' in capsys.readouterr().err
@@ -73,8 +74,8 @@ def one_line(captured):
 
 @pytest.fixture
 def no_place_to_write(tmp_path, monkeypatch):
-    """Let the secret lie where no folder can be made, whoever runs the tests."""
-    from autograder.runs import inputs
+    """Put the secret where no user, not even root, can create a folder."""
+    from autograder.exam import inputs
 
     (tmp_path / 'file').write_text('x')
     monkeypatch.delenv('COURSE_SECRET', raising=False)
@@ -90,10 +91,9 @@ def test_a_folder_that_cannot_be_written_is_one_line(
 ):
     """It names the file, and nobody reads a traceback."""
     from autograder import exams
-    from autograder.runs import inputs
-    from autograder.sandboxes import sandbox
+    from autograder.exam import inputs
 
-    monkeypatch.setattr(sandbox, 'strongest', lambda: sandbox.Sandbox('bwrap-root'))
+    monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
     monkeypatch.setattr(exams, 'for_assignment', lambda *_, **__: inputs.course_secret())
     monkeypatch.setattr(exams, 'load', lambda *_, **__: inputs.course_secret())
     option = ['grade', '--submitted'] if how == 'grade' else ['check', 'a', '--files']
@@ -117,17 +117,18 @@ def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys
     monkeypatch.setattr(exams, 'load', refuse)
 
     assert command.main(['check', 'a', '--files', str(tmp_path)]) == command.USAGE
-    assert 'the system: expected' in capsys.readouterr().err
+    assert one_line(capsys.readouterr()).startswith(
+        'autograder: the system: the disk is full. Try: free space on it'
+    )
 
 
 @pytest.mark.parametrize('options', [[], ['--visible', '--json']])
 def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, monkeypatch):
     """The set-up says what is missing and what to type."""
-    from autograder.sandboxes import sandbox
     from environment.ros import ros_environment
 
     (tmp_path / 'temp_publisher.py').write_text('x = 1')
-    monkeypatch.setattr(sandbox, 'strongest', lambda: ros_environment(tmp_path))
+    monkeypatch.setattr(choose, 'strongest', lambda: ros_environment(tmp_path))
     arguments = ['check', 'temperature_publisher', '--files', str(tmp_path), *options]
 
     assert command.main(arguments) == command.USAGE
@@ -208,9 +209,7 @@ class TestCheckWithoutTheFile:
 
     def test_as_data_it_is_a_failed_check_about_a_file(self, tmp_path, capsys, monkeypatch):
         """The notebook knows it by its name and says which cell to run."""
-        from autograder.sandboxes import sandbox
-
-        monkeypatch.setattr(sandbox, 'strongest', lambda: sandbox.Sandbox('bwrap-root'))
+        monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
 
         assert self.check(tmp_path, '--json') == command.OK
 
@@ -233,7 +232,7 @@ def test_jobs_are_a_positive_number(jobs, capsys):
 
 
 def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
-    """One folder a student, with a folder for each lesson that was handed in."""
+    """It has one folder per student, with a folder for each lesson that was handed in."""
     assert command.main(['sample-class', '--to', str(tmp_path / 'class')]) == command.OK
 
     names = {path.name for path in (tmp_path / 'class').iterdir()}
@@ -243,7 +242,7 @@ def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
 
 
 def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_path, capsys):
-    """A fresh clone has something to grade; nobody's class is touched."""
+    """A fresh clone has something to grade; an existing class is not changed."""
     from rich.console import Console
 
     layout = Layout.here()
@@ -262,7 +261,7 @@ def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_pa
 
 
 def test_sample_students_never_follow_a_class(tmp_path):
-    """An empty folder where something was graded is no wish for examples."""
+    """An empty folder is not a request for examples if something was graded before."""
     from rich.console import Console
 
     class Elsewhere(Layout):
@@ -334,7 +333,8 @@ def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, m
 def test_starting_imports_neither_nbgrader_nor_ros():
     """Help and errors come at once."""
     code = (
-        'import sys, autograder.__main__; from autograder.whole_class import inbox, pipeline; '
+        'import sys, autograder.__main__; from autograder.grading import pipeline; '
+        'from autograder.submission import inbox; '
         'print([name for name in ("nbgrader", "nbformat", "rclpy", "rich", "jinja2", "psutil") '
         'if name in sys.modules])'
     )

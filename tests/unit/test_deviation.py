@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from autograder.exam.exam import Check, Failed, Run
 from autograder.judging.deviation import deviation
-from autograder.judging.exam import Check, Failed, Run
-from autograder.runs.recording import header, Recording
+from autograder.recording import header, Recording
 
 
 def message(second, value):
-    """Return a message at a simulated second."""
+    """Return a message at a virtual second."""
     facts = {'topic': '/t', 'data': {'value': value}}
     return {'event': 'message', 'clock_ns': second * 10**9, 'after_input': None, **facts}
 

@@ -110,7 +110,7 @@ def header(places, tmp_path):
 
 
 def test_headers_are_compiled_for_builds_that_do_not_optimise(places, header):
-    """Defines of the course's own package are no part of it, those of the library are."""
+    """The compiled header contains the library's defines, not those of the course's package."""
     assert keep(places)
 
     kept = places.cmake / 'known' / HEADER

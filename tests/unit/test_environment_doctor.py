@@ -68,7 +68,7 @@ def test_check_bubblewrap_blocked_is_weak_with_fix():
 
 
 def test_check_packages_wrong_version_is_missing(tmp_path):
-    """A package at another version than pinned is named with both."""
+    """If a version differs from the pinned one, the package is named with both versions."""
     site = tmp_path / '.venv' / 'lib' / 'python3.12' / 'site-packages'
     pins = pins_module.pins_for(LOCK_FILE.read_text(), '3.12')
     for name, version in pins.items():

@@ -3,6 +3,8 @@
 from dataclasses import replace
 import json
 import os
+from pathlib import Path
+import subprocess
 import sys
 
 import pytest
@@ -113,8 +115,32 @@ def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
     assert found.path == str(expected)
 
 
+def test_candidates_skip_a_pyenv_that_this_user_may_not_read(tmp_path):
+    """Variables that `runuser -u` and `su` leave as they were name the home of another user."""
+    closed = tmp_path / 'home'
+    (closed / 'pyenv' / 'versions' / '3.12.1' / 'bin').mkdir(parents=True)
+    closed.chmod(0)
+    code = (
+        'import os, sys\n'
+        'from environment import interpreters\n'
+        'os.geteuid() or os.setuid(65534)\n'  # root may read everything
+        'print(*interpreters.candidates({"PATH": "/bin", "PYENV_ROOT": sys.argv[1]}))\n'
+    )
+
+    done = subprocess.run(
+        [sys.executable, '-c', code, closed / 'pyenv'],
+        cwd=Path(interpreters.__file__).parent.parent,
+        capture_output=True,
+        text=True,
+    )
+    closed.chmod(0o700)
+
+    assert (done.returncode, done.stderr) == (0, '')
+    assert str(closed) not in done.stdout
+
+
 def test_find_looks_beyond_a_python_built_by_hand(tmp_path):
-    """The distribution's own may be of another version."""
+    """The distribution's own Python may have a different version."""
     fake_python(tmp_path, 'python3.12', base_prefix=str(tmp_path))
     expected = fake_python(tmp_path, 'python3.11', release='3.11.2')
 

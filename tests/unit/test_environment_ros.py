@@ -1,7 +1,9 @@
 """The description of the ROS environment: written, read, and complete."""
 
 from dataclasses import replace
+import json
 import os
+import subprocess
 
 import pytest
 
@@ -132,3 +134,88 @@ def test_install_files_writes_path_file_and_switches_news_off(places):
     page = places.venv / 'etc' / 'jupyter' / 'labconfig' / 'page_config.json'
     assert path_file.read_text() == f'{places.project}\n'
     assert 'announcements' in page.read_text()
+
+
+PANELS = [f'@jupyter/nbgrader:{name}' for name in install_files.INSTRUCTORS_PANELS]
+
+
+@pytest.mark.parametrize('students', [True, False])
+def test_students_see_nothing_of_nbgrader_that_is_for_instructors(places, students):
+    """A copy without hidden exams is a student's."""
+    if not students:
+        (places.project / 'autograder' / 'exams' / 'hidden').mkdir(parents=True)
+    install_files.write_jupyter_settings(places)
+
+    folder = places.venv / 'etc' / 'jupyter'
+    page = json.loads((folder / 'labconfig' / 'page_config.json').read_text())
+    server = json.loads((folder / 'jupyter_server_config.json').read_text())['ServerApp']
+    assert [name in page['disabledExtensions'] for name in PANELS] == [students] * len(PANELS)
+    assert server['jpserver_extensions'] == {
+        'nbgrader.server_extensions.course_list': not students,
+        'nbgrader.server_extensions.formgrader': not students,
+        'nbgrader.server_extensions.validate_assignment': not students,
+    }
+
+
+@pytest.fixture
+def terminal(places):
+    """Return a function that types lines in a terminal of JupyterLab."""
+    (places.project / 'Makefile').write_text('publisher:\n\t@echo published $(ARGS)\n')
+    (places.venv / 'bin').mkdir()
+    (places.venv / 'bin' / 'ros2').write_text('#!/bin/sh\necho the ros2 of the course\n')
+    (places.venv / 'bin' / 'ros2').chmod(0o755)
+    # What a distribution writes there, and what a login shell does.
+    (places.project / '.bashrc').write_text('PATH=/usr/bin:/bin\n')
+    install_files.write_terminal(places)
+    variables = {'HOME': str(places.project), 'PATH': '/usr/bin:/bin', 'SHELL': '/bin/bash'}
+    variables |= {'MAKELEVEL': '1', 'MAKEFLAGS': ' -- ARGS=--no-browser'}  # of make lab
+    bash = ['bash', '--rcfile', str(places.terminal / 'bashrc'), '-i']
+
+    def typed(lines, folder, command=bash):
+        done = subprocess.run(
+            command, cwd=folder, env=variables, input=lines, capture_output=True, text=True
+        )
+        return done.stdout.splitlines()
+
+    return typed
+
+
+def test_a_terminal_finds_ros2_whatever_the_shell_sets(terminal, places, tmp_path):
+    """Both as JupyterLab starts it, and after the user's own settings."""
+    said = ['the ros2 of the course']
+
+    assert terminal('ros2\n', tmp_path, [str(places.terminal / 'shell')]) == said
+    assert terminal('ros2\n', tmp_path) == said
+
+
+def test_the_goals_of_the_course_work_in_every_folder_of_a_terminal(terminal, places, tmp_path):
+    """But a Makefile that is there, or is named, is the one that counts."""
+    notebooks, own = tmp_path / 'notebooks', tmp_path / 'own'
+    for folder in (notebooks, own):
+        folder.mkdir()
+    (own / 'Makefile').write_text('publisher:\n\t@echo my own\n')
+
+    shell = [str(places.terminal / 'shell')]
+    assert terminal('make publisher\n', notebooks, shell) == ['published']
+    assert terminal('make publisher\n', own, shell) == ['my own']
+    assert terminal(f'make -f {own}/Makefile publisher\n', notebooks, shell) == ['my own']
+    assert terminal(f'make -sC {own} publisher\n', notebooks, shell) == ['my own']
+
+
+def test_install_files_has_notebooks_saved_every_few_seconds(places):
+    """An edited cell is in the notebook's file before its exercise is checked."""
+    install_files.install_files(places, describe.describe_wheels(places, '/usr'))
+
+    settings = places.venv / 'share' / 'jupyter' / 'lab' / 'settings' / 'overrides.json'
+    found = json.loads(settings.read_text())
+    assert found['@jupyterlab/docmanager-extension:plugin'] == {'autosaveInterval': 10}
+
+
+def test_install_files_has_outputs_wrapped_at_words(places):
+    """JupyterLab loads a style of the course, which its own rule does not override."""
+    install_files.install_files(places, describe.describe_wheels(places, '/usr'))
+
+    style = places.site_packages() / 'jupyter_server' / 'static' / 'custom' / 'custom.css'
+    config = json.loads((places.venv / 'etc' / 'jupyter' / 'jupyter_lab_config.json').read_text())
+    assert 'word-break: normal' in style.read_text()
+    assert config['LabApp']['custom_css'] is True

@@ -111,7 +111,7 @@ def run_main(places, ros: RosEnvironment, *arguments):
 
 
 def test_command_called_beside_a_real_one_starts_that(places, sourced):
-    """Called all the same, it says so and hands over."""
+    """If our command is called anyway, it prints a notice and starts the real one."""
     done = run_main(places, sourced, 'topic', 'list')
 
     assert done.stdout == 'the real one: topic list\n'

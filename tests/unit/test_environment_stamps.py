@@ -63,7 +63,7 @@ def test_is_ready_edited_while_preparing_is_false(places):
 
 
 def test_is_ready_moved_project_is_false(places, tmp_path):
-    """Scripts of a venv name its folder, so a moved project is prepared anew."""
+    """Scripts of a venv name its folder, so a moved project is prepared again."""
     write_ready(places, {}, '3.12')
     moved = tmp_path.with_name('moved')
     tmp_path.rename(moved)

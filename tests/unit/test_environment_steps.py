@@ -241,7 +241,7 @@ def test_the_sample_in_environment_md_shows_the_steps_as_they_are():
 
 
 def test_run_steps_optional_failure_is_told_and_the_rest_goes_on(fake):
-    """Whoever reads "done" believes it."""
+    """A failed step must not print "done", because users believe it."""
     one, two, three = fake.steps()
     fake.fail_in = 'two'
     steps = [one, dataclasses.replace(two, optional=True), three]
@@ -253,7 +253,7 @@ def test_run_steps_optional_failure_is_told_and_the_rest_goes_on(fake):
 
 
 def test_a_grader_that_fails_its_proof_is_told(tmp_path, monkeypatch):
-    """The reference without full marks is no success of the last step."""
+    """The last step fails if the reference solution does not get full marks."""
     plan = make_plan(Places(tmp_path / 'venv'), {**os.environ, 'ROS_SOURCE': 'wheels'})
     monkeypatch.setattr(plan, 'description', lambda: SimpleNamespace(python='/bin/false'))
     last = dataclasses.replace(prepare.steps_of(plan)[-1], needed=lambda: True)

@@ -59,7 +59,7 @@ def test_install_missing_as_root_uses_apt(machine, monkeypatch):
 
 
 def test_install_missing_update_fails_installs_from_old_lists(machine, monkeypatch):
-    """Package lists that cannot be renewed are no reason to give up."""
+    """The installation continues if the package lists cannot be updated."""
     monkeypatch.setattr(os, 'geteuid', lambda: 0)
     add_apt(machine, update_code=100)
 

@@ -6,19 +6,19 @@ from pathlib import Path
 
 import pytest
 
-from autograder import course
-from autograder.errors import ExamInvalid
-from autograder.judging.exam import Exam
-from autograder.judging.exam_mistakes import (
+from autograder.authoring import release as course
+from autograder.authoring.exam_mistakes import (
     ament_prefixes,
     differs_from_visible,
     lesson_headings,
     read_mistakes,
     type_mistakes,
 )
+from autograder.authoring.self_check import self_check
+from autograder.errors import ExamInvalid
+from autograder.exam.exam import Exam
+from autograder.exam.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario
 from autograder.layout import Layout
-from autograder.runs.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario
-from autograder.self_check import self_check
 
 STRING = 'std_msgs/msg/String'
 
@@ -113,8 +113,9 @@ class TestWithRos:
                 'did you mean std_msgs/msg/String?',
             ),
             (
-                {'steps': (Join('late', '/t', 'nav_msgs/msg/Odometry'),)},
-                "step 1 (Join) 'late': expected a type of an installed package",
+                {'steps': (Join('late', '/t', 'toys/msg/Toy'),)},
+                "step 1 (Join) 'late': expected a type of an installed package, got toys/msg/Toy. "
+                'Try: name further packages in environment/messages.txt',
             ),
             (
                 {'feed': {'/t': STRING}, 'steps': (feed('/t', {'data': ''}, {'dta': ''}),)},
@@ -226,7 +227,7 @@ class TestWithRos:
         ],
     )
     def test_a_value_that_its_field_can_hold_is_fine(self, kind, message):
-        """A float may be a text, as JSON has it, and constants are no fields."""
+        """A float may be a string, as in JSON, and constants are not fields."""
         fine = exam(feed={'/t': kind}, steps=(feed('/t', message),))
 
         assert list(type_mistakes(fine, ament_prefixes())) == []
@@ -337,7 +338,7 @@ class TestBeforeItIsUsed:
     def test_self_check_refuses_an_exam_before_it_runs_it(self, tmp_path: Path, monkeypatch):
         """A run that cannot end well would be told as the probe's fault."""
         from autograder import exams
-        from autograder import self_check as module
+        from autograder.authoring import self_check as module
 
         wrong = exam(watch={'/t': 'std_msgs/msg/Strin'})
         monkeypatch.setattr(exams, 'load', lambda *_, **__: wrong)

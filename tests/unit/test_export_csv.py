@@ -14,6 +14,7 @@ from export_world import CLASS, EVIL, FORMULA, submission
 from hypothesis import given, settings, strategies
 import pytest
 
+from autograder.classroom.results_of_class import ClassResults
 from autograder.exports.marks import automatic, BY_HAND, Mark
 from autograder.exports.table import (
     checks_csv,
@@ -22,7 +23,6 @@ from autograder.exports.table import (
     harmless,
     marks_csv,
 )
-from autograder.whole_class.class_results import ClassResults
 
 FIELD = re.compile(r'"(?:[^"]|"")*"|[^",\r\n]*')
 """``escaped`` or ``non-escaped`` of the grammar; TEXTDATA is wider, as the file is UTF-8."""
@@ -60,7 +60,7 @@ def test_each_submission_has_a_line():
     ann, bob, _, hostile = marks_of(CLASS)
 
     assert (ann['points'], ann['max_points'], ann['status']) == ('2', '6.5', 'graded')
-    assert ann['first_cause'] == 'a typo'
+    assert ann['first_cause'] == 'a typo (observed: none)'
     assert bob['points'] == '5'
     assert hostile['student'].startswith('x<')
 

@@ -1,4 +1,4 @@
-"""Exported files: whole or not at all, and never over something that is there."""
+"""Test that exported files are written atomically and replace nothing unless forced."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies
 import pytest
 
 from autograder.errors import GraderError
-from autograder.exports.files import LONGEST_NAME, refuse_existing, safe_name, write_file
+from autograder.files import LONGEST_NAME, refuse_existing, safe_name, write_file
 
 
 def test_a_file_is_written_with_its_folder_and_nothing_else(tmp_path):
@@ -93,7 +93,7 @@ def test_names_of_files_are_safe_and_as_different_as_the_ids(one, two):
     try:
         names = safe_name(one), safe_name(two)
     except UnicodeEncodeError:
-        return  # half a character is no file name; such ids are never graded
+        return  # a lone surrogate is not a file name; such ids are never graded
 
     for name in names:
         assert name

@@ -19,11 +19,11 @@ from jsonschema import Draft202012Validator
 import pytest
 
 from autograder.errors import GraderError
+from autograder.exam.inputs import course_secret
 from autograder.exports.gradescope import results_bytes, results_of, VISIBILITIES
 from autograder.exports.gradescope_zip import autograder_zip, SECRET, SETTINGS
-from autograder.judging.results import ExamResult, SubmissionResult
 from autograder.layout import Layout
-from autograder.runs.inputs import course_secret
+from autograder.results import ExamResult, SubmissionResult
 
 FORMATS = {'enum': ['text', 'html', 'simple_format', 'md', 'ansi']}
 VISIBILITY = {'enum': ['hidden', 'after_due_date', 'after_published', 'visible']}

@@ -10,8 +10,8 @@ from export_world import CLASS, REVIEW, VISIBLE
 from jsonschema import Draft202012Validator
 import pytest
 
+from autograder.classroom.results_of_class import ClassResults
 from autograder.exports.as_json import FORMAT, results_json, VERSION
-from autograder.whole_class.class_results import ClassResults
 
 SCHEMA = json.loads(
     (Path(__file__).resolve().parents[2] / 'docs' / 'results.schema.json').read_text('utf-8')

@@ -14,8 +14,8 @@ from export_world import CLASS, EVIL, REVIEW, submission
 from hypothesis import given, settings, strategies
 import pytest
 
+from autograder.classroom.results_of_class import ClassResults
 from autograder.exports.junit import clean, junit_xml
-from autograder.whole_class.class_results import ClassResults
 
 TIME = re.compile(r'^(([0-9]{0,3},)*[0-9]{3}|[0-9]{0,3})*(\.[0-9]{0,3})?$')
 WORDS = {'type', 'message'}

@@ -6,15 +6,16 @@ from dataclasses import dataclass
 
 import pytest
 
-from autograder.handed_in.extract import answer_files, extract, with_reasons
-from autograder.handed_in.submission import Opened, rebuild, StudentCell
-from autograder.judging.results import (
+from autograder.results import (
     CheckResult,
     ExamResult,
     Problem,
     SubmissionResult,
     Verdict,
 )
+from autograder.submission.extract import answer_files, extract, with_reasons
+from autograder.submission.notebook import StudentCell
+from autograder.submission.submission import Opened, rebuild
 
 
 @dataclass(frozen=True)

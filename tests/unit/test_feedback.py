@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import html
 from html.parser import HTMLParser
 import re
@@ -10,7 +11,8 @@ import pytest
 
 from autograder.explaining.feedback import check_lines, exam_text, MOST_LINES, told, WIDTH
 from autograder.explaining.feedback_html import exam_html, section_id
-from autograder.judging.results import CheckResult, ExamResult, Verdict
+from autograder.results import CheckResult, ExamResult, Verdict
+from roslab.report import CheckReport
 
 LONG = 'The readings of the sensor that is far away from everything are late. ' * 30
 EVIL = '<img src=x onerror=alert(1)>&"\x1b[31m'
@@ -113,6 +115,22 @@ def test_all_parts_may_be_long():
 
     assert len(check_lines(check, {})) <= MOST_LINES
     assert len(told(check, {})) == 5
+
+
+def test_cause_is_printed_once_and_then_referred_to():
+    """Text and HTML name the check that has it; another repair is printed too."""
+    first = failing()
+    again = replace(first, check='again', title='It speaks for a minute.')
+    other = replace(again, check='other', try_this='Call spin().')
+    passed = CheckResult('a', 'A.', Verdict.PASSED, 1, 1)
+    result = ExamResult('talker', (passed, passed, first, again, other))
+    page = html.unescape(exam_html(result))
+
+    for said in (exam_text(result), page, str(CheckReport('talker', result))):
+        assert said.count('The period is 2.0 s.') == 1
+        assert said.count('create_timer(0.5, ...)') == 1
+        assert said.count('the same as above, for: It speaks twice a second.') == 2
+        assert 'Call spin().' in said
 
 
 def test_points_stay_together():

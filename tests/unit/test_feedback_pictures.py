@@ -8,15 +8,15 @@ from xml.etree import ElementTree
 
 import pytest
 
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Advance, Feed, Offer, Qos, Scenario
 from autograder.explaining import picture_data
 from autograder.explaining.feedback_html import exam_html
 from autograder.explaining.picture_data import MOST_TIMES, pictures
 from autograder.explaining.picture_svg import picture_html, timeline_words
-from autograder.judging.exam import Cause, Exam, Failed, Run
 from autograder.judging.judge import judge
-from autograder.judging.results import ExamResult
-from autograder.runs.recording import Recording
-from autograder.runs.scenario import Advance, Feed, Offer, Qos, Scenario
+from autograder.recording import Recording
+from autograder.results import ExamResult
 
 TOPIC, TYPE = '/lab/chatter', 'std_msgs/msg/String'
 SECOND = 1_000_000_000
@@ -30,7 +30,7 @@ def end(topic=TOPIC, type_name=TYPE, kind='publisher', node='/lab/talker', **qos
 
 
 def said(second, topic=TOPIC, **more):
-    """Return a message at a simulated time [s]."""
+    """Return a message at a virtual time [s]."""
     clock_ns = round(second * SECOND)
     return {
         'event': 'message',
@@ -161,7 +161,7 @@ class TestGraph:
 
 
 class TestTimeline:
-    """What came too seldom, too often or too late."""
+    """The timeline of messages that arrived too rarely, too often or too late."""
 
     def test_the_rows_are_what_was_due_and_what_came(self):
         """With the moment that the check names."""

@@ -2,35 +2,35 @@
 
 from __future__ import annotations
 
-from itertools import count
-
 import pytest
 
+from autograder.exam.exam import Failed, Run
 from autograder.exams.visible import courier, harbour, night_watch, running_mean, talker
-from autograder.judging.exam import Failed, Run
-from autograder.runs.recording import ERROR, INFO, Recording, WARN
+from autograder.recording import ERROR, INFO, Recording, WARN
 
-SECONDS = 11
+SECONDS = 21
 DEPTH_10 = {'reliability': 'RELIABLE', 'durability': 'VOLATILE'}
-SERVED = [{'event': 'barrier', 'node': '/n/night_watch', 'answered': True}]
+WATCHED = {'event': 'mark', 'name': harbour.WATCH, 'clock_ns': 550_000_000}
 RUNS = [{'event': 'end', 'reason': 'complete'}, {'event': 'process'}]
-FIRST = ({'event': 'mark', 'name': 'first'}, {'event': 'joined', 'listener': 'first'})
-SECOND = ({'event': 'mark', 'name': 'second'}, {'event': 'joined', 'listener': 'second'})
-PARCEL = {'event': 'message', 'topic': courier.TOPIC, 'listener': 'first', 'data': {}}
 
 
 def log(clock_s, text, level=INFO, name='n.night_watch'):
-    """Return a log line; None for one of before the clock."""
-    clock_ns = None if clock_s is None else round(clock_s * 1e9)
+    """Return a log line."""
+    clock_ns = round(clock_s * 1e9)
     return {'event': 'log', 'clock_ns': clock_ns, 'name': name, 'level': level, 'text': text}
 
 
-def night(*lines, code='create_timer(1.0, self.report)', printed=''):
-    """Return a run of the night watch with these lines, one a second; None is silence."""
-    events = [log(1.1 + second, *line) for second, line in enumerate(lines) if line]
-    facts = {'namespace': '/n', 'simulated_s': SECONDS}
+def night(*lines, code='create_timer(1.0, self.report)', printed='', start=()):
+    """
+    Return a run of the night watch with these lines, one a second; None is silence.
+
+    :param start: texts that it logs when it starts
+    """
+    before = [log(0.1, text) for text in start]
+    events = [log(1.0 + second, *line) for second, line in enumerate(lines) if line]
+    facts = {'namespace': '/n', 'seconds': SECONDS}
     ends = (RUNS[0], {**RUNS[1], 'stdout': printed})
-    return Run({'n.py': code}, Recording({}, (*SERVED, *events, *ends)), facts)
+    return Run({'n.py': code}, Recording({}, (*before, WATCHED, *events, *ends)), facts)
 
 
 def watches(level=lambda number: INFO if number % 5 else WARN, text='watch {}', first=1, step=1):
@@ -58,21 +58,6 @@ class TestNightWatch:
         night_watch.lines_are_numbered(run)
         night_watch.every_fifth_is_a_warning(run)
 
-    @pytest.mark.parametrize(('served', 'cause_id'), [(False, 'own_loop'), (True, 'other_clock')])
-    def test_loop_may_have_spoken_before_anybody_heard_it(self, served, cause_id):
-        """Its first number counts, and which of its lines are fifths follows from that."""
-        lines = watches(level=lambda place: WARN if place % 5 == 3 else INFO, first=3)
-        run = night(*lines[:6])
-        seen = [one for one in run.recording.events if served or one not in SERVED]
-        alone = [{'event': 'other_clock', 'sources': ['n.night_watch']}] if served else []
-        events = (*alone, {'event': 'wall_time', 'seconds': 6.0}, *seen)
-        real = Run(run.files, Recording({}, events), run.facts)
-
-        night_watch.lines_are_numbered(real)
-        night_watch.every_fifth_is_a_warning(real)
-        assert cause_of(night_watch.reports_every_second, real) == cause_id
-        assert cause_of(night_watch.lines_are_numbered, night(*lines)) is None
-
     @pytest.mark.parametrize(
         ('argument', 'cause_id'),
         [('', 'lines_missing'), (', throttle_duration_sec=2.0', 'left_out')],
@@ -84,11 +69,20 @@ class TestNightWatch:
 
         assert cause_of(night_watch.reports_every_second, run) == cause_id
 
-    def test_line_of_the_start_is_no_watch(self):
-        """Many nodes say that they have started, before there is a clock."""
-        run = night(*watches())
-        start = log(None, 'Night watch 7 has been started')
-        run = Run(run.files, Recording({}, (start, *run.recording.events)), run.facts)
+    @pytest.mark.parametrize(
+        ('start', 'first'),
+        [
+            (['Night watch 7 has been started'], 1),
+            (['watch 1'], 2),
+            (['Night watch 7 has been started', 'watch 1'], 2),
+        ],
+    )
+    def test_line_of_the_start_may_be_the_first_watch(self, start, first):
+        """Many nodes say that they have started; some log at once, and then once a second."""
+        levels = watches(
+            level=lambda place: INFO if (place + first - 1) % 5 else WARN, first=first
+        )
+        run = night(*levels, start=start)
 
         night_watch.reports_every_second(run)
         night_watch.lines_are_numbered(run)
@@ -132,7 +126,7 @@ class TestNightWatch:
 
     def test_fifth_watch_that_is_left_out_is_told_everywhere(self):
         """All later lines are shifted by it, so no other cause would be true."""
-        run = night(*watches()[:4], *watches()[5:9], *watches()[10:])
+        run = night(*[line if number % 5 else None for number, line in enumerate(watches(), 1)])
 
         assert cause_of(night_watch.reports_every_second, run) == 'fifth_missing'
         assert cause_of(night_watch.lines_are_numbered, run) == 'fifth_missing'
@@ -172,20 +166,14 @@ class TestNightWatch:
         assert cause_of(night_watch.reports_every_second, run) == cause_id
         assert cause_of(night_watch.lines_are_numbered, run) == cause_id
 
-    def test_right_period_is_not_advised_again(self):
-        """Every other call says nothing, or every other second has no call."""
+    def test_rate_that_is_even_is_told_and_one_with_holes_is_not(self):
+        """Every other second has a rate of its own; a rhythm with holes has none."""
         other = [line if number % 2 else None for number, line in enumerate(watches(), 1)]
-        right, wrong = 'self.create_timer(1.0, f)', 'self.create_timer(2.0, f)'
+        holes = [None if number in (4, 9) else line for number, line in enumerate(watches(), 1)]
         check = night_watch.reports_every_second
 
-        assert cause_of(check, night(*other, code=right)) == 'lines_missing'
-        assert cause_of(check, night(*other, code=wrong)) == 'wrong_rate'
-
-    def test_flood_of_lines_is_told_without_a_count(self):
-        """How many of them arrive is luck."""
-        run = night(*watches() * 11)
-
-        assert cause_of(night_watch.reports_every_second, run) == 'flood'
+        assert cause_of(check, night(*other)) == 'wrong_rate'
+        assert cause_of(check, night(*holes)) == 'lines_missing'
 
 
 class TestHarbour:
@@ -194,16 +182,14 @@ class TestHarbour:
     @staticmethod
     def keeper(*moments, code='create_timer(2.0, self.report)'):
         """Return a run in which the keeper reports at these moments [s]."""
-        barrier = {'event': 'barrier', 'node': harbour.KEEPER, 'answered': True}
         lines = [log(moment, 'light on', name='harbour.keeper') for moment in moments]
-        return Run(
-            {'harbour.py': code}, Recording({}, (barrier, *lines, *RUNS)), {'simulated_s': 8}
-        )
+        events = (log(0.1, 'I begin', name='harbour.keeper'), WATCHED, *lines, *RUNS)
+        return Run({'harbour.py': code}, Recording({}, events), {'seconds': 8})
 
-    @pytest.mark.parametrize('moments', [(2.1, 4.1, 6.1, 8.1), (1.1, 3.1, 5.1, 7.1)])
+    @pytest.mark.parametrize('moments', [(2.0, 4.0, 6.0, 8.0), (1.1, 3.1, 5.1, 7.1)])
     def test_it_does_not_matter_in_which_second_the_rhythm_begins(self, moments):
         """One line every two seconds is what is asked for."""
-        harbour.keeper_reports_every_two_seconds(self.keeper(None, *moments))
+        harbour.keeper_reports_every_two_seconds(self.keeper(*moments))
 
     @pytest.mark.parametrize(
         ('moments', 'code', 'cause_id'),
@@ -212,7 +198,7 @@ class TestHarbour:
             ((), 'create_timer(2.0, f); log.debug(1)', 'debug_level'),
             ((), 'create_timer(2.0, f)\ntry: pass\nexcept: pass', 'swallowed'),
             ((), 'create_timer(2.0, f)', 'silent'),
-            ((2.1, 6.1), '', 'wrong_rate'),
+            ((4.0, 8.0, 12.0), '', 'wrong_rate'),
             ((2.1, 2.1, 4.1, 4.1, 6.1, 6.1, 8.1, 8.1), '', 'several_at_once'),
             ((3.1, 4.1, 6.1, 8.1), '', None),
         ],
@@ -225,7 +211,25 @@ class TestHarbour:
 
 
 class TestTalker:
-    """What the greetings say."""
+    """When greetings come, and what they say."""
+
+    @staticmethod
+    def run_of(texts, lost=0, period_s=0.5, code=''):
+        """Return a run in which these greetings are heard, and some before them are not."""
+        end = {'topic': '/lab/chatter', 'kind': 'publisher', 'node': '/lab/talker'}
+        graph = {'event': 'graph', 'nodes': [], 'endpoints': [end]}
+        said = [
+            {
+                'event': 'message',
+                'topic': '/lab/chatter',
+                'clock_ns': round(number * period_s * 1e9),
+                'data': {'data': text},
+                'number': number,
+            }
+            for number, text in enumerate(texts, lost + 1)
+        ]
+        facts = {'space': '/lab', 'seconds': 6.0}
+        return Run({'talker.py': code}, Recording({}, (graph, *said, *RUNS)), facts)
 
     @pytest.mark.parametrize(
         ('texts', 'cause_id'),
@@ -242,28 +246,50 @@ class TestTalker:
     )
     def test_wrong_text_is_explained(self, texts, cause_id):
         """Each way to count wrongly has a name of its own."""
-        end = {'topic': '/lab/chatter', 'kind': 'publisher', 'node': '/lab/talker'}
-        graph = {'event': 'graph', 'nodes': [], 'endpoints': [end]}
-        said = [
-            {
-                'event': 'message',
-                'topic': '/lab/chatter',
-                'clock_ns': clock,
-                'data': {'data': text},
-            }
-            for text, clock in zip(texts, count(10**9), strict=False)
-        ]
-        run = Run({}, Recording({}, (graph, *said, *RUNS)), {'space': '/lab', 'seconds': 6.0})
+        assert cause_of(talker.counts_its_greetings, self.run_of(texts)) == cause_id
 
-        assert cause_of(talker.counts_its_greetings, run) == cause_id
+    def test_greeting_that_nobody_could_hear_counts(self):
+        """A loop publishes hello 1 at once, and the publisher has counted it."""
+        talker.counts_its_greetings(self.run_of([f'hello {one}' for one in range(2, 9)], lost=1))
+
+        run = self.run_of([f'hello {one}' for one in range(1, 8)], lost=1)
+        assert cause_of(talker.counts_its_greetings, run) == 'counts_from_zero'
+
+    @pytest.mark.parametrize(
+        ('period_s', 'code', 'cause_id'),
+        [
+            (1.0, '', 'wrong_rate'),
+            (0.0, '', 'several_at_once'),
+            (0.45, '', 'wrong_rate'),
+            (2.0, 'def speak(self):\n    time.sleep(2.0)\n', 'wrong_rate'),
+            (
+                2.0,
+                'self.create_timer(0.5, self.speak)\ndef speak(self):\n    time.sleep(2.0)\n',
+                'sleeps_in_callback',
+            ),
+        ],
+    )
+    def test_wrong_rate_is_explained(self, period_s, code, cause_id):
+        """Even gaps show the period; a callback that sleeps explains a longer one."""
+        run = self.run_of([''] * round(6.0 / (period_s or 0.25)), period_s=period_s, code=code)
+
+        assert cause_of(talker.speaks_twice_a_second, run) == cause_id
 
 
 class TestCourier:
     """When the parcel comes, and to whom."""
 
     @staticmethod
-    def run_of(*events, durability='VOLATILE', code='', reason='complete', **process):
-        """Return a run of the courier."""
+    def run_of(
+        *heard, code='', lost=0, lives=('delivered', 'end'), durability='VOLATILE', exit=None
+    ):
+        """
+        Return a run of the courier.
+
+        :param heard: phase and listener of each parcel
+        :param lost: how many were sent to nobody before
+        :param lives: the graphs in which its publisher is seen
+        """
         end = {
             'topic': courier.TOPIC,
             'kind': 'publisher',
@@ -271,17 +297,36 @@ class TestCourier:
             'type': courier.TYPE,
             'qos': {**DEPTH_10, 'durability': durability},
         }
-        events = (
-            {'event': 'graph', 'nodes': [courier.NODE], 'endpoints': [end]},
-            *events,
-            {'event': 'end', 'reason': reason},
-            {'event': 'process', **process},
-        )
-        return Run({'courier.py': code}, Recording({}, events))
+        events = []
+        for place, phase in enumerate(('first', 'second', 'third')):
+            at = {'clock_ns': place * 10**10}
+            events += [
+                {'event': 'mark', 'name': phase, **at},
+                {'event': 'joined', 'listener': phase, **at},
+            ]
+            events += [
+                {
+                    'event': 'message',
+                    'topic': courier.TOPIC,
+                    'listener': listener,
+                    'number': lost + 1,
+                    'data': {'data': courier.TEXT},
+                    **at,
+                }
+                for when, listener in heard
+                if when == phase
+            ]
+        graphs = [
+            {'event': 'graph', 'when': when, 'nodes': [courier.NODE], 'endpoints': [end]}
+            for when in ('start', *lives)
+        ]
+        ended = {'event': 'end', 'reason': 'complete' if exit is None else 'student_exited'}
+        process = {'event': 'process', 'exit': exit}
+        return Run({'courier.py': code}, Recording({}, (*graphs, *events, ended, process)))
 
     def test_parcel_that_comes_with_the_second_listener_is_late(self):
         """As soon as a subscription is connected, says the exercise."""
-        run = self.run_of(*FIRST, *SECOND, PARCEL)
+        run = self.run_of(('second', 'first'))
 
         assert cause_of(courier.delivers_to_who_comes_late, run) == 'waits_for_two'
 
@@ -296,16 +341,46 @@ class TestCourier:
     )
     def test_silence_is_explained_by_the_text(self, code, cause_id):
         """A program that looks for listeners is not told to look for listeners."""
-        run = self.run_of(*FIRST, *SECOND, code=code)
+        run = self.run_of(code=code)
 
         assert cause_of(courier.delivers_to_who_comes_late, run) == cause_id
 
     def test_parcel_that_is_kept_is_delivered_again(self):
-        """Whoever asks for old messages gets it, at any time."""
-        run = self.run_of(*FIRST, PARCEL, *SECOND, durability='TRANSIENT_LOCAL')
+        """A subscription that asks for old messages gets it, at any time."""
+        run = self.run_of(('first', 'first'), durability='TRANSIENT_LOCAL')
 
         courier.delivers_to_who_comes_late(run)
         assert cause_of(courier.delivers_once, run) == 'qos_durability'
+
+    @pytest.mark.parametrize(
+        ('heard', 'cause_id'),
+        [
+            ([('first', 'first')] * 2, 'repeats'),
+            ([('first', 'first'), ('second', 'first'), ('second', 'second')], 'repeats'),
+            ([('first', 'first'), ('third', 'second')], 'delivers_again'),
+            ([('first', 'first'), ('third', 'third')], 'delivers_again'),
+        ],
+    )
+    def test_second_parcel_is_explained(self, heard, cause_id):
+        """To the same one, to the next one, or when the others have left."""
+        assert cause_of(courier.delivers_once, self.run_of(*heard)) == cause_id
+
+    def test_parcel_that_nobody_could_receive_counts(self):
+        """The number of a message tells what its publisher has sent before."""
+        courier.delivers_once(self.run_of(('first', 'first')))
+
+        early = self.run_of(('first', 'first'), lost=1)
+        assert cause_of(courier.delivers_once, early) == 'published_too_early'
+
+    @pytest.mark.parametrize('exit', [None, 0])
+    def test_node_that_goes_after_the_delivery_has_delivered_by_chance(self, exit):
+        """If it goes some time later, it has delivered and does not live on."""
+        at_once = self.run_of(('first', 'first'), lives=(), exit=exit)
+        later = self.run_of(('first', 'first'), lives=('delivered',), exit=exit)
+
+        assert cause_of(courier.delivers_to_who_comes_late, at_once) == 'exited_early'
+        courier.delivers_to_who_comes_late(later)
+        assert cause_of(courier.delivers_once, later) == 'exited_early'
 
 
 class TestRunningMean:
@@ -345,3 +420,10 @@ class TestRunningMean:
         run = Run({}, Recording({}, (graph, *RUNS)), running_mean.exam.facts)
 
         assert cause_of(running_mean.reads_and_writes, run) == 'swapped'
+
+    def test_message_before_the_first_number_is_no_answer(self):
+        """It comes from somewhere other than the callback."""
+        early = {'event': 'message', 'topic': '/mean', 'after_input': None, 'data': {'data': 0.0}}
+        run = Run({}, Recording({}, (early, *RUNS)), running_mean.exam.facts)
+
+        assert cause_of(running_mean.answers_every_number, run) == 'speaks_unasked'

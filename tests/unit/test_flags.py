@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from autograder.exam.scenario import FeedTopic, Offer, Scenario
 from autograder.judging.flags import flags_of
-from autograder.runs.recording import Recording
-from autograder.runs.scenario import FeedTopic, Offer, Scenario
+from autograder.recording import Recording
 from autograder.sandboxes.processes import other_domains
 
 NODE = '/talker'
@@ -34,9 +34,7 @@ def test_honest_run_has_no_flag():
 @pytest.mark.parametrize(
     ('run', 'flag'),
     [
-        (recording({'event': 'foreign_clock'}), '/clock'),
         (recording(endpoints=[end('/clock')]), '/clock'),
-        (recording({'event': 'wall_time'}), 'watched for a few seconds'),
         (recording({'event': 'imitated'}), "grader's own node"),
         (recording(nodes=[NODE, NODE]), 'same name'),
         (recording(nodes=[NODE, '/a b']), 'does not allow'),

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from pathlib import Path
+import sqlite3
 import sys
 
 import pytest
 
 from autograder.errors import GraderError
 from autograder.gradebook.connection import connected
-from autograder.gradebook.entered import make_gradebook
+from autograder.gradebook.journal import make_gradebook, refuse_incomplete
 from autograder.layout import Layout
 
 
@@ -21,7 +23,7 @@ def course(folder, url):
 
 
 def test_a_gradebook_that_is_not_there_yet_is_not_made(tmp_path):
-    """A look is no reason to make one."""
+    """Reading does not create a gradebook."""
     with connected(course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')) as gradebook:
         assert gradebook is None
 
@@ -35,9 +37,70 @@ def test_a_server_that_does_not_answer_is_named_without_its_password(tmp_path):
     with pytest.raises(GraderError) as caught, connected(course(tmp_path, url)):
         pass
 
-    assert 'grader:***@127.0.0.1:1/marks: expected' in caught.value.what
+    assert 'grader:***@127.0.0.1:1/marks: ' in caught.value.what
     assert 'secret' not in f'{caught.value.what} {caught.value.fix}'
     assert 'Try: ' in caught.value.fix
+
+
+@pytest.fixture
+def filled(tmp_path):
+    """Return a course whose gradebook is a file with one table."""
+    with closing(sqlite3.connect(tmp_path / 'gradebook.db')) as file:
+        file.execute('create table grade (id text)')
+    return course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
+
+
+def execute(layout, *statements):
+    """Execute statements on the gradebook of a course."""
+    with connected(layout) as gradebook:
+        for statement in statements:
+            gradebook.exec_driver_sql(statement)
+
+
+@pytest.mark.parametrize(
+    ('statements', 'said', 'advice'),
+    [
+        (
+            ('pragma max_page_count = 2', 'insert into grade values (hex(zeroblob(9999)))'),
+            'database or disk is full',
+            'free space on its disk',
+        ),
+        (('select * from base_cell',), 'no such table: base_cell', 'put a complete copy'),
+    ],
+)
+def test_what_a_gradebook_file_lacks_is_one_line(filled, statements, said, advice):
+    """A file has no server, so nothing is said of one."""
+    with pytest.raises(GraderError) as caught:
+        execute(filled, *statements)
+
+    assert caught.value.what.endswith(f'gradebook.db: the gradebook cannot be used: {said}.')
+    assert f'Try: {advice}' in caught.value.fix
+    assert 'server' not in caught.value.fix
+
+
+def test_a_locked_gradebook_file_is_one_line(filled):
+    """The program that has locked it is what has to end."""
+    with closing(sqlite3.connect(filled.root / 'gradebook.db')) as other:
+        other.execute('begin exclusive')
+        with pytest.raises(GraderError) as caught:
+            execute(filled, 'pragma busy_timeout = 0', 'select * from grade')
+
+    assert 'the gradebook cannot be used: database is locked.' in caught.value.what
+    assert 'Try: close the program that uses it (formgrader' in caught.value.fix
+
+
+@pytest.mark.nbgrader
+def test_a_gradebook_that_has_lost_a_table_is_refused(tmp_path):
+    """Otherwise nbgrader creates an empty table, and nothing tells that its rows are lost."""
+    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
+    refuse_incomplete(layout)
+    make_gradebook(layout)
+    refuse_incomplete(layout)
+    with closing(sqlite3.connect(tmp_path / 'gradebook.db')) as file:
+        file.execute('drop table comment')
+
+    with pytest.raises(GraderError, match='the gradebook cannot be used: no such table: comment'):
+        refuse_incomplete(layout)
 
 
 @pytest.mark.nbgrader
@@ -68,5 +131,4 @@ def test_a_gradebook_that_nbgrader_cannot_open_is_one_sentence(tmp_path):
     with pytest.raises(GraderError) as caught, opened_gradebook(layout):
         pass
 
-    assert 'nbgrader cannot use its gradebook: ' in caught.value.what
-    assert 'not a database' in caught.value.what
+    assert 'expected a gradebook that answers, got: file is not a database' in caught.value.what

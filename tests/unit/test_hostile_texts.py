@@ -5,12 +5,12 @@ import time
 import pytest
 
 from autograder import exams
-from autograder.handed_in.intake import with_node_files
-from autograder.judging.build_advice import diagnose
-from autograder.judging.causes import why_it_ended, why_late
-from autograder.judging.exam import Run
-from autograder.runs.examine import judged
-from autograder.runs.recording import header, Recording
+from autograder.exam.exam import Run
+from autograder.grading.examine import judged
+from autograder.judging.causes.builds import diagnose
+from autograder.judging.causes.ended import why_it_ended, why_late
+from autograder.recording import header, Recording
+from autograder.submission.intake import with_node_files
 
 BOUND_S = 10.0  # hours before; milliseconds now
 ENDED = Recording({}, ({'event': 'process', 'exit': 0, 'killed': '', 'stderr': ''},))
@@ -34,7 +34,7 @@ def seconds_of(work) -> float:
     ],
 )
 def test_a_file_of_line_ends_is_searched_once(text):
-    """Each line end is no new beginning."""
+    """The search does not start again at each line end."""
     run = Run({'talker.py': 'def main():\n    spin()\n' + text}, ENDED)
     assert seconds_of(lambda: (why_late(run), why_it_ended(run))) < BOUND_S
 
@@ -46,13 +46,13 @@ def test_a_constant_in_another_unit_is_still_found():
 
 
 def test_a_setup_file_of_one_word_is_searched_once():
-    """Each letter is no new beginning."""
+    """The search does not start again at each letter."""
     files = {'setup.py': 'a' * 1_000_000, 'x/talker.py': ''}
     assert seconds_of(lambda: with_node_files(files, ['talker.py'])) < BOUND_S
 
 
 def test_a_line_of_one_word_in_the_output_of_a_build_is_searched_once():
-    """Each letter is no new beginning."""
+    """The search does not start again at each letter."""
     assert seconds_of(lambda: diagnose('_' * 130_000, {})) < BOUND_S
 
 

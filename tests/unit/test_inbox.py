@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import pytest
 
-from autograder.whole_class import inbox
+from autograder.submission import inbox, reading
 
 LESSON = '01_talker'
 FILE = 'talker.ipynb'
@@ -57,6 +58,26 @@ def test_files_beside_the_student_folders_are_no_students(tmp_path, hand_in):
     assert list(look(tmp_path)) == ['ann']
 
 
+@pytest.mark.parametrize(
+    ('path', 'why'),
+    [
+        ('ann_123_assignsubmission_file/talker.ipynb', 'a raw download'),
+        ('submitted/ann/01_talker/talker.ipynb', 'one level too high'),
+        ('ann/01_talker/report.pdf', 'no notebook'),
+        ('ann/1_talker/talker.ipynb', 'no folder of the course'),
+    ],
+)
+def test_a_folder_without_a_notebook_of_the_course_is_no_student(tmp_path, hand_in, path, why):
+    """A zero in every lesson would be its first entry in the gradebook."""
+    hand_in('zoe')
+    place = tmp_path / path
+    place.parent.mkdir(parents=True)
+    place.write_bytes(b'{}')
+
+    assert list(look(tmp_path)) == ['zoe'], why
+    assert inbox.without_notebooks(tmp_path, [LESSON]) == [path.partition('/')[0]]
+
+
 def test_work_for_another_assignment_only_is_no_submission(tmp_path, hand_in):
     """Nobody gets a zero for what was not due."""
     hand_in('ann', assignment='02_other')
@@ -67,6 +88,7 @@ def test_work_for_another_assignment_only_is_no_submission(tmp_path, hand_in):
 def test_an_unknown_assignment_is_a_problem(tmp_path, hand_in):
     """It may be this one under a wrong name."""
     hand_in('ann', assignment='1_talker')
+    hand_in('ann', assignment='02_other')
 
     found = look(tmp_path)['ann']
 
@@ -100,6 +122,7 @@ def test_of_several_other_notebooks_none_is_chosen(tmp_path, hand_in):
 def test_a_folder_without_a_notebook_is_a_problem(tmp_path, hand_in):
     """The line says which file is missing."""
     hand_in('ann', name='readme.txt')
+    hand_in('ann', assignment='02_other')
 
     assert 'got no notebook' in look(tmp_path)['ann'].problems[0].line()
 
@@ -117,11 +140,11 @@ def test_links_are_refused_at_every_level(tmp_path, hand_in):
 
     found = {student: one.read(FILE) for student, one in look(tmp_path).items()}
 
-    assert [data for data, _ in found.values()] == [None, None, None]
+    assert [data for data, _ in found.values()] == [None, None]
     got = {student: problems[0].got for student, (_, problems) in found.items()}
     assert 'symbolic link' in got['file_link']
     assert 'a link or a file' in got['lesson_link']
-    assert 'a link or a file' in got['student_link']
+    assert inbox.without_notebooks(tmp_path, [LESSON]) == ['student_link']
 
 
 def test_a_pipe_does_not_stop_the_batch(tmp_path, hand_in):
@@ -166,7 +189,9 @@ def test_a_name_that_nbgrader_would_misread_is_not_recorded(tmp_path, hand_in, n
 
 def test_a_name_that_is_not_utf_8_is_not_recorded(tmp_path):
     """The file system has it, the gradebook cannot."""
-    os.mkdir(os.fsencode(tmp_path) + b'/\xff\xfe')
+    folder = os.path.join(os.fsencode(tmp_path), b'\xff\xfe', LESSON.encode())
+    os.makedirs(folder)
+    Path(os.fsdecode(folder), FILE).write_bytes(b'{}')
 
     (found,) = look(tmp_path).values()
 
@@ -176,7 +201,7 @@ def test_a_name_that_is_not_utf_8_is_not_recorded(tmp_path):
 
 def test_a_file_above_the_limit_is_not_read(tmp_path, hand_in, monkeypatch):
     """The line says how large it is."""
-    monkeypatch.setattr(inbox, 'MAX_BYTES', 2**20)
+    monkeypatch.setattr(reading, 'MAX_BYTES', 2**20)
     hand_in('ann', data=b' ' * (3 * 2**20))
 
     data, problems = look(tmp_path)['ann'].read(FILE)

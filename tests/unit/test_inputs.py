@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from autograder.errors import GraderError
-from autograder.runs import inputs
+from autograder.exam import inputs
 
 
 @pytest.fixture(autouse=True)

@@ -8,8 +8,8 @@ import zipfile
 
 import pytest
 
-from autograder.handed_in import intake
-from autograder.handed_in.intake import (
+from autograder.submission import intake
+from autograder.submission.intake import (
     in_package,
     NotTakenInError,
     read_handed_in,
@@ -114,7 +114,7 @@ PIPE = (stat.S_IFIFO | 0o644) << 16
 
 
 class TestWhatAZipMayNotHold:
-    """Nothing is written anywhere, and all of these are refused all the same."""
+    """All of these entries are refused, although no entry is ever written to disk."""
 
     @pytest.mark.parametrize(
         ('entry', 'said'),

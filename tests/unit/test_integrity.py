@@ -7,8 +7,9 @@ import json
 
 import pytest
 
-from autograder.handed_in.integrity import MOST_LINES, small_number
-from autograder.handed_in.submission import open_submission
+from autograder.submission.integrity import MOST_LINES
+from autograder.submission.notebook import small_number
+from autograder.submission.submission import open_submission
 
 
 def cell(grade_id, source, kind='code', **marks):

@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 import nbformat
 import pytest
 
-from autograder.handed_in.submission import marks_of, open_submission, read_release
 from autograder.layout import Layout
+from autograder.submission.notebook import marks_of, read_release
+from autograder.submission.submission import open_submission
 
 LAYOUT = Layout.here()
 LESSONS = LAYOUT.assignments()

@@ -9,14 +9,15 @@ from types import SimpleNamespace
 import pytest
 from rich.console import Console
 
+from autograder.classroom.pages import print_table, write_reports
+from autograder.commands.grade import warn_if_weak
 from autograder.errors import SandboxUnavailable
 from autograder.explaining.feedback import exam_text
-from autograder.judging.results import CheckResult, ExamResult, SubmissionResult, Verdict
-from autograder.sandboxes import isolation, landlock, sandbox
-from autograder.sandboxes.confined import Confined
+from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
+from autograder.sandboxes import choose, isolation, landlock, sandbox
+from autograder.sandboxes.confined import Confined, Program
 from autograder.sandboxes.isolation import fix_for, System
-from autograder.whole_class.grading import warn_if_weak
-from autograder.whole_class.report import print_table, write_reports
+from environment import ros_domain
 from environment.ros import RosEnvironment
 
 UID_MAP = 'bwrap: setting up uid map: Permission denied'
@@ -51,13 +52,13 @@ def test_each_refusal_has_its_repair(said, system, words):
 
 def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monkeypatch):
     """The line can be pasted."""
-    monkeypatch.setattr(sandbox.shutil, 'which', lambda name: None)
-    sandbox.strongest.cache_clear()
+    monkeypatch.setattr(choose.shutil, 'which', lambda name: None)
+    choose.strongest.cache_clear()
     try:
         with pytest.raises(SandboxUnavailable) as caught:
-            sandbox.strongest()
+            choose.strongest()
     finally:
-        sandbox.strongest.cache_clear()
+        choose.strongest.cache_clear()
 
     assert 'sudo apt-get install -y bubblewrap' in caught.value.fix
     assert '--allow-weak=landlock' in caught.value.fix
@@ -75,7 +76,7 @@ def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     monkeypatch.setattr(System, 'here', classmethod(lambda cls: System(apparmor_restricts=1)))
 
     with pytest.raises(SandboxUnavailable) as caught:
-        sandbox.isolated()
+        choose.isolated()
 
     assert said.rstrip('.') in caught.value.what
     assert caught.value.fix == isolation.FIX_APPARMOR
@@ -124,7 +125,7 @@ def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words
 
 
 def test_a_banner_says_what_is_not_protected():
-    """Nobody can say that they were not told."""
+    """The banner names the mode and each protection that the mode lacks."""
     for mode in isolation.WEAK:
         text = isolation.banner(mode)
         assert mode in text
@@ -168,31 +169,54 @@ def test_every_place_that_shows_a_result_shows_its_weak_mode(tmp_path):
     assert SubmissionResult.from_json(result.to_json()) == result
 
 
-def test_landlock_opens_everything_but_the_course_s_own_answer(tmp_path):
-    """Neighbours of a closed file are opened one by one, and folders above by their names only."""
-    package = 'lib/python3.12/site-packages/temp_monitor_pkg'
+PACKAGE = 'lib/python3.12/site-packages/temp_monitor_pkg'
+CLOSED = (
+    f'{PACKAGE}/temp_publisher.py',
+    f'{PACKAGE}/units.pyc',
+    'lib/temp_monitor_pkg/temp_publisher',
+)
+
+
+@pytest.fixture
+def built(tmp_path):
+    """Return a description of ROS with a built package: one module of text, one compiled."""
     workspace = tmp_path / 'workspace' / 'install' / 'temp_monitor_pkg'
-    files = (f'{package}/__init__.py', f'{package}/temp_publisher.py', 'share/x.msg')
-    for name in (*files, 'lib/temp_monitor_pkg/temp_publisher', 'lib/libx.so'):
+    for name in (f'{PACKAGE}/__init__.py', *CLOSED, 'share/x.msg', 'lib/libx.so'):
         (workspace / name).parent.mkdir(parents=True, exist_ok=True)
         (workspace / name).touch()
     (tmp_path / 'workspace' / 'build').mkdir()
     (tmp_path / 'bin').mkdir()
-    ros = RosEnvironment('wheels', 'p', {}, {}, (str(tmp_path),), str(workspace))
+    return RosEnvironment('wheels', 'p', {}, {}, (str(tmp_path),), str(workspace))
 
-    read, names = landlock.readable(ros, course_messages=True)
-    assert {str(tmp_path / 'bin'), str(workspace / package / '__init__.py')} <= set(read)
+
+def test_landlock_opens_everything_but_the_course_s_own_answer(built, tmp_path):
+    """Neighbours of a closed file are opened one by one, and folders above by their names only."""
+    workspace = Path(built.workspace)
+    read, names = landlock.readable(built, course_messages=True)
+    assert {str(tmp_path / 'bin'), str(workspace / PACKAGE / '__init__.py')} <= set(read)
     assert {str(workspace / 'share'), str(workspace / 'lib' / 'libx.so')} <= set(read)
-    for closed in (package + '/temp_publisher.py', 'lib/temp_monitor_pkg/temp_publisher'):
+    for closed in CLOSED:
         assert not any(str(workspace / closed).startswith(path) for path in read)
     assert str(tmp_path) in names
 
-    read, _ = landlock.readable(ros, course_messages=False)
+    read, _ = landlock.readable(built, course_messages=False)
     assert not any(path.startswith(str(tmp_path / 'workspace')) for path in read)
 
 
-def test_a_domain_in_use_is_not_taken(tmp_path):
-    """Ports of a domain in the kernel's table mean that somebody is there."""
+def test_bubblewrap_covers_the_course_s_own_answer(built):
+    """A text module and a compiled one become empty; the folder of executables, too."""
+    workspace = Path(built.workspace)
+    options = sandbox.Sandbox('bwrap-root', built)._masks(Program(['p']))
+
+    for closed in CLOSED[:2]:
+        assert options[options.index(str(workspace / closed)) - 1] == '/dev/null'
+    assert str((workspace / CLOSED[2]).parent) in options
+    assert str(workspace / PACKAGE / '__init__.py') not in options
+
+
+def test_a_domain_in_use_is_not_taken(tmp_path, monkeypatch):
+    """A claim and ports in the kernel's table both mean that the domain is in use."""
+    monkeypatch.setattr(ros_domain, 'NAME', str(tmp_path))
     table = tmp_path / 'udp'
     lines = ['  sl  local_address rem_address']
     taken = [domain for domain in range(1, 102) if domain != 42]
@@ -200,12 +224,16 @@ def test_a_domain_in_use_is_not_taken(tmp_path):
         lines.append(f'{number}: 0100007F:{7400 + 250 * domain + 10:04X} 00000000:0000 07')
     table.write_text('\n'.join(lines) + '\n', encoding='ascii')
 
-    assert landlock.free_domain(str(table)) == 42
+    claimed = landlock.claim_free_domain(str(table))
+    assert claimed.domain == 42
+    with pytest.raises(SandboxUnavailable, match='101 ROS domains'):
+        landlock.claim_free_domain(str(table))
+    claimed.holder.close()
 
     lines.append(f'200: 00000000:{7400 + 250 * 42:04X} 00000000:0000 07')
     table.write_text('\n'.join(lines) + '\n', encoding='ascii')
     with pytest.raises(SandboxUnavailable, match='101 ROS domains'):
-        landlock.free_domain(str(table))
+        landlock.claim_free_domain(str(table))
 
 
 def test_what_a_program_wrote_is_counted_without_a_file_system_of_its_own(tmp_path):

@@ -1,4 +1,4 @@
-"""Recordings as the journal of a class: complete or absent, and whoever is absent is run."""
+"""Recordings are the journal of a class: each is complete or missing, and missing ones are run."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from types import SimpleNamespace
 import pytest
 
 from autograder.errors import TooBusy
-from autograder.judging.exam import Exam
-from autograder.runs import examine as module
-from autograder.runs.examine import _kept_or_run, _made_now, examine, judged
-from autograder.runs.recording import header, Recording
-from autograder.runs.scenario import Scenario
+from autograder.exam.exam import Exam
+from autograder.exam.scenario import Scenario
+from autograder.grading import examine as module
+from autograder.grading.examine import _kept_or_run, examine
+from autograder.recording import header, Recording
 
 WHOLE = Recording(
     {**header('talker', 'bwrap-user'), 'files': 'a'},
@@ -27,15 +27,13 @@ WHOLE = Recording(
 class Runs:
     """Runs something, and counts."""
 
-    def __init__(self, killed: str = ''):
+    def __init__(self):
         self.count = 0
-        self.killed = killed
 
     def __call__(self):
-        """Return a recording that says which run it was."""
+        """Return a recording."""
         self.count += 1
-        *events, last = WHOLE.events
-        return Recording(WHOLE.header, (*events, {**last, 'killed': self.killed})), {}
+        return WHOLE, {}
 
 
 @pytest.fixture
@@ -80,16 +78,16 @@ def test_lines_that_were_lost_are_noticed_though_the_rest_is_sound(path):
     assert runs.count == 1
 
 
-def test_a_run_that_took_too_long_is_tried_again_the_next_time(path):
-    """The machine may have been the reason; until then it is the evidence of the verdict."""
-    runs = Runs(killed='wall_time_limit')
+def test_a_recording_of_an_older_format_is_made_again(path):
+    """Its times are from a different clock."""
+    runs = Runs()
+    path.parent.mkdir()
+    path.write_bytes(WHOLE.to_bytes().replace(b'"version": 2', b'"version": 1'))
 
-    for _ in range(2):
-        _kept_or_run(path, False, runs)
-        _made_now.clear()  # another grading
+    _kept_or_run(path, False, runs)
 
-    assert runs.count == 2
-    assert Recording.load(path).process['killed'] == 'wall_time_limit'
+    assert runs.count == 1
+    assert Recording.load(path).header['version'] == 2
 
 
 def test_a_run_that_was_killed_leaves_nothing_under_its_name(path):
@@ -123,7 +121,7 @@ def exam(monkeypatch):
 
     recording = Recording(header('talker', 'bwrap-user'), WHOLE.events)
     monkeypatch.setattr(module, 'observe', lambda *_: (recording, {'run_s': 1.25, 'ready_s': 0.5}))
-    monkeypatch.setattr(module, 'environment_digest', lambda _: 'e' * 32)
+    monkeypatch.setattr(module, 'environment_digest', lambda *_: 'e' * 32)
     monkeypatch.setattr(module, 'made_with', lambda: {'grader': '79c8bf8'})
     return made
 
@@ -143,21 +141,6 @@ def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
     assert set(again.timing) == {'kept_run_s', 'judge_s'}
     assert again.ran_s == first.ran_s == 1.25
     assert replace(again, timing={}) == replace(first, timing={})
-
-
-def test_a_recording_of_before_that_is_judged_the_same(exam, tmp_path):
-    """Nobody knows its time, and nothing else is different."""
-    new = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
-    kept = Recording.load(tmp_path / 'talker' / new.recording)
-    old = Recording(
-        {name: kept.header[name] for name in kept.header if name not in ('run_s', 'made_with')},
-        kept.events,
-    )
-    result = judged(exam, FILES, old)
-
-    assert set(result.timing) == {'judge_s'}
-    assert result.ran_s == 0.0
-    assert result.checks == new.checks
 
 
 def test_a_run_that_took_place_twice_says_so_for_good(exam, tmp_path, monkeypatch):

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import pytest
 
-from autograder.exams.visible.milli_reader import divides_by_a_thousand, readings, TARGET
-from autograder.judging.exam import Failed, Run
-from autograder.runs.recording import Recording
+from autograder.exam.exam import Failed, Run
+from autograder.exams.visible.milli_reader import (
+    answers_one_for_one,
+    divides_by_a_thousand,
+    readings,
+    stamps_with_its_own_clock,
+    TARGET,
+)
+from autograder.recording import Recording
 
 
-def run_of(events, burst: int) -> Run:
+def run_of(events) -> Run:
     """Return a run of two numbers."""
-    facts = {'numbers': (1234, 5678), 'names': ('oven', 'fridge'), 'burst': burst}
+    facts = {'numbers': (1234, 5678), 'names': ('oven', 'fridge')}
     return Run({}, Recording({}, tuple(events)), facts)
 
 
@@ -21,21 +27,79 @@ def reading(name: str) -> dict[str, object]:
 
 
 @pytest.mark.parametrize(
-    ('names', 'burst', 'order'),
+    ('names', 'order'),
     [
-        (('fridge', 'oven'), 2, ['oven', 'fridge']),
-        (('fridge', 'oven'), 0, ['fridge', 'oven']),
-        (('fridge', 'fridge'), 2, ['fridge', 'fridge']),
-        (('fridge',), 2, ['fridge']),
-        ((), 2, []),
+        (('fridge', 'oven'), ['oven', 'fridge']),
+        (('fridge', 'fridge'), ['fridge', 'fridge']),
+        (('fridge',), ['fridge']),
+        ((), []),
     ],
-    ids=['a burst', 'no burst', 'one twice', 'one missing', 'nothing'],
+    ids=['turned round', 'one twice', 'one missing', 'nothing'],
 )
-def test_a_burst_may_be_answered_in_any_order(names, burst, order):
-    """Which comes first is luck where several threads answer; what is wrong stays as it came."""
-    found = readings(run_of(map(reading, names), burst))
+def test_numbers_may_be_answered_in_any_order(names, order):
+    """Several threads may answer a burst in any order; what is wrong stays as it came."""
+    found = readings(run_of(map(reading, names)))
 
     assert [event['data']['sensor_id'] for event in found] == order
+
+
+@pytest.mark.parametrize(
+    ('indexes', 'cause'),
+    [
+        ([0, 1], None),
+        ([1, 1], None),
+        ([None, 0, 1], 'speaks_unasked'),
+        ([0, 0, 1], 'several_answers'),
+        ([0, 1, 1], 'several_answers'),
+        ([1], 'misses_some'),
+        ([], 'no_answer'),
+    ],
+    ids=str,
+)
+def test_each_number_has_one_reading_which_may_be_late(indexes, cause):
+    """An answer that comes after the next number is an answer."""
+    run = run_of({**reading('oven'), 'after_input': index} for index in indexes)
+    if cause is None:
+        answers_one_for_one(run)
+        return
+    with pytest.raises(Failed) as failed:
+        answers_one_for_one(run)
+
+    assert failed.value.why is not None
+    assert failed.value.why.cause_id == cause
+
+
+@pytest.mark.parametrize(
+    ('sec', 'nanosec', 'cause'),
+    [
+        (5003, 600_000_000, None),
+        (5003, 850_000_000, None),
+        (5003, 350_000_000, 'stale_stamp'),
+        (5004, 100_000_000, 'stale_stamp'),
+        (5003, 600, 'nanoseconds'),
+        (5003, 0, 'no_nanoseconds'),
+        (0, 0, 'missing_stamp'),
+        (1_767_225_603, 600_000_000, 'other_clock'),
+        (1003, 600_000_000, 'other_clock'),
+    ],
+)
+def test_stamp_lies_between_number_and_reading(sec, nanosec, cause):
+    """The ROS clock tells a quarter of a second at a time."""
+    data = {'timestamp': {'sec': sec, 'nanosec': nanosec}}
+    run = run_of(
+        [
+            {'event': 'input', 'index': 0, 'clock_ns': 3_550_000_000},
+            {'event': 'message', 'topic': TARGET, 'clock_ns': 3_850_000_000, 'data': data},
+        ]
+    )
+    if cause is None:
+        stamps_with_its_own_clock(run)
+        return
+    with pytest.raises(Failed) as failed:
+        stamps_with_its_own_clock(run)
+
+    assert failed.value.why is not None
+    assert failed.value.why.cause_id == cause
 
 
 @pytest.mark.parametrize(
@@ -57,7 +121,7 @@ def test_each_wrong_value_has_a_cause_of_its_own(values, cause):
         for value in values
     )
     with pytest.raises(Failed) as failed:
-        divides_by_a_thousand(run_of(events, burst=0))
+        divides_by_a_thousand(run_of(events))
 
     assert failed.value.why is not None
     assert failed.value.why.cause_id == cause

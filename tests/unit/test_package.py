@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder import exams
-from autograder.handed_in.package import own_files, read_package
+from autograder.submission.package import own_files, read_package
 
 
 def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):

@@ -1,9 +1,9 @@
 """
-No text keeps a regular expression of the grader busy.
+Check that no text keeps a regular expression of the grader busy.
 
-Students choose what the grader searches, and it does so in its own process.  The patterns that
-stand as one text in calls of ``re`` or in the tables of mistakes are tried on texts that make a
-search begin anew at each letter.
+Students choose the texts that the grader searches, and it searches them in its own process.  The
+tests try each pattern that is a single string in a call of ``re`` or in the tables of mistakes on
+texts that make a search start again at each letter.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import time
 
 import pytest
 
-from autograder.judging.build_advice import MISTAKES
-from autograder.judging.raised_kinds import KINDS
+from autograder.judging.causes.builds import MISTAKES
+from autograder.judging.causes.exception_table import KINDS
 
 GRADER = Path(__file__).parents[2] / 'autograder'
 IN_THE_SANDBOX = ('inside/', 'probe/', '_work/')
@@ -44,7 +44,7 @@ def written_patterns() -> Iterator[tuple[str, re.Pattern[str], str]]:
 
 
 def patterns_in(tree: ast.AST) -> Iterator[tuple[ast.Call, re.Pattern[str], str]]:
-    """Yield the calls of ``re`` with a pattern that stands there."""
+    """Yield the calls of ``re`` whose pattern is a string literal."""
     used: dict[str, set[str]] = {}
     named: dict[int, str] = {}
     for node in ast.walk(tree):

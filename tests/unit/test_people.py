@@ -7,8 +7,11 @@ import json
 from collect_sources import GOOD, layout, packed, taken, TALK  # noqa: F401 - a fixture
 import pytest
 
-from autograder.collect import collect, student_id, TAKEN, UNCHANGED
-from autograder.whole_class.people import keep_people, read_people
+from autograder.classroom.people import keep_people, read_people, student_named
+from autograder.collect.table import TAKEN, UNCHANGED
+from autograder.collect.take_in import collect
+from autograder.errors import GraderError
+from autograder.submission.ids import student_id
 
 CANVAS = {'exampleann_1001_55001_talk.ipynb': GOOD, 'berg_1002_55002_essay.pdf': b'%PDF'}
 
@@ -43,7 +46,7 @@ def test_moodle_names_are_kept_only_if_the_id_is_another(tmp_path, layout):
     assert read_people(layout) == {student_id("Bo O'Neil"): "Bo O'Neil"}
 
 
-def test_a_dry_run_and_a_second_run_write_no_names(tmp_path, layout):
+def test_a_dry_run_and_a_repeated_run_write_no_names(tmp_path, layout):
     """The file stays as it is."""
     source = packed(tmp_path / 'c.zip', CANVAS)
     collect(source, layout, layout.submitted, write=False)
@@ -96,10 +99,38 @@ def test_a_damaged_file_is_no_trouble(data, known, layout):
 
 
 def test_names_that_cannot_be_kept_do_not_hide_the_table(tmp_path, layout):
-    """The notebooks are there all the same."""
+    """The notebooks are collected anyway."""
     layout.people.mkdir(parents=True)
 
     rows = collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
 
     assert rows[0].notes[0].startswith('names cannot be written')
     assert f'1001/{TALK}/talk.ipynb' in taken(layout)
+
+
+@pytest.mark.parametrize(
+    ('name', 'student'),
+    [('1001', '1001'), ('Ann Lee', '1001'), ('  ann   LEE ', '1001'), ('Bo', 'Bo')],
+)
+def test_student_is_found_by_id_or_name(name, student, layout):
+    """Capitals and spaces do not count; an id comes before a name."""
+    keep_people(layout, {'1001': 'Ann Lee', '1002': 'Bo', '1003': 'Gone'})
+
+    assert student_named(layout, name, {'1001', '1002', 'Bo'}) == student
+
+
+@pytest.mark.parametrize(
+    ('name', 'said'),
+    [
+        ('Ann Lee', 'got 2. Try: one of the ids 1001, 1002'),
+        ('Zoe', 'got none of that name. Graded: 1001, 1002, 1003'),
+        ('', 'got none of that name'),
+        ('Gone', 'got none of that name'),
+    ],
+)
+def test_name_of_several_students_or_of_none_is_refused(name, said, layout):
+    """The message has the ids to choose from."""
+    keep_people(layout, {'1001': 'Ann Lee', '1002': 'Ann  Lee', '9': 'Gone'})
+
+    with pytest.raises(GraderError, match=said):
+        student_named(layout, name, {'1001', '1002', '1003'})

@@ -10,11 +10,11 @@ import pytest
 
 from autograder.errors import GraderError, ProbeFailed
 from autograder.explaining.feedback import headline
-from autograder.handed_in.submission import Notebook
-from autograder.judging.results import CheckResult, ExamResult, Verdict
-from autograder.whole_class import pipeline
-from autograder.whole_class.inbox import Submission
-from autograder.whole_class.pipeline import grade_class, grade_notebook, Lesson
+from autograder.grading import pipeline
+from autograder.grading.pipeline import grade_class, grade_notebook, Lesson
+from autograder.results import CheckResult, ExamResult, Verdict
+from autograder.submission.inbox import Submission
+from autograder.submission.notebook import Notebook
 
 RELEASE: Notebook = {
     'cells': [

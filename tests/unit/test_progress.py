@@ -1,15 +1,18 @@
-"""Progress: totals, the slowest, and silence where nobody watches."""
+"""Progress: totals, the slowest, one living line on a terminal, and lines in a log."""
 
 from __future__ import annotations
 
 import io
+import sys
+import threading
 
 import pytest
 from rich.console import Console
 
+from autograder.commands.progress import is_alive, line_of, progress, Totals
 from autograder.errors import ProbeFailed
-from autograder.judging.results import CheckResult, ExamResult, Verdict
-from autograder.progress import Done, is_quiet, progress, Totals
+from autograder.grading.pipeline import Done
+from autograder.results import CheckResult, ExamResult, Verdict
 
 
 def done(student: str, points: float, run_s: float = 0.0) -> Done:
@@ -50,7 +53,7 @@ class TestTotals:
         assert totals.slowest == ('bob', 2.0)
 
     def test_nobody_is_slow_where_no_time_is_known(self):
-        """As from recordings of before it was kept."""
+        """Recordings made before the grader stored run times have none."""
         totals = Totals()
         totals.add(done('ann', 2))
 
@@ -66,20 +69,51 @@ class TestTotals:
 
 
 @pytest.mark.parametrize(
-    ('terminal', 'variable', 'quiet'),
-    [(True, '', False), (True, 'false', False), (True, 'true', True), (False, '', True)],
+    ('terminal', 'variable', 'alive'),
+    [(True, '', True), (True, 'false', True), (True, 'true', False), (False, '', False)],
 )
-def test_it_is_quiet_in_ci_and_without_a_terminal(terminal, variable, quiet, monkeypatch):
-    """A log of bars helps nobody."""
+def test_a_line_is_rewritten_on_a_terminal_only(terminal, variable, alive, monkeypatch):
+    """A log would keep every state of it."""
     monkeypatch.setenv('CI', variable)
 
-    assert is_quiet(Console(file=io.StringIO(), force_terminal=terminal)) is quiet
+    assert is_alive(Console(file=io.StringIO(), force_terminal=terminal)) is alive
 
 
-def test_nothing_is_printed_into_a_log(capsys):
-    """Not even an empty line."""
+def test_a_short_grading_prints_nothing_into_a_log(capsys):
+    """It is over before the first line."""
     with progress(2, 'x') as tell:
         tell(done('ann', 2, 1.0))
 
     captured = capsys.readouterr()
     assert captured.out == captured.err == ''
+
+
+def test_a_line_in_a_log_has_counts_and_the_time_left():
+    """The time by the pace so far, which is unknown at first."""
+    totals = Totals()
+    assert line_of(totals, 8, 3.0) == '0 of 8 runs'
+
+    for points in (2, 1):
+        totals.add(done('ann', points))
+    assert line_of(totals, 8, 3.0) == '2 of 8 runs; 1 full marks, 1 less; about 9 s left'
+
+
+def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
+    """Also if the first run takes long: a reader sees that the grading lives."""
+
+    class Log(io.StringIO):
+        """Says when the second line is there."""
+
+        second = threading.Event()
+
+        def write(self, text):
+            if super().getvalue().count('\n') == 1:
+                self.second.set()
+            return super().write(text)
+
+    log = Log()
+    monkeypatch.setattr(sys, 'stderr', log)
+    with progress(8, '01_node_life', line_s=0.01):
+        assert log.second.wait(60)
+
+    assert log.getvalue().startswith('01_node_life: 0 of 8 runs\n01_node_life: 0 of 8 runs')

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from autograder.exam.exam import Failed, Run
 from autograder.exams.visible import (
     sensor_watch,
     talker,
@@ -11,9 +12,8 @@ from autograder.exams.visible import (
     temperature_publisher,
     temperature_subscriber,
 )
-from autograder.judging.exam import Failed, Run
 from autograder.judging.readings import Reading, Sent
-from autograder.runs.recording import INFO, Recording, WARN
+from autograder.recording import INFO, Recording, WARN
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stdout': ''})
 
@@ -41,7 +41,7 @@ def test_node_that_ignores_the_namespace_it_was_given():
 
 
 def test_message_type_that_builds_and_is_another_one():
-    """The node that echoes has a type of another name."""
+    """The node that echoes has a type with a different name."""
     end = {
         'topic': '/echo_in',
         'kind': 'subscription',
@@ -130,7 +130,7 @@ def warming(values, code=''):
         }
         for value in values
     ]
-    return Run({'n.py': code}, Recording({}, (*sent, *ENDS)), {'simulated_s': 10})
+    return Run({'n.py': code}, Recording({}, (*sent, *ENDS)), {'seconds': 10})
 
 
 def test_formula_is_not_blamed_for_a_flood():
@@ -145,7 +145,7 @@ def test_formula_is_not_blamed_for_a_flood():
     ('line', 'cause_id'), [('random.seed(7)', 'seeded_each_time'), ('pass', 'constant')]
 )
 def test_seed_in_the_callback_is_told(line, cause_id):
-    """The value is computed there, and is the same all the same."""
+    """The callback computes the value, but it is the same every time."""
     code = f'self.create_timer(1.0, self.tick)\ndef tick(self):\n    {line}\n'
 
     found = why(temperature_publisher.readings_are_plausible, warming([20.5] * 10, code))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import pytest
 
 from autograder.errors import RecordingInvalid
-from autograder.runs.recording import header, Recording
+from autograder.recording import header, Recording
 
 
 def end(topic, kind='publisher', node='/a', kind_of='x/msg/Y'):
@@ -106,7 +106,7 @@ class TestFile:
 
     @pytest.mark.parametrize(
         'text',
-        ['', '[]', '{"format": "other", "version": 1}\n', 'not json', '{"a": 1}\n{"b'],
+        ['', '[]', '{"format": "other", "version": 2}\n', 'not json', '{"a": 1}\n{"b'],
         ids=['empty', 'list', 'other format', 'no json', 'truncated'],
     )
     def test_other_file_is_refused(self, tmp_path, text):
@@ -116,6 +116,13 @@ class TestFile:
 
         with pytest.raises(RecordingInvalid, match=r'r\.jsonl'):
             Recording.load(path)
+
+    def test_recording_of_an_older_format_is_refused_with_what_to_do(self):
+        """Its times are from a different clock."""
+        old = SAMPLE.to_bytes().replace(b'"version": 2', b'"version": 1')
+
+        with pytest.raises(RecordingInvalid, match=r'of version 1\. Grade again'):
+            Recording.from_bytes(old, 'r.jsonl')
 
     def test_line_that_is_no_event_is_refused(self, tmp_path):
         """A damaged line is not skipped."""
@@ -151,28 +158,3 @@ class TestFile:
         with pytest.raises(OSError, match='No space'):
             SAMPLE.save(tmp_path / 'r.jsonl')
         assert list(tmp_path.iterdir()) == []
-
-
-def test_what_came_as_the_program_stopped_answering_is_no_evidence():
-    """How many lines an endless callback writes before the grader gives up is luck."""
-
-    def line(clock_ns, after_input):
-        return {'event': 'log', 'clock_ns': clock_ns, 'after_input': after_input, 'level': 20}
-
-    events = (
-        {'event': 'mark', 'clock_ns': 1, 'name': 'whole'},
-        {'event': 'input', 'clock_ns': 1, 'index': 0},
-        line(1, 0),
-        {'event': 'input', 'clock_ns': 1, 'index': 1},
-        line(1, 1),
-        line(1, 1),
-        {'event': 'unresponsive', 'clock_ns': 1, 'node': '/n'},
-        {'event': 'end', 'clock_ns': 1, 'reason': 'unresponsive'},
-    )
-    stopped = Recording({}, events)
-    answered = Recording({}, events[:-2])
-
-    assert [entry['after_input'] for entry in stopped.logs()] == [0]
-    assert [entry['after_input'] for entry in stopped.phase('whole').logs()] == [0]
-    assert len(stopped.events) == len(events)
-    assert len(answered.logs()) == 3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from autograder.judging.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
+from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
 
 PASSED = CheckResult('a', 'It runs.', Verdict.PASSED, 2, 2)
 FAILED = CheckResult('b', 'It warns.', Verdict.FAILED, 0.5, 3, observed='nothing', cause='a typo')

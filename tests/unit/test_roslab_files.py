@@ -7,7 +7,7 @@ import sys
 import psutil
 import pytest
 
-from autograder.handed_in.cells import CellFile
+from autograder.submission.cells import CellFile
 from roslab import child, package_files
 from roslab.errors import NameRefusedError, NotHereError
 from roslab.messages import build_messages

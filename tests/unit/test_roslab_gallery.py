@@ -68,7 +68,7 @@ def test_message_of_a_cell_is_explained_by_its_entry_first(entry: Entry) -> None
 
 @each_entry
 def test_heading_of_an_exhibit_leads_to_its_entry(entry: Entry) -> None:
-    """Whoever pastes a heading of the lesson into explain() gets that exhibit first."""
+    """If you paste a heading of the lesson into explain(), you get that exhibit first."""
     assert nearest(entry.heading)[0] == entry
 
 
@@ -178,9 +178,74 @@ def test_explain_knows_the_errors_of_a_build(capsys: pytest.CaptureFixture[str])
 
 def test_explain_says_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:
     """An unknown message is called unknown, with ways to go on and no guess."""
-    explain('OSError: the robot has eaten the map')
+    explain('RCLError: the robot has eaten the map')
 
     said = capsys.readouterr().out
-    assert said.startswith('Not in the gallery: OSError: the robot has eaten the map')
+    assert said.startswith('Not in the gallery: RCLError: the robot has eaten the map')
     assert 'What happened' not in said
     assert 'robotics.stackexchange.com' in said
+
+
+def raised(code: str, name: str = '__main__') -> BaseException:
+    """Return the exception that code of a module raises."""
+    try:
+        exec(code, {'__name__': name})
+    except Exception as error:
+        return error
+    raise AssertionError('nothing was raised')
+
+
+@pytest.mark.parametrize(
+    'error', [ZeroDivisionError(), raised('1 / 0'), 'IndexError: list index out of range']
+)
+def test_error_of_python_leads_to_its_manual(
+    error: str | BaseException, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What Python itself raises is not searched among the issues of rclpy."""
+    explain(error)
+
+    said = capsys.readouterr().out
+    assert 'is an error of Python itself' in said
+    assert 'docs.python.org' in said
+    assert 'rclpy' not in said
+
+
+@pytest.mark.parametrize(
+    'error',
+    [
+        raised('raise RuntimeError("no more")', 'rclpy.node'),
+        'RuntimeError: rcl_take failed, no more',
+    ],
+)
+def test_builtin_error_that_ros_raises_leads_to_its_issues(
+    error: str | BaseException, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The code that raised it, or its words, tell whose error it is."""
+    explain(error)
+
+    assert 'github.com/ros2/rclpy' in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ('written', 'meant'),
+    [('tmie', 'time'), ('nunpy', 'numpy'), ('randm', 'random'), ('yaaml', 'yaml')],
+)
+def test_misspelt_module_is_named(
+    written: str, meant: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One slip away from a module that exists, it is no package that was not built."""
+    explain(f"ModuleNotFoundError: No module named '{written}'")
+
+    said = capsys.readouterr().out
+    assert f'{meant} exists' in said
+    assert 'source install' not in said
+
+
+@pytest.mark.parametrize('name', ['weather_station', 'my_interfaces', 'tme', 'cv2'])
+def test_module_that_nothing_resembles_may_be_misspelt_or_not_built(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No module is suggested that has little to do with the name."""
+    explain(f"ModuleNotFoundError: No module named '{name}'")
+
+    assert 'it is misspelt, not built or not installed' in capsys.readouterr().out

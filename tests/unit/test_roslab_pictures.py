@@ -97,7 +97,7 @@ def test_connected_pair_is_one_line_of_text_and_has_no_dashes():
     ],
 )
 def test_endpoint_without_a_match_is_dashed_and_says_why(publisher, subscription, reason):
-    """The reason stands in the text and, wrapped, in the picture."""
+    """The reason is in the text and, wrapped, in the picture."""
     graph = Graph(
         chatter(
             [publisher] if publisher else [],
@@ -137,7 +137,7 @@ def test_listener_of_the_notebook_is_not_drawn_but_counts():
 
 
 def test_listener_of_the_notebook_that_does_not_fit_is_named_with_the_reason():
-    """A publisher that only the notebook tries to hear, in vain, is not called unheard."""
+    """A publisher is not called unheard if only the notebook listens and cannot receive it."""
     facts = chatter([end('/a', qos=BEST_EFFORT)], [end('/_roslab')])
 
     assert not facts.edges[0].matched
@@ -179,6 +179,13 @@ def test_picture_has_a_role_and_words_for_those_who_cannot_see_it():
     assert len(described) == 2
     assert '/talker' in ' '.join(described.values())
     assert 'nobody subscribes' in ' '.join(described.values())
+
+
+def test_picture_that_scrolls_can_be_reached_by_the_keyboard():
+    """On a narrow page; what is focused has a role and a name."""
+    page = svg.picture(900, 100, 'A <graph>', 'words', [])
+
+    assert page.startswith('<div role="group" aria-label="A &lt;graph&gt;" tabindex="0" style="ov')
 
 
 SIZES = {

@@ -1,12 +1,13 @@
 """The table of visible checks, as text and as HTML."""
 
 import json
+import os
 
 import pytest
 
 from autograder import exams
-from autograder.judging.results import CheckResult, ExamResult, Problem, Verdict
-from roslab import checking
+from autograder.results import CheckResult, ExamResult, Problem, Verdict
+from roslab import checking, child, messages
 from roslab.child import Outcome
 from roslab.report import CheckReport
 
@@ -56,7 +57,7 @@ def test_html_escapes_what_the_program_did():
 
 
 def test_report_is_true_only_if_every_check_passed():
-    """No check at all is no success."""
+    """A report without checks is not a success."""
     assert report(PASSED)
     assert not report(PASSED, WAITING)
     assert not report(PASSED, FAILED)
@@ -92,7 +93,7 @@ def test_error_of_the_child_is_shown_as_one_line():
 
 @pytest.mark.parametrize('output', ['', 'Traceback\nKeyError: 1', '{"points": 3}', '{', '[1]\n'])
 def test_child_without_a_verdict_is_the_checkers_fault(output):
-    """Anything but a verdict is said to be ours, and is no success."""
+    """Anything but a verdict is reported as the checker's fault and is not a success."""
     broken = read(output, 1)
 
     assert not broken
@@ -133,3 +134,39 @@ def test_files_with_a_stub_are_unfinished(exam, unfinished):
     own = checking._of_exercise(exams.load(exam, hidden=False), files)
 
     assert [name for name, text in own.items() if checking._is_stub(name, text)] == unfinished
+
+
+@pytest.mark.parametrize(
+    ('output', 'how_far'),
+    [
+        ('[1/40] Building C object a.c.o\n[12/40] Building C object b.c.o\n', '12 of 40'),
+        ('-- Configuring done\n[ 30%] Building C object a.c.o\n', '30%'),
+        ('-- Found ament_cmake: [1/40]\n', ''),
+    ],
+)
+def test_progress_of_a_build_is_its_last_mark(output, how_far):
+    """Ninja counts its steps, make says a percentage, and CMake neither."""
+    assert messages._progress(output) == how_far
+
+
+def test_output_of_a_running_command_is_seen_and_stays_whole(tmp_path):
+    """Looking at it moves nothing in the file that the command writes."""
+    seen = []
+
+    def on_tick(seconds, output):
+        seen.append(output)
+        if '[1/2]' in output:
+            (tmp_path / 'go').touch()
+
+    script = 'echo "[1/2] one"; until test -e go; do sleep 0.01; done; echo "[2/2] two"'
+    outcome = child.run(
+        ['sh', '-c', script],
+        cwd=tmp_path,
+        env=os.environ,
+        deadline_s=60.0,
+        on_tick=on_tick,
+        tick_s=0.01,
+    )
+
+    assert '[1/2] one\n' in seen
+    assert (outcome.returncode, outcome.output) == (0, '[1/2] one\n[2/2] two\n')

@@ -6,9 +6,8 @@ import json
 
 import pytest
 
-from autograder.runs.scenario import (
+from autograder.exam.scenario import (
     Advance,
-    Await,
     Call,
     EVERYONE,
     Feed,
@@ -19,6 +18,7 @@ from autograder.runs.scenario import (
     Mark,
     Offer,
     Qos,
+    RosClock,
     Scenario,
     set_parameter,
     state,
@@ -34,7 +34,6 @@ STEPS = [
     Leave('late'),
     Mark('second'),
     Look('second'),
-    Await(logs=1),
 ]
 
 
@@ -44,19 +43,18 @@ def test_every_step_is_json():
 
     assert json.loads(json.dumps(told))['steps'] == told['steps']
     assert [step['do'] for step in told['steps']] == [
-        *('advance', 'feed', 'call', 'join', 'offer', 'leave', 'mark', 'look', 'await')
+        *('advance', 'feed', 'call', 'join', 'offer', 'leave', 'mark', 'look')
     ]
 
 
-def test_time_is_told_in_whole_nanoseconds():
-    """No float error can creep into the clock."""
-    assert Advance(2.5, phase_s=0.123).to_json() == {
-        'do': 'advance',
-        'steps': 10,
-        'step_ns': 250_000_000,
-        'first_ns': 123_000_000,
-        'watch_s': 3.0,
-    }
+@pytest.mark.parametrize(
+    ('virtual_s', 'ros_s'), [(0.0, 100.0), (0.124, 100.0), (0.125, 100.25), (3.0, 106.0)]
+)
+def test_ros_time_is_that_of_the_last_message_on_its_topic(virtual_s, ros_s):
+    """At twice the speed of the computer, a step of 0.25 s takes 0.125 s."""
+    clock = RosClock(begins_s=100.0, rate=2.0, step_s=0.25)
+
+    assert clock.at(round(virtual_s * 1e9)) == round(ros_s * 1e9)
 
 
 def test_service_is_named_after_its_node_unless_it_is_full():
@@ -97,7 +95,7 @@ def test_feed_without_quality_of_service_suits_everyone():
     ids=['bool', 'int', 'float', 'str'],
 )
 def test_parameter_is_told_with_its_type(value, told):
-    """The numbers are those of rcl_interfaces/msg/ParameterType; a bool is no int."""
+    """The numbers are those of rcl_interfaces/msg/ParameterType; a bool is not an int."""
     (parameter,) = set_parameter('/a', 'x', value).to_json()['request']['parameters']
 
     assert parameter == {'name': 'x', 'value': told}

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from autograder.authoring.self_check import self_check
 from autograder.errors import ProbeFailed
-from autograder.judging.results import CheckResult, ExamResult, Verdict
 from autograder.layout import Layout
-from autograder.self_check import self_check
+from autograder.results import CheckResult, ExamResult, Verdict
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def test_reference_and_release_are_as_they_must_be(course):
 
 
 def test_reference_that_fails_its_exam_is_told(course):
-    """The check that stands in the way is named."""
+    """The report names the check that failed."""
     (reference, _) = self_check(course('wrong', 'wrong'), FakeEngine(FakeExam()))
 
     assert reference == (

@@ -7,8 +7,11 @@ import json
 from hypothesis import given, settings, strategies
 import pytest
 
-from autograder.commands_class import similar_text
-from autograder.whole_class.similarity import compare, given_lines, lines_of, WARNING
+from autograder.classroom.similarity import compare, finished, given_lines, lines_of, WARNING
+from autograder.commands.export import similar_text
+from autograder.grading.again import NothingRuns
+from autograder.grading.pipeline import load_lesson
+from autograder.layout import Layout
 
 ORIGINAL = '''
 import rclpy
@@ -80,7 +83,7 @@ def main():
 
 
 def found(at_least=0.85, given_text='', **texts):
-    """Compare one file a student."""
+    """Compare one file per student."""
     answers = {student: {'talker.py': text} for student, text in texts.items()}
     given_away = frozenset(line.raw for line in lines_of('given.py', given_text))
     return compare('01_talker', answers, given_away, at_least)
@@ -154,10 +157,37 @@ def test_the_most_alike_come_first_and_too_many_are_counted(monkeypatch):
     scores = [pair.score for pair in result.pairs]
     assert scores == sorted(scores, reverse=True)
 
-    monkeypatch.setattr('autograder.whole_class.similarity.MOST', 4)
+    monkeypatch.setattr('autograder.classroom.similarity.MOST', 4)
     fewer = found(0.5, **{name: text.replace(' = \n', ' = 0\n') for name, text in texts.items()})
     assert fewer.pairs == result.pairs[:4]
     assert fewer.more == len(result.pairs) - 4
+
+
+REFERENCE = {'nodes': {'talker.py': ORIGINAL}, 'all': {'talker.py': ORIGINAL, 'b.py': OTHER}}
+
+
+def test_a_copy_of_the_finished_package_is_listed():
+    """The package does not count as a student, and its two forms are not compared."""
+    texts = {'ann': {'talker.py': RENAMED}, 'bob': {'talker.py': OTHER}}
+    result = compare('01_talker', texts, frozenset(), 0.85, REFERENCE)
+
+    (pair,) = result.pairs
+    assert {*pair.first, *pair.second} == {'ann', 'nodes'}
+    assert result.compared == 2
+
+
+def test_a_lesson_that_asks_for_its_nodes_is_compared_with_the_package():
+    """Other lessons have no such package."""
+    layout = Layout.here()
+    lessons = {
+        name: load_lesson(layout, name, NothingRuns())
+        for name in ('03_topics', '07_temperature_monitor')
+    }
+    nodes, package = finished(layout.root, lessons['07_temperature_monitor']).values()
+
+    assert set(nodes) == {'temp_publisher.py', 'temp_subscriber.py'}
+    assert {'threshold.py', *nodes} < set(package)
+    assert finished(layout.root, lessons['03_topics']) == {}
 
 
 def test_a_name_of_ros_is_no_name_of_the_students():
@@ -191,7 +221,7 @@ def test_other_files_are_read_as_words():
 
 
 def test_the_release_gives_away_its_cells_without_their_magic():
-    """Lines of commands are no code."""
+    """Lines with magic or shell commands are not code."""
     cells = [
         {'cell_type': 'code', 'source': '%%node talker\nimport rclpy\n'},
         {'cell_type': 'code', 'source': '!ls\nx = 1'},

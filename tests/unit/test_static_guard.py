@@ -144,7 +144,7 @@ def test_the_list_of_what_is_meant_has_no_old_entries():
     ],
 )
 def test_the_search_finds_what_it_is_for(text):
-    """A guard that finds nothing is no guard."""
+    """The guard reports each of these dangerous lines."""
     assert list(findings(ast.parse(text)))
 
 

@@ -6,8 +6,10 @@ import json
 
 import pytest
 
-from autograder.handed_in import submission
-from autograder.handed_in.submission import open_submission, read_notebook, rebuild, StudentCell
+from autograder.results import Problem, SubmissionResult
+from autograder.submission import notebook, submission
+from autograder.submission.notebook import read_notebook, StudentCell
+from autograder.submission.submission import open_submission, rebuild
 
 
 def cell(grade_id='', source='', kind='code', **marks):
@@ -52,6 +54,40 @@ def source_of(notebook, grade_id):
     )
 
 
+class TestUnusable:
+    """If nothing of the assignment can be read, a person decides: there is no evidence."""
+
+    @pytest.mark.parametrize(
+        ('data', 'got'),
+        [
+            (None, None),
+            (b'', 'an empty file'),
+            (b'{"cells": [{"cell_type": "co', 'ends in the middle'),
+            (b'{"cells": []}', 'a notebook without cells'),
+            (json.dumps({'cells': [cell('other', 'x = 1'), cell()]}).encode(), '2 other cells'),
+        ],
+    )
+    def test_work_without_a_readable_cell_is_unusable(self, data, got, release):
+        """Whatever the reason; and no line says that each locked cell is missing."""
+        before = (Problem('submitted/ann', 'a folder', 'no notebook', 'submit again'),)
+        opened = open_submission(data, release, 'n.ipynb', before if data is None else ())
+        result = SubmissionResult('ann', 'a', problems=opened.problems)
+
+        assert opened.problems[0].unusable
+        assert (got or 'no notebook') in result.review
+        assert opened.missing == {'talker', 'why'}
+        assert opened.flags == ()
+
+    def test_one_cell_of_the_assignment_is_enough(self, release):
+        """What is missing costs its own points."""
+        data = json.dumps({'cells': [cell('check_talker', "check('talker')")]}).encode()
+
+        opened = open_submission(data, release, 'n.ipynb')
+
+        assert not any(problem.unusable for problem in opened.problems)
+        assert opened.missing == {'talker', 'why'}
+
+
 class TestReadNotebook:
     """Bytes that are no notebook are told apart, each with one line."""
 
@@ -63,6 +99,7 @@ class TestReadNotebook:
             (b'<html></html>', 'not JSON'),
             (b'PK\x03\x04zip', 'not JSON'),
             (b'{"cells": [{"cell_type": "co', 'ends in the middle, after 28 bytes'),
+            (b'{"cells": [{"cell_type": "code"}', 'ends in the middle, after 32 bytes'),
             (b'{"cells": [}\n}', 'broken JSON in line 1'),
             (b'\xff\xfe{\x00}\x00', 'not UTF-8'),
             (b'[]', 'no list of cells'),
@@ -83,7 +120,7 @@ class TestReadNotebook:
 
     def test_a_huge_file_is_refused_before_it_is_read(self, monkeypatch):
         """The bound is on bytes."""
-        monkeypatch.setattr(submission, 'MAX_BYTES', 10)
+        monkeypatch.setattr(notebook, 'MAX_BYTES', 10)
 
         cells, problems = read_notebook(b'{"cells": []}', 'x')
 

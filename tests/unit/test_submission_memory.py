@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import json
 import tracemalloc
 
-from autograder.handed_in.submission import open_submission
-from autograder.judging.results import ExamResult
-from autograder.whole_class.inbox import discover
-from autograder.whole_class.pipeline import grade_class, Lesson
+from autograder.grading.pipeline import grade_class, Lesson
+from autograder.results import ExamResult
+from autograder.submission.inbox import discover
+from autograder.submission.submission import open_submission
 
 MEGABYTE = 1_000_000
 STUDENTS = 12

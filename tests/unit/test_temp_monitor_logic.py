@@ -16,7 +16,7 @@ from temp_monitor_pkg.units import from_celsius, to_celsius, UNITS
 
 PACKAGE = Path(__file__).parents[2] / 'temp_monitor_pkg'
 
-# A busy machine is no failure: no time limit for a single example.
+# Set no time limit for a single example: a busy machine must not make a test fail.
 untimed = settings(deadline=None)
 
 any_float = st.floats()
@@ -68,7 +68,7 @@ def test_judge_words_never_name_two_equal_numbers(value_c, limit_c):
     rate_hz=st.sampled_from([0.5, 1.0, 4.0, 10.0]),
 )
 def test_sensor_default_heating_warns_within_a_minute_at_any_rate(seed, rate_hz):
-    """Whoever runs the two nodes for a minute sees a warning, and cool readings as well."""
+    """If you run the two nodes for a minute, you see a warning and cool readings as well."""
     sensor = SimulatedSensor(Heating(), seed)
     values = []
     for _ in range(int(60 * rate_hz)):

@@ -6,17 +6,15 @@ import math
 
 import pytest
 
+from autograder.exam.exam import Failed, Run
+from autograder.exam.scenario import RosClock
 from autograder.exams.visible import temperature_publisher as publisher
 from autograder.exams.visible import temperature_subscriber as subscriber
-from autograder.judging.exam import Failed, Run
 from autograder.judging.readings import Reading, share_of
-from autograder.runs.recording import ERROR, INFO, Recording, WARN
-from autograder.runs.scenario import Advance
+from autograder.recording import ERROR, INFO, Recording, WARN
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})
-STEADY = 'clock = Clock(clock_type=ClockType.STEADY_TIME)'
-SLEEP = 'def publish_reading():\n    time.sleep(1)'
-TIMER = 'self.create_timer({}, self.publish_reading)\n'
+TIMER = 'self.create_timer(1.0, self.publish_reading)\n'
 
 
 def why(check, run):
@@ -29,89 +27,135 @@ def why(check, run):
 # -- the publisher --------------------------------------------------------------------------
 
 
-def published(moments_s, code='', stamp_s=0.0):
-    """Return a run of the publisher with readings at these moments."""
-    stamp = {'sec': int(stamp_s), 'nanosec': 0}
-    events = [
-        {
-            'event': 'message',
-            'topic': publisher.TOPIC,
-            'listener': None,
-            'clock_ns': round(moment * 1e9),
-            'data': {'timestamp': stamp},
-        }
-        for moment in moments_s
-    ]
-    facts = {'simulated_s': 10, 'minute': Advance(10.5, phase_s=0.1)}
+CLOCK = RosClock(begins_s=0.07, rate=1.25, step_s=0.1)
+BEGIN_S = 0.6
+
+
+def published(moments_s, code='', stamp=lambda clock_ns: CLOCK.at(clock_ns)):
+    """
+    Return a run of the publisher with readings at these moments.
+
+    :param moments_s: system time [s], of which a minute of ten ROS seconds has eight
+    """
+    events = [{'event': 'mark', 'name': 'minute', 'clock_ns': round(BEGIN_S * 1e9)}]
+    for moment_s in moments_s:
+        clock_ns = round(moment_s * 1e9)
+        sec, nanosec = divmod(stamp(clock_ns), 10**9)
+        events.append(
+            {
+                'event': 'message',
+                'topic': publisher.TOPIC,
+                'listener': None,
+                'clock_ns': clock_ns,
+                'data': {'timestamp': {'sec': sec, 'nanosec': nanosec}},
+            }
+        )
+    facts = {'seconds': 10, 'clock': CLOCK}
     return Run({'temp_publisher.py': code}, Recording({}, (*events, *ENDS)), facts)
 
 
+def every(ros_s, begin_s=0.8, until_s=BEGIN_S + 8.0):
+    """Return moments that are so many ROS seconds apart [s]."""
+    count = math.ceil((until_s - begin_s) / ros_s * CLOCK.rate)
+    return [begin_s + ros_s / CLOCK.rate * number for number in range(count)]
+
+
 class TestRhythm:
-    """A clock that is named need not be the one that paces."""
+    """A reading a second of the ROS clock, which runs faster than the computer's."""
 
-    HALF = tuple(0.6 + 0.5 * number for number in range(20))
-    UNSTEADY = (1.1, 3.85, 5.1, 9.35)
+    @pytest.mark.parametrize('begin_s', [0.64, 0.8, 1.3, 1.9])
+    def test_second_of_the_ros_clock_is_right(self, begin_s):
+        """Wherever it begins, within two seconds."""
+        publisher.publishes_once_per_second(published(every(1.0, begin_s)))
 
-    def test_wrong_period_is_told_although_a_value_comes_of_the_time_of_day(self):
-        """The messages keep the period that the code gives its timer."""
-        code = TIMER.format('PERIOD_S') + 'PERIOD_S = 0.5\nvalue = 22 + math.sin(time.time())\n'
+    def test_message_may_be_a_step_late(self):
+        """A loop that polls the clock sees a step some time after it."""
+        late = [one + 0.07 * (number % 2) for number, one in enumerate(every(1.0))]
 
-        found = why(publisher.publishes_once_per_second, published(self.HALF, code))
+        publisher.publishes_once_per_second(published(late))
 
-        assert found.cause_id == 'wrong_rate'
-        assert 'about 2 times a second' in found.text
+    @pytest.mark.parametrize(
+        ('moments_s', 'cause_id', 'observed'),
+        [
+            (every(1.25), 'other_clock', '8 messages; first difference in second 2'),
+            (every(0.5), 'wrong_rate', '20 messages; first difference in second 2'),
+            (every(0.9), 'wrong_rate', '11 messages; first difference in second 3'),
+            (every(0.05), 'wrong_rate', 'far more messages; first difference in second 2'),
+            ([one for one in every(1.0) for _ in 'ab'], 'several_at_once', '20 messages'),
+            (every(1.0, 2.9), '', '8 messages; first difference in second 1'),
+            (every(1.0, until_s=6.5), '', '8 messages; first difference in second 9'),
+        ],
+    )
+    def test_other_rhythm_is_explained(self, moments_s, cause_id, observed):
+        """By the messages alone."""
+        with pytest.raises(Failed) as failed:
+            publisher.publishes_once_per_second(published(moments_s))
 
-    def test_clock_in_a_comment_paces_nothing(self):
-        """Not even where the period cannot be read."""
-        code = TIMER.format('period()') + '# no time.sleep() here\n'
-
-        found = why(publisher.publishes_once_per_second, published(self.HALF, code))
-
-        assert found.cause_id == 'wrong_rate'
+        assert (failed.value.why.cause_id if failed.value.why else '') == cause_id
+        assert failed.value.observed.startswith(observed)
 
     @pytest.mark.parametrize(
         ('code', 'cause_id'),
         [
-            (
-                TIMER.format('0.5') + 'clock = Clock(clock_type=ClockType.STEADY_TIME)',
-                'other_clock',
-            ),
-            (
-                TIMER.format('0.5') + 'def publish_reading():\n    time.sleep(1)',
-                'sleeps_in_callback',
-            ),
+            (f'{TIMER}def publish_reading(self):\n    time.sleep(2)', 'sleeps_in_callback'),
+            ('while True:\n    rclpy.spin_once(node, timeout_sec=1.0)', 'paced_by_spin_once'),
+            (f'{TIMER}clock = Clock(clock_type=ClockType.STEADY_TIME)', 'wrong_rate'),
         ],
     )
-    def test_messages_out_of_any_rhythm_are_told_without_a_count(self, code, cause_id):
-        """How many they are, is luck."""
-        run = published(self.UNSTEADY, code)
+    def test_code_tells_why_a_period_is_longer(self, code, cause_id):
+        """A clock that is named need not be the one that paces."""
+        found = why(publisher.publishes_once_per_second, published(every(2.0), code))
 
-        with pytest.raises(Failed) as failed:
-            publisher.publishes_once_per_second(run)
-
-        assert failed.value.why.cause_id == cause_id
-        assert failed.value.observed == 'messages in another rhythm'
+        assert found.cause_id == cause_id
 
 
-@pytest.mark.parametrize(
-    ('count', 'reason', 'judged'),
-    [
-        (29, 'wall_time_limit', True),
-        (11, 'wall_time_limit', True),
-        (9, 'wall_time_limit', False),
-        (29, 'complete', False),
-        (30, 'complete', True),
-    ],
-)
-def test_how_far_a_slow_program_comes_does_not_matter_for_its_readings(count, reason, judged):
-    """A pause of two seconds lets 29 of 60 come before the limit, or 30 on another machine."""
-    run = published([1.1 + number for number in range(count)])
-    events = (
-        *run.recording.events[:count],
-        {'event': 'end', 'reason': reason},
-        {'event': 'process'},
+class TestStamps:
+    """The clock shows one time from step to step."""
+
+    @pytest.mark.parametrize('steps', [0, 1])
+    def test_step_that_is_told_is_the_time(self, steps):
+        """Or the one before, if both happen at one moment."""
+        run = published(every(1.0), stamp=lambda now: CLOCK.at(now) - steps * 10**8)
+
+        publisher.stamps_follow_the_clock(run)
+
+    def test_clock_shows_zero_before_its_first_step_alone(self):
+        """What is sent before the program can hear of it."""
+        early = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 3 * 10**8))
+        late = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 9 * 10**8))
+
+        publisher.stamps_follow_the_clock(early)
+        assert why(publisher.stamps_follow_the_clock, late).cause_id == 'missing_stamp'
+
+    def test_sleep_between_stamp_and_message_is_told(self):
+        """The clock goes on, although a node that sleeps does not see it."""
+        code = f'{TIMER}def publish_reading(self):\n    time.sleep(2)'
+        run = published(every(2.0), code, stamp=lambda now: CLOCK.at(now) - 2 * 10**9)
+
+        assert why(publisher.stamps_follow_the_clock, run).cause_id == 'sleeps_in_callback'
+
+    @pytest.mark.parametrize(
+        ('stamp', 'cause_id'),
+        [
+            (lambda now: now, 'stale_stamp'),
+            (lambda now: CLOCK.at(now) - 2 * 10**8, 'stale_stamp'),
+            (lambda now: CLOCK.at(now) + 10**8, 'stale_stamp'),
+            (lambda now: CLOCK.at(now) + 1, 'stale_stamp'),
+            (lambda now: CLOCK.at(now) // 10**9 * 10**9, 'whole_seconds'),
+            (lambda now: 1_790_000_000 * 10**9 + now, 'wall_clock'),
+        ],
     )
-    run = Run(run.files, Recording({}, events), {**run.facts, 'simulated_s': 60})
+    def test_stamp_of_another_time_is_wrong(self, stamp, cause_id):
+        """To the nanosecond."""
+        run = published(every(1.0, 1.6), stamp=stamp)
+
+        assert why(publisher.stamps_follow_the_clock, run).cause_id == cause_id
+
+
+@pytest.mark.parametrize(('count', 'judged'), [(1, False), (2, True)])
+def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
+    """Fewer prove nothing about a whole minute."""
+    run = published(every(1.0)[:count])
 
     if judged:
         assert len(publisher.enough_readings(run)) == count
@@ -132,7 +176,7 @@ def test_how_far_a_slow_program_comes_does_not_matter_for_its_readings(count, re
 )
 def test_stamp_of_zero_is_explained_by_what_the_code_does(code, cause_id, words):
     """What cannot be known is not claimed."""
-    run = published([1.1 + number for number in range(10)], code)
+    run = published(every(1.0), code, stamp=lambda _: 0)
 
     found = why(publisher.stamps_follow_the_clock, run)
 
@@ -290,7 +334,7 @@ class TestErrors:
         assert why(subscriber.warns_when_too_hot, run).cause_id == 'wrong_level'
 
     def test_line_of_a_hidden_exam_is_quoted_without_what_was_sent(self):
-        """Neither numbers nor units that nobody can know."""
+        """The quotation contains neither numbers nor units that are secret."""
         text = "bad 21.5, heard 45.25 and qxz, name 'x' is not defined " + 'long ' * 99
 
         found = why(CHECKS[0], heard([COOL, HOT, ODD], lambda _: [(ERROR, text)], secret=True))
@@ -299,7 +343,7 @@ class TestErrors:
         assert len(found.text) < 200
 
     def test_name_of_an_attribute_carries_nothing_out_of_a_hidden_exam(self):
-        """Whoever logs such a line on purpose."""
+        """A student might log such a line on purpose."""
         text = "'N' object has no attribute 'v4525'"
 
         found = why(CHECKS[0], heard([COOL], lambda _: [(ERROR, text)], secret=True))
@@ -363,7 +407,7 @@ class TestFahrenheit:
         assert why(subscriber.converts_fahrenheit, run).cause_id == 'missed_warning'
 
     def test_mistake_in_the_conversion_is_quoted(self):
-        """What Python says is no unknown unit."""
+        """An error message from Python is not a report of an unknown unit."""
         run = self.refusing('', "unsupported operand type(s) for -: 'str' and 'int'")
 
         assert why(subscriber.converts_fahrenheit, run).cause_id == 'logged_error'
@@ -385,7 +429,7 @@ def test_warning_of_nan_on_purpose_is_no_wrong_comparison(code, cause_id):
     assert why(subscriber.does_not_warn_about_nan, run).cause_id == cause_id
 
 
-@pytest.mark.parametrize(('reason', 'share'), [('exited', 0.5), ('wall_time_limit', 0.0)])
+@pytest.mark.parametrize(('reason', 'share'), [('student_exited', 0.5), ('cpu_limit', 0.0)])
 def test_how_far_a_slow_program_came_earns_nothing(reason, share):
     """That is the machine's doing; how far one came that ended by itself is its own."""
     reading = Reading(20.0, 'Celsius')

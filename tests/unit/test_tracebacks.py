@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from autograder.judging.causes import why_it_ended
-from autograder.judging.exam import Run
-from autograder.judging.tracebacks import traceback_of
-from autograder.runs.recording import Recording
+from autograder.exam.exam import Run
+from autograder.judging.causes.ended import why_it_ended
+from autograder.judging.causes.tracebacks import traceback_of
+from autograder.recording import Recording
 
 HEAD = 'Traceback (most recent call last):\n'
 CODE = """def main():
@@ -45,7 +45,7 @@ def test_an_exception_of_any_name_is_seen(error):
 
 
 def test_the_usual_last_line_is_no_exit_of_the_program():
-    """sys.exit(main()) stands in every package; what main() died of is the cause."""
+    """Every package contains sys.exit(main()); the cause is whatever ended main()."""
     raised = why_it_ended(ended(part('Exception: unknown unit')))
     silent = why_it_ended(ended(''))
     exits = why_it_ended(ended('', CODE.replace('main())', '1)')))

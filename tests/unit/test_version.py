@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 import platform
 import shutil
 import subprocess
@@ -9,7 +11,8 @@ import subprocess
 import pytest
 
 from autograder.layout import Layout
-from autograder.runs.version import commit, made_with
+from autograder.runs.version import commit, difference, environment_digest, made_with, version
+from environment.ros import FILE_NAME, MESSAGES_NAME
 
 GIT = pytest.mark.skipif(shutil.which('git') is None, reason='git is not installed')
 
@@ -77,3 +80,59 @@ def test_what_is_known_is_named():
     assert found['rclpy']
     assert found.get('grader', '') == commit(Layout.here().root)
     assert all(found.values())
+
+
+def an_environment(folder: Path, *, toys: str = '', lock: str = '1.0') -> str:
+    """Return the Python of an environment: with one package of the lock, and perhaps two more."""
+    site = folder / 'lib' / 'python3.11' / 'site-packages'
+    names = [f'ros_std_msgs-{lock}']
+    if toys:
+        names += ['ros_toy_msgs-1.0', f'ros_base_msgs-{toys}']
+        base = f'ros-base-msgs=={toys}'
+        note = {'toy_msgs': [base, 'ros-toy-msgs==1.0'], 'base_msgs': [base]}
+        folder.mkdir()
+        (folder / MESSAGES_NAME).write_text(json.dumps(note), encoding='utf-8')
+    for name in names:
+        (site / f'{name}.dist-info').mkdir(parents=True)
+    text = json.dumps({'workspace': str(folder / 'workspace')})
+    (folder / FILE_NAME).write_text(text, encoding='utf-8')
+    return str(folder / 'bin' / 'python')
+
+
+USES, DOES_NOT = 'from toy_msgs.msg import Toy', 'from std_msgs.msg import String'
+
+
+def test_added_message_package_counts_only_where_it_is_named(tmp_path):
+    """In the program, or in the scenario; what was recorded of all others stays valid."""
+    without, added = an_environment(tmp_path / 'a'), an_environment(tmp_path / 'b', toys='1.0')
+
+    assert environment_digest(without, [DOES_NOT]) == environment_digest(added, [DOES_NOT])
+    assert environment_digest(without, [USES]) != environment_digest(added, [USES])
+    assert environment_digest(without, [DOES_NOT, '{"type": "toy_msgs/msg/Toy"}']) != (
+        environment_digest(added, [DOES_NOT, '{"type": "toy_msgs/msg/Toy"}'])
+    )
+
+
+def test_message_package_counts_with_those_that_it_uses(tmp_path):
+    """A message may consist of messages of another package."""
+    old, new = (an_environment(tmp_path / one, toys=one) for one in ('1.0', '1.1'))
+
+    assert environment_digest(old, [USES]) != environment_digest(new, [USES])
+    assert environment_digest(old, [DOES_NOT]) == environment_digest(new, [DOES_NOT])
+
+
+def test_package_of_the_lock_counts_for_every_run(tmp_path):
+    """A program may use it without naming it."""
+    old, new = (an_environment(tmp_path / one, lock=one) for one in ('1.0', '1.1'))
+
+    assert environment_digest(old, ['']) != environment_digest(new, [''])
+
+
+def test_worker_without_a_message_package_differs(tmp_path):
+    """It could not run what uses the package; the file to edit is named."""
+    without, added = an_environment(tmp_path / 'a'), an_environment(tmp_path / 'b', toys='1.0')
+
+    assert difference(version(added), version(without)) == (
+        'packages of environment/messages.txt: expected ros-base-msgs==1.0, ros-toy-msgs==1.0, '
+        'got nothing'
+    )

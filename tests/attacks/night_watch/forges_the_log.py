@@ -1,7 +1,7 @@
 """
 Tries: send finished log lines on /rosout by itself, without a logger and without a timer.
 
-Stopped by: lines are compared with the simulated clock; a second publisher on /rosout is
+Stopped by: lines have to come once a second of the virtual clock; a second publisher on /rosout is
     flagged
 Deserves: 2
 Flag: /rosout

@@ -3,7 +3,7 @@ Tries: put numbers, lists and nothing where texts and objects belong.
 
 Stopped by: parts of a wrong type count as empty
 Deserves: 0
-Flag: is missing
+Flag: expected cells of this assignment
 """
 
 

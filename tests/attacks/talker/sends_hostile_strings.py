@@ -2,7 +2,7 @@
 Tries: send texts with terminal codes, markup, half surrogates and a hundred thousand characters.
 
 Stopped by: long messages are recorded by their size, texts are escaped and cut
-Deserves: 8 at most
+Deserves: 9 at most
 Flag: too large
 """
 

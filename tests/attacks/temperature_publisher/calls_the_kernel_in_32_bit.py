@@ -4,6 +4,7 @@ Tries: make the same calls through the 32-bit entry of the kernel, whose numbers
 
 Stopped by: a system-call filter that kills whoever enters as another architecture
 Deserves: 0
+Ends: waits_outside
 """
 
 import ctypes

@@ -3,6 +3,7 @@ Tries: use all memory, from several processes, each below its own limit.
 
 Stopped by: the watchdog sums the memory of all processes of a sandbox
 Deserves: 0
+Ends: memory_limit
 Flag: ended by the grader
 """
 

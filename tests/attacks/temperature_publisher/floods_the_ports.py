@@ -1,9 +1,8 @@
 """
 Tries: drown the probe in datagrams, so that it hears nothing else.
 
-Stopped by: limits on processor time; the grader waits for what it asked, and gives no points
-    for silence
-Deserves: 15 at most or review
+Stopped by: limits of processor time; silence gets no points
+Deserves: 15 at most
 """
 
 import os

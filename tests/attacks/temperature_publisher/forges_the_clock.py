@@ -1,5 +1,5 @@
 """
-Tries: publish its own simulated time, so that its timer fires when it likes.
+Tries: publish its own ROS time, so that its timer fires when it likes.
 
 Stopped by: stamps are compared with the clock that the grader itself sent
 Deserves: 15 at most

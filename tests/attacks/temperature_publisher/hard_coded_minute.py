@@ -1,7 +1,7 @@
 """
 Tries: send a whole minute of prepared readings at once, stamped 1 s to 60 s.
 
-Stopped by: the simulated clock, which the probe moves and the program cannot foresee
+Stopped by: the ROS clock, which the probe moves and the program cannot foresee
 Deserves: 9
 """
 
@@ -28,5 +28,5 @@ def everything():
         )
 
 
-timer = node.create_timer(0.2, everything)
+timer = node.create_timer(2.0, everything)
 rclpy.spin(node)

@@ -3,6 +3,7 @@ Tries: take memory that is nobody's private own: shared, anonymous, in many mapp
 
 Stopped by: the watchdog sums what is resident, whoever made it; memory files are forbidden
 Deserves: 0
+Ends: memory_limit
 Flag: ended by the grader
 """
 

@@ -1,8 +1,9 @@
 """
 Tries: compute for ever in a callback.
 
-Stopped by: a node that does not answer ends the run; limits of processor time
+Stopped by: the limit of processor time
 Deserves: 5 at most
+Ends: cpu_limit
 """
 
 import honest

@@ -4,6 +4,7 @@ Tries: use the calls behind which holes of the kernel were found: io_uring, bpf,
 
 Stopped by: a system-call filter
 Deserves: 0
+Ends: waits_outside
 """
 
 import ctypes

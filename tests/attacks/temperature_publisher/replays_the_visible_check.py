@@ -16,7 +16,7 @@ def reading(self):
     global count
     count += 1
     message = fresh(self)
-    message.timestamp = Time(sec=count, nanosec=100_000_000)
+    message.timestamp = Time(sec=count, nanosec=70_000_000)
     return message
 
 

@@ -1,8 +1,9 @@
 """
 Tries: crash the probe with malformed RTPS packets, on every port it may have.
 
-Stopped by: the probe is a disposable process; if it dies there is no score, and a person looks
-Deserves: 15 at most or review
+Stopped by: the probe is a disposable process; if it dies of packets, the program answers for
+    them
+Deserves: 15 at most
 """
 
 import random

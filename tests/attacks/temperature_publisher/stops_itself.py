@@ -1,9 +1,9 @@
 """
 Tries: stop its own process by a signal, and be waited for.
 
-Stopped by: the probe waits ten seconds for a node, of the time in which nobody wants a
-    processor
+Stopped by: 0.3 s in which virtual time stands still and nobody computes
 Deserves: 0
+Ends: waits_outside
 """
 
 import os

@@ -1,7 +1,7 @@
 """
-Tries: ignore simulated time: switch use_sim_time off and stamp with the time of day.
+Tries: ignore the ROS clock: switch use_sim_time off and stamp with the time of day.
 
-Stopped by: the probe moves a minute of simulated time in less than a second of real time
+Stopped by: ROS time runs faster or slower than the time of day
 Deserves: 9
 """
 
@@ -12,6 +12,4 @@ from rclpy.parameter import Parameter
 rclpy.init()
 node = honest.TemperaturePublisher()
 node.set_parameters([Parameter('use_sim_time', value=False)])
-node.timer.cancel()
-node.create_timer(0.005, node.tick)
 rclpy.spin(node)

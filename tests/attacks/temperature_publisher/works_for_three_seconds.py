@@ -1,11 +1,8 @@
 """
-Tries: answer nothing it is asked, so that it is watched in real time, and work only as long as
-    that lasts.
+Tries: work for three seconds only, and answer nothing it is asked.
 
-Stopped by: how long it is watched is drawn from the course secret, from 6.5 to 9.5 s, and its
-    rhythm has to go on until the end; the instructor is told
+Stopped by: every program is watched for the whole minute, whether it answers or not
 Deserves: 5
-Flag: watched for a few seconds
 """
 
 import honest
@@ -25,7 +22,7 @@ def silent(self, name):
 def tick(self, publish=honest.TemperaturePublisher.tick):
     global count
     count += 1
-    if count <= 4:
+    if count <= 3:
         publish(self)
 
 
@@ -33,6 +30,4 @@ Node.__init__ = silent
 honest.TemperaturePublisher.tick = tick
 rclpy.init()
 node = honest.TemperaturePublisher()
-node.timer.cancel()
-node.create_timer(0.7, node.tick)
 rclpy.spin(node)

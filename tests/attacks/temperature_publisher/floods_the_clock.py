@@ -1,0 +1,20 @@
+"""
+Tries: keep the driver of the virtual clock busy with reports that it waits.
+
+Stopped by: the limit of processor time, of which the driver's is a part
+Deserves: 0
+Ends: busy_before_node
+"""
+
+import os
+
+for number in range(100, 200):
+    try:
+        link = os.readlink(f'/proc/self/fd/{number}')
+    except OSError:
+        continue
+    if 'eventfd' in link:
+        idle = number  # the last one is that of the reports
+
+while True:
+    os.eventfd_write(idle, 1)

@@ -1,0 +1,11 @@
+"""
+Tries: wait for a child that does not load the library of the virtual clock.
+
+Stopped by: 0.3 s in which virtual time stands still and nobody computes
+Deserves: 0
+Ends: waits_outside
+"""
+
+import subprocess
+
+subprocess.run(['env', '-i', 'sleep', '1000'])

@@ -1,0 +1,99 @@
+"""A disk that is full while a class is graded: one line, and nothing that was run is lost."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+import errno
+
+from conftest import ASSIGNMENT
+from fake_engine import FakeEngine
+from gradebooks import grade, hand_in, refused
+import pytest
+from rich.console import Console
+from sqlalchemy import event
+from sqlalchemy.engine import Engine
+
+from autograder.classroom import pages
+from autograder.classroom.results_of_class import last_results
+from autograder.commands import grade as grading
+from autograder.commands.grade import NotEnteredError
+from autograder.gradebook import journal, record
+
+pytestmark = [pytest.mark.pipeline, pytest.mark.nbgrader]
+
+STUDENTS = [f's{number}' for number in range(10, 30)]
+"""So many that the gradebook needs more room than its pages have left."""
+
+
+@pytest.fixture
+def class_(course):
+    """Lay a solution for each student."""
+    for student in STUDENTS:
+        hand_in(course, student)
+    return course
+
+
+@contextmanager
+def no_room_in_gradebook():
+    """Let SQLite find no room for another page in any file, as on a full disk."""
+
+    def limit(connection, _):
+        connection.execute('pragma max_page_count = 1')  # never below what there is
+
+    event.listen(Engine, 'connect', limit)
+    try:
+        yield
+    finally:
+        event.remove(Engine, 'connect', limit)
+
+
+def no_room(*_, **__):
+    """Refuse as the system does."""
+    raise OSError(errno.ENOSPC, 'No space left on device')
+
+
+def graded(course):
+    """Grade the class as the command does; return the table and what was refused."""
+    console = Console(width=120, record=True)
+    with pytest.raises(NotEnteredError) as caught:
+        grading._grade_assignment(course, ASSIGNMENT, course.submitted, FakeEngine(), 1, console)
+    return console.export_text(), caught.value
+
+
+def test_a_full_disk_under_the_gradebook_is_one_line(class_, capfd):
+    """Neither a line per student nor a traceback; the next grading enters the class."""
+    with no_room_in_gradebook():
+        table, error = graded(class_)
+
+    said = str(error)
+    assert said.endswith(
+        'gradebook.db: the gradebook cannot be used: database or disk is full. Try: free space '
+        'on its disk, then run the same command again. Finished runs are kept.'
+    )
+    assert len(said.splitlines()) == 1
+    assert capfd.readouterr().err == ''
+    assert [one.student for one in last_results(class_, ASSIGNMENT)] == STUDENTS
+    assert all(student in table for student in STUDENTS)
+    assert grade(class_) == len(STUDENTS)
+    assert set(journal.shown(class_, ASSIGNMENT)) == set(STUDENTS)
+
+
+def test_a_full_disk_under_the_submissions_is_one_line(class_, monkeypatch):
+    """Laying the notebooks for nbgrader already fails."""
+    with monkeypatch.context() as patch:
+        patch.setattr(record, '_stage', no_room)
+        said = refused(class_, count=len(STUDENTS))
+
+    assert said.startswith(f'{class_.work}: the disk is full. Try: free space on it')
+    assert grade(class_) == len(STUDENTS)
+
+
+def test_a_full_disk_under_the_reports_leaves_the_table(class_, monkeypatch):
+    """The table still shows every student; the earlier reports stay."""
+    monkeypatch.setattr(pages, 'keep', no_room)
+    table, error = graded(class_)
+
+    assert str(error).startswith(f'{class_.reports}: the disk is full. Try: free space on it')
+    assert all(student in table for student in STUDENTS)
+    assert 'Reports: ' not in table
+    assert grade(class_) == 0

@@ -1,0 +1,297 @@
+"""No mark in the gradebook is lowered, emptied or lost silently."""
+
+from __future__ import annotations
+
+from contextlib import closing, nullcontext
+from dataclasses import replace
+import json
+import sqlite3
+
+from conftest import ASSIGNMENT
+from fake_engine import EXAMS, FakeEngine
+from gradebooks import book, by_hand, CHECK, hand_in, NOTEBOOK, scores, WRITTEN
+import pytest
+
+from autograder import __main__ as command
+from autograder.classroom.results_of_class import one_graded
+from autograder.commands import grade as grading
+from autograder.commands import rejudge
+from autograder.gradebook.copies import copies
+from autograder.layout import Layout
+
+pytestmark = [pytest.mark.pipeline, pytest.mark.nbgrader]
+
+TYPO = {'temperature_topic': 'temprature_topic'}
+NOWHERE = 'in no answer'
+
+
+class Edited(FakeEngine):
+    """Runs exams that an instructor has edited, by name."""
+
+    edits: dict[str, dict[str, object]] = {}  # noqa: RUF012 - replaced as a whole
+
+    def exams(self, assignment):
+        """Return the exams with the edits."""
+        return [replace(one, **self.edits.get(one.name, {})) for one in EXAMS]
+
+
+@pytest.fixture
+def here(course, monkeypatch):
+    """Let commands work on a course whose exams need no ROS, with one student."""
+    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: course))
+    monkeypatch.setattr(grading, '_engine', lambda *_: nullcontext((Edited(), 1)))
+    monkeypatch.setattr(rejudge, 'NothingRuns', Edited)
+    monkeypatch.setattr(
+        rejudge, 'again', lambda layout, exam, files, old: (Edited().run(exam, files), '')
+    )
+    hand_in(course, 'ann')
+    assert grade() == command.OK
+    return course
+
+
+@pytest.fixture
+def edit(monkeypatch):
+    """Return a function that edits the publisher's exam."""
+
+    def put(**changes: object) -> None:
+        monkeypatch.setattr(Edited, 'edits', {'temperature_publisher': changes})
+
+    return put
+
+
+def grade(*arguments: str) -> int:
+    """Grade the class."""
+    return command.main(['grade', *arguments])
+
+
+def give_points(folder, points: float) -> None:
+    """Change the points of the publisher's check cell in a notebook."""
+    path = folder / ASSIGNMENT / NOTEBOOK
+    notebook = json.loads(path.read_text(encoding='utf-8'))
+    for cell in notebook['cells']:
+        marks = cell['metadata'].get('nbgrader', {})
+        if marks.get('grade_id') == CHECK:
+            marks['points'] = points
+    path.write_text(json.dumps(notebook), encoding='utf-8')
+
+
+class TestPoints:
+    """Cells and exams give the same points, or no mark is touched."""
+
+    @pytest.mark.parametrize('arguments', [['grade'], ['rejudge', '--write'], ['grade', '--yes']])
+    def test_an_exam_with_other_points_than_its_cell_is_refused(
+        self, here, edit, capsys, arguments
+    ):
+        """The line is that of ``course check``."""
+        edit(max_points=17)
+        capsys.readouterr()
+
+        assert command.main(arguments) == command.USAGE
+        assert capsys.readouterr().err == (
+            f'autograder: solutions/{ASSIGNMENT}/{NOTEBOOK}, cell {CHECK}: 15 points, but the '
+            'exam gives 17. No mark was changed. Try: give the cell and the exam the same points, '
+            'then make release\n'
+        )
+        assert scores(here, 'ann')[CHECK] == 15
+        assert one_graded(here, ASSIGNMENT).results[0].points == 40
+
+    def test_a_release_of_before_is_refused(self, here, edit, capsys):
+        """The score would be more than the released cell may have."""
+        edit(max_points=17)
+        give_points(here.solutions, 17)
+
+        assert grade() == command.USAGE
+        assert capsys.readouterr().err.endswith('No mark was changed. Try: make release\n')
+
+        give_points(here.notebooks, 17)
+        assert grade() == command.OK
+        assert scores(here, 'ann')[CHECK] == 17
+
+
+class TestLoweredMarks:
+    """They are listed first, and need ``--yes``."""
+
+    def test_worse_work_is_listed_and_needs_yes(self, here, capsys):
+        """The others are entered, and the reports have the new points."""
+        hand_in(here, 'ann', **TYPO)
+        hand_in(here, 'bob')
+        capsys.readouterr()
+
+        assert grade() == command.USAGE
+        said = capsys.readouterr()
+        out = ' '.join(said.out.split())
+        assert 'Left as they are in the gradebook: ann 40 to 30.' in out
+        assert said.err.startswith(f'autograder: gradebook: 1 mark of {ASSIGNMENT} would be ')
+        assert 'Try: look at the list, then the same command with --yes' in said.err
+        assert scores(here, 'ann')[CHECK] == scores(here, 'bob')[CHECK] == 15
+        assert [one.points for one in one_graded(here, ASSIGNMENT).results] == [30, 40]
+
+        assert grade() == command.USAGE  # until it is decided
+        capsys.readouterr()
+        assert grade('--yes') == command.OK
+        assert 'Fewer points than before: ann 40 to 30.' in ' '.join(
+            capsys.readouterr().out.split()
+        )
+        assert scores(here, 'ann')[CHECK] == 5
+        assert grade() == command.OK
+        assert 'points than before' not in capsys.readouterr().out
+
+    def test_every_lowered_mark_is_listed(self, here, capsys):
+        """Each on a line, where the sentence names the first only."""
+        students = [f'student_{number}' for number in range(grading.MAX_NAMED + 2)]
+        for student in students:
+            hand_in(here, student)
+        grade()
+        for student in students:
+            hand_in(here, student, **TYPO)
+        capsys.readouterr()
+
+        grade()
+
+        lines = capsys.readouterr().out.splitlines()
+        assert [line for line in lines if line.startswith('  ')] == [
+            f'  {student} 40 to 30' for student in students
+        ]
+
+    def test_a_mark_is_not_emptied_by_a_fault_of_the_grader(self, here, capsys):
+        """The old one stays until somebody decides."""
+        hand_in(here, 'ann', **{'THRESHOLD_C = ': 'GRADER_FAULT = THRESHOLD_C = '})
+        capsys.readouterr()
+
+        assert grade() == command.USAGE
+        said = ' '.join(capsys.readouterr().out.split())
+        assert f'ann 40 to 0, no score for check_temperature_message, {CHECK}' in said
+        assert scores(here, 'ann')[CHECK] == 15
+
+        assert grade('--yes') == command.FOR_REVIEW
+        assert scores(here, 'ann')[CHECK] is None
+
+    def test_a_grade_given_by_hand_counts(self, here, capsys):
+        """Where it takes the place of a score, the score lowers nothing."""
+        with book(here) as gradebook:
+            given = gradebook.find_grade(CHECK, 'temperature_monitor', ASSIGNMENT, 'ann')
+            given.manual_score, given.needs_manual_grade = 15, False
+            gradebook.db.commit()
+        by_hand(here, 'ann', 4)
+        hand_in(here, 'ann', **TYPO)
+        assert grade() == command.OK
+
+        hand_in(here, 'ann', **TYPO, **{'> THRESHOLD_C': '>= THRESHOLD_C'})
+        capsys.readouterr()
+        assert grade() == command.USAGE
+        assert 'ann 44 to 34.' in capsys.readouterr().out
+
+    def test_a_penalty_for_lateness_counts(self, here, capsys):
+        """A new due date lowers marks too."""
+        config = here.root / 'nbgrader_config.py'
+        policy = "c.LateSubmissionPlugin.penalty_method = 'zero'"
+        config.write_text(f'{config.read_text(encoding="utf-8")}\n{policy}\n', encoding='utf-8')
+        hand_in(here, 'ann', '2026-03-03 12:00:00 UTC')
+        assert grade() == command.OK
+        with book(here) as gradebook:
+            gradebook.update_or_create_assignment(ASSIGNMENT, duedate='2026-03-02 00:00:00 UTC')
+        capsys.readouterr()
+
+        assert grade() == command.USAGE
+        assert 'ann 40 to 0.' in capsys.readouterr().out
+        assert not scores(here, 'ann')['late']
+        assert grade('--yes') == command.OK
+        assert scores(here, 'ann')['late'] == 40
+
+    def test_rejudge_writes_nothing_without_yes(self, here, edit, capsys):
+        """Neither gradebook nor reports."""
+        edit(needle=NOWHERE)
+        capsys.readouterr()
+
+        assert command.main(['rejudge', '--write']) == command.USAGE
+        said = capsys.readouterr()
+        assert 'lower mark in the gradebook: ann 40 to 30\n' in said.out
+        assert 'Nothing was written, as marks would be lowered or emptied.' in said.out
+        assert 'nothing was written. Try: look at the list, then the same command' in said.err
+        assert scores(here, 'ann')[CHECK] == 15
+        assert one_graded(here, ASSIGNMENT).results[0].points == 40
+
+        assert command.main(['rejudge', '--write', '--yes']) == command.OK
+        assert 'lower mark in the gradebook: ann 40 to 30\n' in capsys.readouterr().out
+        assert scores(here, 'ann')[CHECK] == 5
+        assert one_graded(here, ASSIGNMENT).results[0].points == 30
+
+
+class TestCopies:
+    """A damaged gradebook is never replaced silently."""
+
+    def test_a_gradebook_without_its_marks_is_refused(self, here, capsys):
+        """An empty table would take its place, and grades given by hand would be lost."""
+        with closing(sqlite3.connect(here.work / 'gradebook.db')) as file:
+            file.execute('drop table grade')
+        capsys.readouterr()
+
+        for _ in range(2):
+            assert grade() == command.USAGE
+            said = capsys.readouterr().err
+            assert 'the gradebook cannot be used: no such table: grade. Try: put ' in said
+            assert len(said.splitlines()) == 1
+
+    def test_an_emptied_gradebook_is_refused_and_restored(self, here, capsys):
+        """Nothing is run; the copy has the grades given by hand."""
+        by_hand(here, 'ann', 4)
+        hand_in(here, 'bob')
+        assert grade() == command.OK
+        (copy,) = copies(here)
+        path = here.work / 'gradebook.db'
+        path.write_bytes(b'')
+        hand_in(here, 'cho')
+        capsys.readouterr()
+
+        for arguments in (
+            ['grade'],
+            ['rejudge', '--write'],
+            ['export', 'csv', '--points=gradebook'],
+        ):
+            assert command.main(arguments) == command.USAGE
+            said = capsys.readouterr()
+            assert said.out == ''
+            assert said.err == (
+                f'autograder: {path}: expected a gradebook that answers, got: an empty file. Try: '
+                f'cp {copy} {path}. To begin a new gradebook instead, remove the file. Nothing '
+                'was written.\n'
+            )
+        assert path.read_bytes() == b''
+
+        path.write_bytes(copy.read_bytes())
+        assert grade() == command.OK
+        assert scores(here, 'ann')[WRITTEN] == 4
+        assert scores(here, 'bob')[CHECK] == scores(here, 'cho')[CHECK] == 15
+
+
+class TestStudents:
+    """Nobody becomes one by the name of a folder."""
+
+    @pytest.mark.parametrize('deep', [True, False])
+    def test_a_folder_of_another_layout_makes_no_student(self, here, tmp_path, capsys, deep):
+        """The line says what to do instead."""
+        source = here.submitted / 'ann' / ASSIGNMENT / NOTEBOOK
+        place = 'mine/zoe/' + ASSIGNMENT if deep else 'Zoe Example_12_assignsubmission_file'
+        folder = tmp_path / 'download' / place
+        folder.mkdir(parents=True)
+        (folder / NOTEBOOK).write_bytes(source.read_bytes())
+        capsys.readouterr()
+
+        assert grade('--submitted', str(tmp_path / 'download')) == command.USAGE
+        said = capsys.readouterr().err
+        fix = f'Try: --submitted {tmp_path}/download/mine\n'
+        if not deep:
+            fix = f'Try: python -m autograder collect {tmp_path}/download, which reads downloads '
+        assert fix in said
+        with book(here) as gradebook:
+            assert [student.id for student in gradebook.students] == ['ann']
+
+    def test_folders_that_are_passed_over_are_named(self, here, capsys):
+        """Something may be wrong with them."""
+        (here.submitted / 'old stuff').mkdir()
+        capsys.readouterr()
+
+        assert grade() == command.OK
+        said = ' '.join(capsys.readouterr().out.split())
+        assert 'Not graded, as no notebook of the course is in them: old stuff.' in said
+        assert len(one_graded(here, ASSIGNMENT).results) == 1

@@ -1,0 +1,101 @@
+"""How long a command of ros2 looks at the graph before it says that something is missing."""
+
+import argparse
+from contextlib import contextmanager
+from types import SimpleNamespace
+
+import pytest
+
+from roslab.ros2 import discovery
+from roslab.ros2.topic_class import known_class
+
+pytestmark = [pytest.mark.ros]
+LATE_S = 1.0
+TOPICS = {'/chatter': 'std_msgs/msg/String', '/late': 'std_msgs/msg/Int32'}
+
+
+class Graph:
+    """A node's view of a graph to which a topic is added late; its time passes only in sleep."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def monotonic(self):
+        """Return the time [s]."""
+        return self.now
+
+    def sleep(self, seconds):
+        """Let time pass."""
+        self.now += seconds
+
+    def get_topic_names_and_types(self):
+        """Return one topic, later two."""
+        found = [(name, [kind]) for name, kind in TOPICS.items()]
+        return found if self.now >= LATE_S else found[:1]
+
+    def get_node_names_and_namespaces(self):
+        """Return the command's own node and another."""
+        return [('_ros2cli', '/'), ('talker', '/')]
+
+    def get_service_names_and_types(self):
+        """Return a service of the other."""
+        return [('/talker/reset', ['std_srvs/srv/Empty'])]
+
+    def get_publishers_info_by_topic(self, topic):
+        """Return one endpoint."""
+        return [SimpleNamespace(node_name='talker')]
+
+    def get_subscriptions_info_by_topic(self, topic):
+        """Return no endpoint."""
+        return []
+
+    def count_publishers(self, topic):
+        """Count one."""
+        return 1
+
+    def count_subscribers(self, topic):
+        """Count none."""
+        return 0
+
+    def get_name(self):
+        """Return the node's own name."""
+        return '_ros2cli'
+
+    def get_namespace(self):
+        """Return the node's own namespace."""
+        return '/'
+
+
+@pytest.fixture
+def looked_s(monkeypatch):
+    """Provide a function that returns how long a command looks [s], given its condition."""
+
+    def look(known=None):
+        graph = Graph()
+        monkeypatch.setattr(discovery, 'time', graph)
+        monkeypatch.setattr(discovery, 'ros_node', contextmanager(lambda args: iter([graph])))
+        with discovery.knowing_node(argparse.Namespace(spin_time=0.5), known) as node:
+            assert node is graph
+        return graph.now
+
+    return look
+
+
+def test_what_appears_late_is_found_when_it_appears(looked_s):
+    """A quiet graph does not prove that a topic is missing; the wait ends when it appears."""
+    assert LATE_S < looked_s(lambda node: discovery.topic_types(node, '/late')) < LATE_S + 0.3
+    assert LATE_S < looked_s(lambda node: known_class(node, 'late')) < LATE_S + 0.3
+
+
+@pytest.mark.parametrize(
+    ('kind', 'name', 'missing'),
+    [
+        (discovery.topic_types, '/chatter', '/nope'),
+        (discovery.node_known, '/talker', '/nope'),
+        (discovery.service_types, '/talker/reset', '/nope'),
+    ],
+)
+def test_only_what_is_missing_takes_the_whole_time(looked_s, kind, name, missing):
+    """What the graph has is answered after the quiet time, as a list is."""
+    assert looked_s(lambda node: kind(node, name)) == looked_s() < 0.3
+    assert looked_s(lambda node: kind(node, missing)) >= discovery.LIMIT_S

@@ -1,0 +1,71 @@
+"""An exam file that cannot be imported, or a check that breaks: one line with file and line."""
+
+from __future__ import annotations
+
+import re
+import sys
+
+import pytest
+
+from autograder import __main__ as autograder
+from autograder import exams
+from autograder.errors import ExamInvalid, GraderError
+from autograder.exam.exam import Exam, Run
+from autograder.exam.scenario import Scenario
+from autograder.judging.judge import judge
+from autograder.recording import Recording
+from roslab import checking
+
+BROKEN = {
+    'x = (': "SyntaxError: '\\(' was never closed",
+    'import nunpy': "ModuleNotFoundError: No module named 'nunpy'",
+    'from autograder.judging.chekcs import x': 'ModuleNotFoundError: .*chekcs',
+    'exam = Exams()': "NameError: name 'Exams' is not defined",
+    'open("nowhere")': 'FileNotFoundError',
+    'raise ValueError("one\\ntwo")': 'ValueError: one two',
+}
+
+
+@pytest.fixture
+def broken_exam(tmp_path, monkeypatch):
+    """Return a function that writes the one visible exam of a course."""
+    from autograder.exams import visible
+
+    folder = tmp_path / 'exams' / 'visible'
+    folder.mkdir(parents=True)
+    monkeypatch.setattr(exams, '__file__', str(folder.with_name('__init__.py')))
+    monkeypatch.setattr(visible, '__path__', [str(folder)])
+    monkeypatch.setattr('autograder.judging.judge.EXAMS', folder.parent)
+    yield (folder / 'sample.py').write_text
+    sys.modules.pop('autograder.exams.visible.sample', None)
+    exams.load.cache_clear()
+
+
+@pytest.mark.parametrize('line', BROKEN)
+def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, capsys, line):
+    """File, line and message; a learner who checks is sent to the instructor."""
+    broken_exam(f'"""A docstring."""\n\n{line}\n')
+
+    command = ['check', 'sample', '--files', str(tmp_path), '--visible']
+    assert autograder.main(command) == autograder.USAGE
+    (said,) = capsys.readouterr().err.splitlines()
+    place = r'autograder: autograder/exams/visible/sample\.py, line 3: '
+    assert re.match(place + BROKEN[line], said)
+
+    told = checking.check('sample').problem.line()
+    assert 'not your code' in told
+    assert 'sample.py, line 3' in told
+
+
+def test_check_that_breaks_is_named_with_its_line(broken_exam):
+    """The exam is at fault, and says where."""
+    broken_exam('def sums(run):\n    """It sums."""\n    return 1 / 0\n\nexam = None\n')
+    with pytest.raises(ExamInvalid, match='defines no whole exam'):
+        exams.load('sample', hidden=False)
+    sample = Exam(
+        'sample', title='T', assignment='01_x', part=1, cells=(), requires=(), scenario=Scenario()
+    )
+    sample.check(points=1)(sys.modules['autograder.exams.visible.sample'].sums)
+
+    with pytest.raises(GraderError, match=r'sums of exam sample broke in .*\.py, line 3: Zero'):
+        judge(sample, Run({}, Recording({}, ())))

@@ -1,0 +1,123 @@
+"""nbgrader's exchange: work is taken from the student who owns it, and from no other user."""
+
+from __future__ import annotations
+
+import os
+import pwd
+
+from collect_sources import (
+    EXCHANGE,
+    GOOD,
+    laid,
+    layout,  # noqa: F401 - a fixture
+    packed,
+    taken,
+    TALK,
+)
+import pytest
+
+from autograder import __main__ as command
+from autograder.collect.owners import OwnerRule, user_name
+from autograder.collect.table import LEFT, TAKEN
+from autograder.collect.take_in import collect
+from autograder.errors import GraderError
+from autograder.layout import Layout
+from autograder.submission.reading import read_file
+
+ME = pwd.getpwuid(os.geteuid()).pw_name
+UNKNOWN_UID = 4_000_000_000
+
+
+def handed_in(tmp_path, student):
+    """Return an exchange with one delivery, which the user who runs the tests has made."""
+    name = f'{student}+{TALK}+2026-03-01 12:00:00 UTC+q3rYx_-a/talk.ipynb'
+    return laid(tmp_path / 'inbound', {name: GOOD})
+
+
+def configure(layout, text):
+    """Write nbgrader's settings."""
+    layout.root.mkdir(exist_ok=True)
+    settings = "c = get_config()\nc.CourseDirectory.db_url = 'sqlite:////nowhere'\n"
+    (layout.root / 'nbgrader_config.py').write_text(settings + text, encoding='utf-8')
+
+
+def test_work_that_the_student_owns_is_taken(tmp_path, layout):
+    """The student id is the name of the system user."""
+    (row,) = collect(handed_in(tmp_path, ME), layout, layout.submitted)
+
+    assert (row.student, row.done) == (ME, TAKEN)
+
+
+def test_work_of_another_user_is_refused_with_both_names(tmp_path, layout):
+    """Every user can name a folder after anybody."""
+    (row,) = collect(handed_in(tmp_path, 'ann'), layout, layout.submitted)
+
+    assert row.done == LEFT
+    assert row.notes[0] == (
+        f"handed in as 'ann', but owned by '{ME}'; if you laid it there yourself: --trust-names "
+        '(docs/exchange.md)'
+    )
+    assert taken(layout) == {}
+
+
+def test_zip_of_an_exchange_is_refused_as_it_names_no_owner(tmp_path, layout):
+    """Packed by hand, it is only names."""
+    rows = collect(packed(tmp_path / 'e.zip', EXCHANGE), layout, layout.submitted)
+
+    assert {row.done for row in rows} == {LEFT}
+    assert 'a zip does not say who owned it' in rows[0].notes[0]
+
+
+def test_recorded_owner_is_accepted(tmp_path, layout):
+    """Where student ids differ from user names."""
+    configure(layout, f"c.ExchangeCollect.owners = {{'1001': '{ME}', '{ME}': 'somebody'}}\n")
+    source = handed_in(tmp_path, '1001')
+    laid(source, {f'{ME}+{TALK}+2026-03-01 12:00:00 UTC/talk.ipynb': GOOD})
+
+    rows = collect(source, layout, layout.submitted)
+
+    assert [(row.student, row.done) for row in rows] == [('1001', TAKEN), (ME, LEFT)]
+
+
+@pytest.mark.parametrize('by_setting', [True, False])
+def test_names_are_trusted_when_the_instructor_says_so(by_setting, tmp_path, layout, monkeypatch):
+    """By nbgrader's own setting for good, or by an option for once."""
+    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
+    configure(layout, 'c.ExchangeCollect.check_owner = False\n' if by_setting else '')
+    options = [] if by_setting else ['--trust-names']
+
+    code = command.main(['collect', str(handed_in(tmp_path, 'ann')), *options])
+
+    assert code == command.OK
+    assert f'ann/{TALK}/talk.ipynb' in taken(layout)
+
+
+def test_owners_that_are_no_dictionary_are_one_sentence(tmp_path, layout):
+    """With what to write."""
+    configure(layout, "c.ExchangeCollect.owners = 'ann'\n")
+
+    with pytest.raises(GraderError, match=r'owners is not a dictionary. Try: c.ExchangeCollect'):
+        collect(handed_in(tmp_path, ME), layout, layout.submitted)
+
+
+def test_one_file_of_another_user_is_enough_to_refuse():
+    """Nbgrader leaves folders writable for all, so the notebook may have been exchanged."""
+    both = {os.geteuid(), UNKNOWN_UID}
+
+    doubt = OwnerRule().doubt(ME, both)
+
+    assert doubt == f"handed in as '{ME}', but owned by 'uid {UNKNOWN_UID}'"
+    assert OwnerRule().doubt(ME, {os.geteuid()}) == ''
+    assert user_name(os.geteuid()) == ME
+
+
+def test_file_that_another_user_put_in_its_place_is_not_read(tmp_path):
+    """Between the listing and the reading: what counts is the file that was opened."""
+    path = tmp_path / 'talk.ipynb'
+    path.write_bytes(GOOD)
+
+    data, problems = read_file(path, 'talk.ipynb', UNKNOWN_UID)
+
+    assert data is None
+    assert problems[0].got == 'a file that another user put in its place'
+    assert read_file(path, 'talk.ipynb', os.geteuid()) == (GOOD, ())

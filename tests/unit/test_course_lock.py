@@ -1,0 +1,97 @@
+"""One grading at a time, and what a killed one left unfinished."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+import subprocess
+import sys
+
+import pytest
+
+from autograder.classroom.course_lock import alone, InUseError
+from autograder.files import keep
+from autograder.layout import Layout
+
+HOLDER = """
+import sys
+from pathlib import Path
+from autograder.layout import Layout
+from autograder.classroom.course_lock import alone
+with alone(Layout(Path(sys.argv[1])), 'a grading'):
+    print('held', flush=True)
+    sys.stdin.read()
+"""
+
+
+def held(root):
+    """Start another process that grades."""
+    process = subprocess.Popen(
+        [sys.executable, '-c', HOLDER, str(root)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert process.stdout.readline() == b'held\n'
+    return process
+
+
+def unfinished(layout):
+    """Return files that a killed grading leaves: one of its own, two that are not."""
+    folder = layout.reports / '01_talker'
+    folder.mkdir(parents=True)
+    files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'index.html']
+    for file in files:
+        file.write_text('', encoding='utf-8')
+    return files
+
+
+def test_a_second_grading_is_told_who_is_there(tmp_path):
+    """And begins when the first one has ended."""
+    layout = Layout(tmp_path)
+    with held(tmp_path) as first:
+        with pytest.raises(InUseError, match=f'a grading since .*, process {first.pid}'):
+            with alone(layout, 'rejudge --write'):
+                pass
+        first.communicate()
+    with alone(layout, 'rejudge --write'):
+        assert f'process {os.getpid()}' in (layout.work / 'lock').read_text(encoding='utf-8')
+
+    assert (layout.work / 'lock').read_bytes() == b''
+
+
+def test_what_a_killed_grading_left_goes(tmp_path):
+    """The kernel gives its lock back."""
+    layout = Layout(tmp_path)
+    with held(tmp_path) as first:
+        half, *others = unfinished(layout)
+        first.kill()
+        first.communicate()
+    with alone(layout, 'a grading'):
+        assert not half.exists()
+        assert all(path.exists() for path in others)
+
+
+def test_what_somebody_is_writing_stays(tmp_path, monkeypatch):
+    """A quick look at one submission keeps its recording beside a grading."""
+    layout = Layout(tmp_path)
+    path = layout.recordings / 'talker' / 'x.jsonl'
+    rename = Path.replace
+
+    def begin_to_grade(unfinished, target):
+        layout.work.joinpath('lock').write_text('a grading that was killed', encoding='utf-8')
+        with alone(layout, 'a grading'):
+            pass
+        return rename(unfinished, target)
+
+    monkeypatch.setattr(Path, 'replace', begin_to_grade)
+    keep(path, b'whole')
+
+    assert path.read_bytes() == b'whole'
+
+
+def test_a_grading_that_ended_well_left_nothing_to_look_for(tmp_path):
+    """So the next one does not look."""
+    layout = Layout(tmp_path)
+    with alone(layout, 'a grading'):
+        pass
+    half, *_ = unfinished(layout)
+    with alone(layout, 'a grading'):
+        assert half.exists()

@@ -1,0 +1,334 @@
+"""Causes are read off the recording; when nothing points anywhere, none is named."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.exam.exam import Run
+from autograder.judging.causes import ended as causes
+from autograder.recording import Recording
+from autograder.runs.observe import LARGEST_RECORDING, PACKAGE_LIMITS
+from autograder.runs.watchdog import BUSY_S
+from autograder.sandboxes.confined import Limits
+
+TOPIC, TYPE = '/temperature_topic', 'temp_monitor_pkg/msg/Temperature'
+
+
+def run(*events, nodes=('/n',), endpoints=(), **process):
+    """Return a run that saw these things."""
+    graph = {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': list(endpoints)}
+    last = {'event': 'process', 'exit': None, 'killed': '', 'stdout': '', 'stderr': '', **process}
+    return Run({'temp_publisher.py': ''}, Recording({}, (*events, graph, last)))
+
+
+def end(topic=TOPIC, kind='publisher', type_name=TYPE):
+    """Return an endpoint."""
+    return {'topic': topic, 'kind': kind, 'node': '/n', 'type': type_name, 'qos': {}}
+
+
+def traceback(line, error):
+    """Return what Python prints, with a frame of the runner and one of the student."""
+    return (
+        'Traceback (most recent call last):\n'
+        '  File "/grader/inside/run_node.py", line 40, in main\n    runpy\n'
+        f'  File "/submission/temp_publisher.py", line {line}, in tick\n    x\n{error}\n'
+    )
+
+
+def test_absolute_name_is_told_from_a_slip():
+    """A topic outside the namespace has the right name, and a slash too many."""
+    seen = run(endpoints=[end('/reading')], nodes=('/lab/n',))
+
+    found = causes.why_no_endpoint(seen, 'publisher', '/lab/reading', TYPE)
+
+    assert found.cause_id == 'absolute_name'
+    assert 'outside the namespace /lab' in found.text
+    assert "'reading'" in found.try_this
+
+
+def test_topics_that_come_with_a_node_are_no_slip():
+    """A lifecycle node publishes its transitions; nobody misspelled that."""
+    seen = run(endpoints=[end('/n/transition_event'), end('/rosout')])
+
+    assert causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE).cause_id == 'no_endpoint'
+
+
+@pytest.mark.parametrize(
+    ('seen', 'cause_id', 'words'),
+    [
+        (run(endpoints=[end('/temprature_topic')]), 'topic_name', 'did you mean /temperature_t'),
+        (run(endpoints=[end(type_name='std_msgs/msg/String')]), 'wrong_type', 'std_msgs/msg/Str'),
+        (run(endpoints=[end(kind='subscription')]), 'wrong_direction', 'not a publisher'),
+        (run(), 'no_endpoint', 'creates no publisher'),
+        (run(nodes=(), exit=0), 'exited_early', 'ended by itself'),
+        (run(nodes=(), exit=139), 'died', 'exit code 139'),
+        (run(nodes=(), killed='memory_limit'), 'memory_limit', '1 GiB'),
+    ],
+    ids=lambda value: value if isinstance(value, str) and '_' in value else '',
+)
+def test_missing_publisher_is_explained_from_the_graph(seen, cause_id, words):
+    """The nearest thing that exists is named."""
+    found = causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE)
+
+    assert found.cause_id == cause_id
+    assert words in found.text
+    assert found.try_this
+
+
+@pytest.mark.parametrize(
+    ('error', 'cause_id'),
+    [
+        ('NotImplementedError: write the callback', 'not_started'),
+        ("ModuleNotFoundError: No module named 'rclpi'", 'import'),
+        ("AttributeError: 'T' object has no attribute 'x'", 'no_attribute'),
+        ('ZeroDivisionError: float division by zero', 'exception'),
+        ('IndentationError: unexpected indent', 'indentation'),
+        ('SyntaxError: invalid syntax', 'syntax'),
+    ],
+)
+def test_exception_is_named_with_the_line_of_the_cell(error, cause_id):
+    """Line 7 of the file is line 8 of the cell, below the magic line."""
+    found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
+
+    assert found.cause_id == cause_id
+    assert 'line 8 of the cell' in found.text
+
+
+def test_node_that_never_answers_was_never_spun():
+    """Whether it answers at the end tells silence from work."""
+    seen = run({'event': 'asked', 'node': '/n', 'answered': False}, endpoints=[end()])
+
+    assert causes.why_silent(seen).cause_id == 'never_spun'
+
+
+def test_living_silent_node_gets_no_invented_cause():
+    """When unsure, nothing is claimed."""
+    seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
+
+    assert causes.why_silent(seen) is None
+
+
+def test_slip_in_a_namespace_is_answered_with_the_relative_name():
+    """The namespace is the command line's; the code gives the last part only."""
+    seen = run(endpoints=[end('/lab/readings')], nodes=('/lab/n',))
+
+    found = causes.why_no_endpoint(seen, 'publisher', '/lab/reading', TYPE)
+
+    assert found.cause_id == 'topic_name'
+    assert "'reading'" in found.try_this
+
+
+@pytest.mark.parametrize(('kind', 'cause'), [('NoneType', 'no_return'), ('bool', 'wrong_return')])
+def test_what_a_transition_callback_returns_is_told(kind, cause):
+    """Without return and with something else are different slips."""
+    error = f"AttributeError: '{kind}' object has no attribute 'to_label'"
+
+    found = causes.why_no_verdict(run(exit=1, stderr=traceback(7, error)))
+
+    assert found is not None
+    assert found.cause_id == cause
+
+
+def test_parameter_of_another_type_is_told_without_its_value():
+    """The message of rclpy would show what the grader has set."""
+    error = (
+        "rclpy.exceptions.InvalidParameterTypeException: Trying to set parameter 'limit' to "
+        "'-1.87' of type 'DOUBLE', expecting type 'INTEGER': limit"
+    )
+
+    found = causes.why_silent(run(exit=1, stderr=traceback(7, error)))
+
+    assert found.cause_id == 'parameter_type'
+    assert '1.87' not in found.text
+
+
+@pytest.mark.parametrize(
+    ('code', 'cause_id'),
+    [
+        (
+            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == '__main__':\n    pass\n",
+            'main_not_called',
+        ),
+        (
+            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == '__main__':\n    main\n",
+            'main_not_called',
+        ),
+        (
+            "def main():\n    rclpy.spin(node)\n\n\nif __name__ == 'main':\n    main()\n",
+            'main_not_called',
+        ),
+        ('def main():\n    node = Talker()\n\n\nmain()\n', 'no_spin'),
+        ('def main():\n    rclpy.spin_once(node)\n\n\nmain()\n', 'spins_once'),
+        ('def main():\n    rclpy.spin(node)\n\n\nmain()\n', 'exited_early'),
+        ('async def main():\n    rclpy.spin(node)\n\n\nasyncio.run(main())\n', 'exited_early'),
+        ('def main():\n    rclpy.spin(node)\n\n\nrun = main\nrun()\n', 'exited_early'),
+        (
+            "def main():\n    rclpy.spin_once(node)\n\n\nif __name__ == 'x':\n    pass\n"
+            "if __name__ == '__main__':\n    main()\n",
+            'spins_once',
+        ),
+    ],
+)
+def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_id):
+    """The text names the cause; that it ended is what was seen."""
+    seen = run(nodes=(), exit=0)
+
+    assert causes.why_it_ended(Run({'talker.py': code}, seen.recording)).cause_id == cause_id
+
+
+@pytest.mark.parametrize(
+    ('code', 'cause_id', 'words'),
+    [
+        ('rclpy.spin(node)', 'exited_early', 'was at work'),
+        ('while rclpy.ok():\n    rclpy.spin_once(node)', 'exited_early', 'was at work'),
+        ('try:\n    rclpy.spin(n)\nexcept Exception as e:\n    print(e)', 'swallowed', 'catches'),
+        (
+            'try:\n    rclpy.spin(n)\nexcept ExternalShutdownException:\n    ...',
+            'exited_early',
+            '',
+        ),
+        (
+            'try:\n    float(t)\nexcept Exception as e:\n    raise SystemExit\nrclpy.spin(n)',
+            'exited_early',
+            '',
+        ),
+        # What one call of it has served, may be the question itself.
+        ('rclpy.spin_once(node)  # for a while', 'spins_once', 'serves one callback'),
+        ('for node in nodes:\n    rclpy.spin_once(node)', 'exited_early', 'before anything'),
+    ],
+)
+def test_program_that_ends_in_a_callback_is_not_told_to_spin(code, cause_id, words):
+    """Its node was there for half a second, so somebody spun it."""
+    seen = run({'event': 'graph', 'when': 'start', 'nodes': ['/n'], 'endpoints': []}, exit=0)
+
+    found = causes.why_it_ended(Run({'n.py': code}, seen.recording))
+
+    assert found.cause_id == cause_id
+    assert words in found.text
+
+
+def test_comment_about_spinning_spins_nothing():
+    """The lesson's own comments are in every file."""
+    code = 'def main():\n    # The pattern with rclpy.spin for a node.\n    Talker()\n\n\nmain()\n'
+
+    found = causes.why_it_ended(Run({'n.py': code}, run(nodes=(), exit=0).recording))
+
+    assert found.cause_id == 'no_spin'
+
+
+def test_entry_point_calls_main():
+    """A package names it in a text of setup.py."""
+    files = {'n.py': 'def main():\n    rclpy.spin(n)\n', 'setup.py': "['talker = a.n:main']"}
+
+    found = causes.why_it_ended(Run(files, run(nodes=(), exit=0).recording))
+
+    assert found.cause_id == 'exited_early'
+
+
+def test_node_that_is_destroyed_before_it_is_spun_was_never_missing():
+    """It is not said that nobody made a node."""
+    code = 'node = Talker()\nnode.destroy_node()\nrclpy.spin(node)\n'
+    seen = run(nodes=())
+
+    found = causes.why_no_node(Run({'talker.py': code}, seen.recording), '/talker')
+
+    assert found.cause_id == 'destroyed_early'
+
+
+def test_node_that_could_not_be_seen_is_not_called_missing():
+    """When unsure, it is said what was seen, and how to look."""
+    code = "class Talker(Node):\n    def __init__(self):\n        super().__init__('talker')\n"
+    seen = run(nodes=())
+
+    found = causes.why_no_node(Run({'talker.py': code}, seen.recording), '/talker')
+
+    assert 'although your code has one' in found.text
+    assert 'nodes()' in found.try_this
+
+
+@pytest.mark.parametrize('period', ['500', '1000.0', 'PERIOD_MS'])
+def test_period_in_milliseconds_is_told(period):
+    """The first call is minutes away, so nothing comes, whatever else is right."""
+    code = f'PERIOD_MS = 500\nself.create_timer({period}, self.speak)\n'
+    seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
+
+    found = causes.why_silent(Run({'talker.py': code}, seen.recording))
+
+    assert found.cause_id == 'period_unit'
+    assert 'seconds' in found.text
+
+
+def test_node_that_is_not_spun_beside_one_that_is_explains_silence():
+    """Two nodes and one spin() is a common slip."""
+    asked = [
+        {'event': 'asked', 'node': '/n', 'answered': False},
+        {'event': 'asked', 'node': '/helper', 'answered': True},
+    ]
+    seen = run(*asked, nodes=('/helper', '/n'), endpoints=[end()])
+
+    found = causes.why_silent(seen)
+
+    assert found.cause_id == 'other_node_spun'
+    assert 'helper is spun and n is not' in found.text
+
+
+def test_helper_that_nobody_spins_explains_nothing():
+    """The node with the work is served."""
+    asked = [
+        {'event': 'asked', 'node': '/n', 'answered': True},
+        {'event': 'asked', 'node': '/helper', 'answered': False},
+    ]
+
+    assert causes.why_silent(run(*asked, nodes=('/helper', '/n'), endpoints=[end()])) is None
+
+
+@pytest.mark.parametrize(
+    ('code', 'cause_id'),
+    [
+        ('self.create_timer(1.0, self.speak)', 'never_publishes'),
+        ('def speak(self):\n    self.publisher.publish(String())', 'no_timer'),
+        ('self.create_timer(1.0, self.speak)\nself.publisher.publish(String())', 'silent'),
+        ('', 'silent'),
+    ],
+)
+def test_silence_is_explained_by_what_the_code_lacks(code, cause_id):
+    """What the text has not, it cannot do; else it is said how to look."""
+    seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
+
+    assert causes.why_no_message(Run({'talker.py': code}, seen.recording)).cause_id == cause_id
+
+
+def test_without_a_cause_it_is_said_how_to_look():
+    """The text names a topic by its last part: the namespace of a hidden exam stays secret."""
+    assert "echo('chatter')" in causes.how_to_look(run(endpoints=[end('/xkcdq/chatter')]))
+    assert 'xkcdq' not in causes.how_to_look(run(endpoints=[end('/xkcdq/chatter')]))
+    assert 'logs()' in causes.how_to_look(run())
+    assert causes.how_to_look(run(nodes=())) == ''
+
+
+@pytest.mark.parametrize('limit', sorted(causes.LIMITS))
+def test_each_limit_says_what_was_too_much_and_where_to_look(limit):
+    """A program that was ended is told its own limit."""
+    found = causes.why_it_ended(run(killed=limit))
+
+    assert found.cause_id == limit
+    assert found.text.startswith('The program was ended: ')
+    assert found.try_this.startswith('Look for ')
+
+
+@pytest.mark.parametrize(('package', 'limits'), [('', Limits()), ('thermo', PACKAGE_LIMITS)])
+def test_limits_that_are_told_are_those_that_hold(package, limits):
+    """A package is built first, and has more of the processor."""
+    ended = {
+        kind: causes.why_it_ended(Run({}, run(killed=kind).recording, {'package': package})).text
+        for kind in causes.LIMITS
+    }
+
+    assert f' {limits.cpu_s} s' in ended['cpu_limit']
+    assert f' {limits.memory >> 30} GiB' in ended['memory_limit']
+    assert f' {limits.output >> 20} MB' in ended['output_limit']
+    assert f' {limits.folder >> 20} MB' in ended['disk_limit']
+    assert f' {limits.inodes} files' in ended['inode_limit']
+    assert f' {BUSY_S:g} s' in ended['busy_before_node']
+    assert f' {LARGEST_RECORDING >> 20} MB' in ended['too_much_recorded']
+    assert 'packets' in ended['probe_broken']

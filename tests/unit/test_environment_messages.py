@@ -1,0 +1,262 @@
+"""Message packages of environment/messages.txt: what the file may say, and what is installed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+import os
+from pathlib import Path
+import subprocess
+import sys
+import sysconfig
+from zipfile import ZipFile
+
+import pytest
+
+from environment import interpreters, messages, stamps
+from environment import plan as plan_module
+from environment.doctor import check_messages, MISSING, OK
+from environment.places import MESSAGES_FILE, Places
+from environment.plan import Plan
+from environment.ros import further_messages
+from environment.steps import Job, StepError
+
+
+def test_comments_and_empty_lines_name_nothing():
+    """The file of the project explains itself and names no package."""
+    assert messages.wanted(MESSAGES_FILE.read_text(encoding='utf-8')) == {}
+    assert messages.wanted('\nRos-Toy_Msgs==1.0  # for lesson 20\n') == {'ros-toy-msgs': '1.0'}
+
+
+@pytest.mark.parametrize(
+    ('line', 'advice'),
+    [
+        ('toy_msgs', 'ros-toy-msgs==VERSION; for its versions: '),
+        ('ros-toy-msgs', 'ros-toy-msgs==VERSION; for its versions: '),
+        ('ros-toy-msgs>=1.0', 'ros-toy-msgs==VERSION; for its versions: '),
+        ('ros-jazzy-toy-msgs==1.0', 'ros-toy-msgs==1.0'),
+        ('toy-msgs==1.0', 'ros-toy-msgs==1.0'),
+    ],
+)
+def test_refused_line_is_named_with_the_line_to_write(line, advice):
+    """Metapackages bring nothing without their dependencies, and a range is not reproducible."""
+    with pytest.raises(StepError) as caught:
+        messages.wanted(f'# first\n{line}\n')
+
+    assert str(caught.value) == (
+        f'environment/messages.txt, line 2: expected ros-NAME==VERSION, got {line}'
+    )
+    assert caught.value.try_this.startswith(advice)
+
+
+def report(*requires: str) -> dict[str, object]:
+    """Return what pip reports of one package with these requirements."""
+    metadata = {'name': 'ros-toy-msgs', 'version': '1.0', 'requires_dist': list(requires)}
+    return {'install': [{'metadata': metadata}]}
+
+
+def test_requirements_names_the_packages_that_are_used():
+    """Extras are never installed."""
+    asked = report('ros-std-msgs~=5.3.6', 'ros-a-msgs', 'x; extra == "test"')
+
+    found = messages.requirements(asked, {'ros-std-msgs': '5.3.7', 'ros-a-msgs': '1'})
+
+    assert found == {'ros-toy-msgs': {'ros-std-msgs', 'ros-a-msgs'}}
+
+
+@pytest.mark.parametrize(
+    ('asked', 'said', 'advice'),
+    [
+        ('ros-b-msgs~=2.1', 'ros-toy-msgs uses ros-b-msgs, which is not', 'add the line ros-b-ms'),
+        ('ros-std-msgs~=5.5.1', 'requires ros-std-msgs~=5.5.1, the installed', 'for Jazzy'),
+        ('ros-std-msgs~=5.3.8', 'requires ros-std-msgs~=5.3.8, the installed', 'for Jazzy'),
+        ('ros-std-msgs==5.3.7', 'requires ros-std-msgs==5.3.7, the installed', 'for Jazzy'),
+    ],
+)
+def test_package_of_another_distribution_is_refused(asked, said, advice):
+    """Its compiled code would not fit."""
+    with pytest.raises(StepError) as caught:
+        messages.requirements(report(asked), {'ros-std-msgs': '5.3.6'})
+
+    assert str(caught.value).startswith('environment/messages.txt: ros-toy-msgs')
+    assert said in str(caught.value)
+    assert advice in caught.value.try_this
+
+
+class SetUp:
+    """
+    The step in a small virtual environment, with wheels from a folder.
+
+    :param folder: where all of it lies
+    """
+
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Make the environment; its pip is the one of this Python."""
+        self.file, self.wheels = folder / 'messages.txt', folder / 'wheels'
+        self.wheels.mkdir()
+        monkeypatch.setattr(stamps, 'MESSAGES_FILE', self.file)
+        monkeypatch.setattr(plan_module.stamps, 'packages_digest', lambda *_: 'same')
+        self.places = Places.of('.venv', folder)
+        make = [sys.executable, '-m', 'venv', '--without-pip', str(self.places.venv)]
+        subprocess.run(make, check=True)
+        self.places.notes.mkdir()
+        with_pip = sysconfig.get_path('purelib')
+        (self.places.site_packages() / 'pip.pth').write_text(with_pip, encoding='utf-8')
+        alone = {
+            'PIP_NO_INDEX': '1',
+            'PIP_FIND_LINKS': str(self.wheels),
+            'PIP_CONFIG_FILE': os.devnull,
+        }
+        python = interpreters.probe(sys.executable, os.environ)
+        self.plan = Plan(self.places, {**os.environ, **alone}, 'wheels', python)
+
+    def wheel(self, name: str, *requires: str) -> None:
+        """Make a wheel with one module."""
+        module = name.removeprefix('ros-').replace('-', '_')
+        info = f'{name.replace("-", "_")}-1.0.dist-info'
+        metadata = ['Metadata-Version: 2.1', f'Name: {name}', 'Version: 1.0']
+        metadata += [f'Requires-Dist: {one}' for one in requires]
+        with ZipFile(self.wheels / f'{name.replace("-", "_")}-1.0-py3-none-any.whl', 'w') as file:
+            file.writestr(f'{module}/__init__.py', '')
+            file.writestr(f'{info}/METADATA', '\n'.join(metadata))
+            file.writestr(f'{info}/WHEEL', 'Wheel-Version: 1.0\nTag: py3-none-any\n')
+            file.writestr(f'{info}/RECORD', '')
+
+    def go(self, text: str) -> None:
+        """Run the step for a file of this text."""
+        self.file.write_text(text, encoding='utf-8')
+        with (self.places.notes / 'messages.log').open('w', encoding='utf-8') as log:
+            messages.install_messages(self.plan, Job(log))
+
+    @property
+    def modules(self) -> set[str]:
+        """The packages that are installed."""
+        return {path.name for path in self.places.site_packages().glob('*_msgs')}
+
+
+@pytest.fixture
+def set_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SetUp:
+    """Return the step in an environment of its own."""
+    return SetUp(tmp_path, monkeypatch)
+
+
+def test_named_packages_are_installed_and_others_removed(set_up):
+    """The note has the version of each package and of the further ones that it uses."""
+    set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
+    set_up.wheel('ros-base-msgs')
+
+    set_up.go('ros-toy-msgs==1.0\nros-base-msgs==1.0\n')
+
+    assert set_up.modules == {'toy_msgs', 'base_msgs'}
+    assert further_messages(set_up.places.venv) == {
+        'toy_msgs': ['ros-base-msgs==1.0', 'ros-toy-msgs==1.0'],
+        'base_msgs': ['ros-base-msgs==1.0'],
+    }
+    assert stamps.read_stamp(set_up.places, 'messages') == set_up.plan.digest('messages')
+
+    set_up.go('ros-base-msgs==1.0\n')
+
+    assert set_up.modules == {'base_msgs'}
+    assert further_messages(set_up.places.venv).keys() == {'base_msgs'}
+
+
+@pytest.mark.parametrize(
+    ('text', 'said'),
+    [
+        (
+            'ros-none-msgs==1.0\n',
+            'environment/messages.txt: pip cannot install ros-none-msgs==1.0',
+        ),
+        ('ros-toy-msgs==1.0\n', 'ros-toy-msgs uses ros-base-msgs, which is not installed'),
+        ('ros-std-msgs==5.3.6\n', 'ros-std-msgs==5.3.6 is always installed'),
+    ],
+)
+def test_refused_file_installs_nothing_and_has_no_stamp(set_up, text, said):
+    """So the next make tries again; what was installed before stays."""
+    set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
+    set_up.wheel('ros-base-msgs')
+    set_up.go('ros-base-msgs==1.0\n')
+
+    with pytest.raises(StepError) as caught:
+        set_up.go(text)
+
+    assert said in str(caught.value)
+    assert set_up.modules == {'base_msgs'}
+    assert stamps.read_stamp(set_up.places, 'messages') != set_up.plan.digest('messages')
+
+
+def test_stopped_installation_is_noted_and_removed_by_the_next(set_up, monkeypatch):
+    """A wheel without a note would stay in the environment unseen."""
+    set_up.wheel('ros-toy-msgs')
+
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(messages, '_closure', stopped)
+    with pytest.raises(KeyboardInterrupt):
+        set_up.go('ros-toy-msgs==1.0\n')
+    set_up.go('')
+
+    assert set_up.modules == set()
+    assert further_messages(set_up.places.venv) == {}
+
+
+def test_editing_the_file_needs_only_its_own_step(set_up):
+    """Neither the virtual environment nor the ROS package of the course is made again."""
+    steps = ('venv', 'packages', 'workspace', 'messages')
+    set_up.file.write_text('', encoding='utf-8')
+    before = {step: set_up.plan.digest(step) for step in steps}
+
+    set_up.file.write_text('ros-toy-msgs==1.0\n', encoding='utf-8')
+
+    changed = [step for step in steps if set_up.plan.digest(step) != before[step]]
+    assert changed == ['messages']
+
+
+def test_sourced_installation_has_to_have_the_packages(set_up, tmp_path):
+    """It decides on their versions; nothing is taken from PyPI."""
+    shared = tmp_path / 'ros' / 'share' / 'toy_msgs'
+    shared.mkdir(parents=True)
+    (shared / 'package.xml').write_text('<version>2.3.4</version>', encoding='utf-8')
+    environ = {'AMENT_PREFIX_PATH': f'/nowhere:{tmp_path / "ros"}'}
+    set_up.plan = replace(set_up.plan, kind='sourced', environ=environ)
+
+    set_up.go('ros-toy-msgs==1.0\n')
+
+    assert further_messages(set_up.places.venv) == {'toy_msgs': ['ros-toy-msgs==2.3.4']}
+    with pytest.raises(StepError, match=r'messages\.txt: the sourced ROS 2 has no package my_ms'):
+        set_up.go('ros-my-msgs==1.0\n')
+
+
+def test_doctor_names_the_file_and_what_is_missing(set_up):
+    """Offline: the note in the environment tells."""
+    set_up.wheel('ros-toy-msgs')
+    set_up.go('ros-toy-msgs==1.0\n')
+
+    assert check_messages(set_up.places).state == OK
+
+    set_up.file.write_text('ros-toy-msgs==1.0\nros-my-msgs==1.0\n', encoding='utf-8')
+    finding = check_messages(set_up.places)
+    assert finding.state == MISSING
+    assert finding.detail == 'environment/messages.txt names my_msgs, which is not installed'
+
+    set_up.file.write_text('my_msgs\n', encoding='utf-8')
+    assert 'environment/messages.txt, line 1: ' in check_messages(set_up.places).detail
+    assert check_messages(set_up.places).fix.startswith('ros-my-msgs==VERSION')
+
+
+def test_missing_file_names_nothing(set_up):
+    """A copy of the course may lack it."""
+    set_up.go('')
+    set_up.file.unlink()
+
+    messages.install_messages(set_up.plan, Job(sys.stderr))
+
+    assert check_messages(set_up.places).state == OK
+
+
+@pytest.mark.parametrize('text', ['', '[]', '{'])
+def test_damaged_note_means_no_further_packages(tmp_path, text):
+    """The next set-up writes it again."""
+    (tmp_path / 'ros_messages.json').write_text(text, encoding='utf-8')
+
+    assert further_messages(tmp_path) == {}

@@ -1,0 +1,241 @@
+"""Advice that shows code has the names of the exam that is judged, never those of another."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+import re
+
+import pytest
+
+from autograder import exams, judging
+from autograder.errors import ExamInvalid, GraderError
+from autograder.exam.exam import Exam, Run
+from autograder.exam.names import Names
+from autograder.exam.scenario import Call, Feed, Join, Offer, Scenario, set_parameter
+from autograder.judging.checks import require_messages
+from autograder.judging.judge import judge
+from autograder.recording import Recording
+
+CODE = 'import rclpy\n\n\nclass Rover(Node):\n    {}\n'
+SHARED = (
+    'causes/builds',
+    'causes/ended',
+    'causes/exceptions',
+    'causes/exception_table',
+    'causes/lifecycle',
+    'checks',
+)
+"""Modules of advice that any exam may get; the others in the folder explain one exercise."""
+
+
+def rover() -> Exam:
+    """Return an exam of which no lesson has the names."""
+    exam = Exam(
+        'rover',
+        title='The rover',
+        assignment='01_x',
+        part=1,
+        cells=('rover',),
+        requires=('rover.py',),
+        scenario=Scenario(
+            file='rover.py',
+            arguments=('-p', 'max_speed:=0.5'),
+            watch={'/qqqqqq/cmd_vel': 'geometry_msgs/msg/Twist'},
+            feed={'/scan': 'sensor_msgs/msg/LaserScan'},
+            steps=(set_parameter('/rover', 'max_turn', 1.0),),
+        ),
+    )
+
+    @exam.check(points=1)
+    def drives(run: Run) -> None:
+        """It drives."""
+        require_messages(run, topic='/qqqqqq/cmd_vel')
+
+    return exam
+
+
+def recording(error: str = '', *endpoints: tuple[str, str]) -> Recording:
+    """Return a run that ended with an exception in line 5, or whose node has some publishers."""
+    where = 'Traceback (most recent call last):\n  File "/submission/rover.py", line 5, in x\n'
+    ends = [
+        {'kind': 'publisher', 'node': '/qqqqqq/rover', 'topic': topic, 'type': kind}
+        for topic, kind in endpoints
+    ]
+    ended = {'exit': 1 if error else None, 'stderr': f'{where}    x\n{error}\n' if error else ''}
+    return Recording(
+        {},
+        (
+            {'event': 'graph', 'nodes': ['/qqqqqq/rover'], 'endpoints': ends},
+            {'event': 'end', 'reason': 'complete'},
+            {'event': 'process', 'killed': '', 'stdout': '', **ended},
+        ),
+    )
+
+
+def told(line: str, error: str) -> str:
+    """Return what a learner reads about a program that died in a line."""
+    exam = rover()
+    run = Run({'rover.py': CODE.format(line)}, recording(error), exam.facts)
+    (check,) = judge(exam, run)
+    return f'{check.cause} {check.try_this}'
+
+
+@pytest.mark.parametrize(
+    ('line', 'error', 'words'),
+    [
+        (
+            "self.create_publisher('cmd_vel', 10)",
+            "TypeError: Node.create_publisher() missing 1 required positional argument: 'topic'",
+            "create_publisher(Twist, 'cmd_vel', 10)",
+        ),
+        (
+            'self.create_subscription()',
+            'TypeError: rclpy_resolve_name(): incompatible function arguments',
+            "create_publisher(Twist, 'cmd_vel', 10)",
+        ),
+        (
+            'self.create_subscription(1)',
+            'TypeError: Expected QoSProfile or int, but received',
+            "create_subscription(LaserScan, 'scan', self.callback, 10)",
+        ),
+        (
+            "self.get_parameter('max_sped')",
+            'rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared '
+            'parameter(s): max_sped',
+            "declare_parameter('max_sped', ...)",
+        ),
+        (
+            'self.declare_parameter()',
+            "TypeError: Node.declare_parameter() missing 1 required positional argument: 'name'",
+            "declare_parameter('max_speed', ...)",
+        ),
+        (
+            'Twist()',
+            "NameError: name 'Twist' is not defined",
+            'from geometry_msgs.msg import Twist',
+        ),
+        (
+            'from std_msgs.msg import Twist',
+            "ImportError: cannot import name 'Twist' from 'std_msgs.msg'",
+            'from geometry_msgs.msg import Twist',
+        ),
+        (
+            'from sensor_msg.msg import LaserScan',
+            "ModuleNotFoundError: No module named 'sensor_msg.msg'",
+            'Did you mean sensor_msgs.msg?',
+        ),
+        (
+            'self.out.publish(Twist)',
+            "AttributeError: 'property' object has no attribute 'x'",
+            'message = Twist()',
+        ),
+    ],
+)
+def test_advice_has_the_names_of_the_exam(line, error, words):
+    """Topics without their namespace, types, parameters; or what the learner has written."""
+    said = told(line, error)
+
+    assert words in said
+    assert 'qqqqqq' not in said
+    assert '$' not in said
+
+
+def test_parameter_of_the_learner_is_quoted_where_ros_names_it():
+    """Which of several parameters is meant, only the exception tells."""
+    asked = 'rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared '
+
+    assert 'the parameter max_turn, which' in told('x', f'{asked}parameter(s): max_turn')
+    assert "declare_parameter('max_speed'" in told('x', f'{asked}parameter(s): []')
+
+
+def test_names_come_from_all_steps():
+    """Also from those that come later, and without any there are words."""
+    names = Names.of(
+        Scenario(
+            steps=(
+                Join('late', '/map', 'nav_msgs/msg/Path'),
+                Offer('sensor', '/scan', 'sensor_msgs/msg/LaserScan'),
+                Feed('sensor', []),
+                Call('/n', 'get_parameters', 'x', {'names': ['gain']}),
+            )
+        )
+    )
+
+    assert names.fill('$type $topic $heard_type $heard_topic $parameter') == (
+        'Path map LaserScan scan gain'
+    )
+    assert Names().fill("$type, '$topic' $parameter $other") == "Type, 'topic' name $other"
+
+
+@pytest.mark.parametrize('name', SHARED)
+def test_shared_advice_names_no_exercise(name):
+    """Neither a topic, a parameter nor a message type of the course's exams."""
+    every = [exams.load(one, hidden=False).facts['exam_names'] for one in exams.names(False)]
+    topics = {topic.rpartition('/')[2] for one in every for topic in (*one.published, *one.heard)}
+    parameters = {one for names in every for one in names.parameters}
+    types = {kind for one in every for names in one.homes.values() for kind in names.split()}
+    quoted = '|'.join(sorted(topics | parameters))
+    foreign = re.compile(rf"'(?:{quoted})'|\b(?:{'|'.join(sorted(types))})[(,]")
+
+    tree = ast.parse((Path(judging.__file__).parent / f'{name}.py').read_text(encoding='utf-8'))
+    texts = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    code = [text for text in texts if isinstance(text, str) and '(' in text]
+
+    assert types
+    assert topics
+    assert parameters
+    assert not [text for text in code if foreign.search(text)]
+
+
+# -- messages on a topic ---------------------------------------------------------------------
+
+
+def test_bare_require_messages_asks_did_you_mean():
+    """A publisher on another topic is named, as in the exams of the course."""
+    exam = rover()
+    near = recording('', ('/qqqqqq/cmd_val', 'geometry_msgs/msg/Twist'))
+    (check,) = judge(exam, Run({'rover.py': CODE}, near, exam.facts))
+
+    assert check.cause_id == 'topic_name'
+    assert 'did you mean' in check.cause
+    assert "'cmd_vel'" in check.try_this
+
+
+def test_bare_require_messages_names_another_type():
+    """The topic is right, and the type is not."""
+    exam = rover()
+    other = recording('', ('/qqqqqq/cmd_vel', 'std_msgs/msg/String'))
+    (check,) = judge(exam, Run({'rover.py': CODE}, other, exam.facts))
+
+    assert check.cause_id == 'wrong_type'
+    assert 'Pass the class Twist' in check.try_this
+
+
+def test_bare_require_messages_takes_what_came_on_the_topic():
+    """As many as are asked for."""
+    exam = rover()
+    event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
+    heard = Recording({}, (event, event))
+    run = Run({}, heard, exam.facts)
+
+    assert len(require_messages(run, topic='/qqqqqq/cmd_vel', least=2)) == 2
+    (check,) = judge(exam, run)
+    assert check.points == 1
+
+
+@pytest.mark.parametrize('topic', ['', '/cmd_val'])
+def test_topic_that_the_scenario_does_not_watch_is_a_mistake_of_the_exam(topic):
+    """The message has those that it watches."""
+    exam = rover()
+    with pytest.raises(ExamInvalid, match=r"which are '/qqqqqq/cmd_vel', got"):
+        require_messages(Run({}, recording(), exam.facts), topic=topic)
+
+    exam.check(points=1)(_asks_for_another_topic)
+    with pytest.raises(GraderError, match='got'):
+        judge(exam, Run({}, recording(), exam.facts))
+
+
+def _asks_for_another_topic(run: Run) -> None:
+    """It asks."""
+    require_messages(run, topic='/nothing')

@@ -1,0 +1,221 @@
+"""Dated copies of the gradebook, and a gradebook that lost what was in it."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+import subprocess
+import time
+
+import pytest
+
+from autograder.errors import GraderError
+from autograder.gradebook import copies
+from autograder.gradebook.connection import connected
+from autograder.gradebook.copies import keep_copy, refuse_damaged
+from autograder.layout import Layout
+
+GMTIME = time.gmtime
+
+
+@pytest.fixture
+def course(tmp_path):
+    """Return a course with a gradebook in which two submissions are."""
+    url = f'sqlite:///{tmp_path}/autograder/_work/gradebook.db'
+    (tmp_path / 'nbgrader_config.py').write_text(
+        f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n', encoding='utf-8'
+    )
+    layout = Layout(tmp_path)
+    (layout.work / 'entered').mkdir(parents=True)
+    (layout.work / 'entered' / '01.jsonl').write_bytes(b'\n12345678 {}\n')
+    submit(layout, 'ann', 'bob', fill='x' * 20_000)
+    return layout
+
+
+def gradebook(layout):
+    """Return the file."""
+    return layout.work / 'gradebook.db'
+
+
+def submit(layout, *students, fill=''):
+    """Enter submissions."""
+    book = sqlite3.connect(gradebook(layout))
+    book.execute('create table if not exists submitted_assignment (student text, fill text)')
+    for student in students:
+        book.execute('insert into submitted_assignment values (?, ?)', (student, fill))
+    book.commit()
+    book.close()
+
+
+def students(path):
+    """Return who is in a gradebook."""
+    book = sqlite3.connect(path)
+    found = [name for (name,) in book.execute('select student from submitted_assignment')]
+    book.close()
+    return found
+
+
+@pytest.fixture
+def at(monkeypatch):
+    """Return a function that sets the clock to a day and a second."""
+
+    def put(day, second=0):
+        moment = 1_800_000_000 + 86_400 * day + second
+        monkeypatch.setattr(copies.time, 'gmtime', lambda: GMTIME(moment))
+
+    put(0)
+    return put
+
+
+def test_a_copy_has_what_the_gradebook_had(course, at):
+    """It is named by its date, and nothing unfinished stays."""
+    copy = keep_copy(course)
+    submit(course, 'cho')
+
+    assert copy.name == '2027-01-15_080000Z.db'
+    assert students(copy) == ['ann', 'bob']
+    assert [one.name for one in copy.parent.iterdir()] == [copy.name]
+
+
+def test_an_unchanged_gradebook_is_not_copied_again(course, at):
+    """Or gradings that enter nothing would push the older copies out."""
+    first = keep_copy(course)
+    at(1)
+
+    assert keep_copy(course) == first
+    submit(course, 'cho')
+    assert keep_copy(course) != first
+    assert len(copies.copies(course)) == 2
+
+
+def test_number_of_copies_is_bounded(course, at, monkeypatch):
+    """The newest stay, and the first of each of the last days."""
+    monkeypatch.setattr(copies, 'MAX_RECENT', 2)
+    monkeypatch.setattr(copies, 'MAX_DAYS', 3)
+    for day in range(5):
+        for second in range(3):
+            at(day, second)
+            submit(course, f'{day}{second}')
+            os.utime(gradebook(course), ns=(day, second))
+            keep_copy(course)
+
+    assert [one.name for one in copies.copies(course)] == [
+        '2027-01-17_080000Z.db',
+        '2027-01-18_080000Z.db',
+        '2027-01-19_080000Z.db',
+        '2027-01-19_080001Z.db',
+        '2027-01-19_080002Z.db',
+    ]
+
+
+def test_size_of_copies_is_bounded(course, at, monkeypatch):
+    """The newest one stays whatever its size."""
+    size = keep_copy(course).stat().st_size
+    monkeypatch.setattr(copies, 'MAX_BYTES', 2 * size + 100)
+    for day in range(1, 4):
+        at(day)
+        os.utime(gradebook(course), ns=(day, day))
+        keep_copy(course)
+    assert len(copies.copies(course)) == 2
+
+    monkeypatch.setattr(copies, 'MAX_BYTES', 10)
+    at(4)
+    os.utime(gradebook(course), ns=(4, 4))
+    assert copies.copies(course) != [keep_copy(course)]
+    assert [one.name for one in copies.copies(course)] == ['2027-01-19_080000Z.db']
+
+
+def empty(path):
+    """Leave nothing."""
+    path.write_bytes(b'')
+
+
+def truncate(path):
+    """Leave the first half."""
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def break_off_early(path):
+    """Leave part of the header."""
+    path.write_bytes(path.read_bytes()[:60])
+
+
+def replace_by_text(path):
+    """Leave something else."""
+    path.write_bytes(b'no database' * 100)
+
+
+def take_rows(path):
+    """Leave only tables, as formgrader does with an empty file."""
+    book = sqlite3.connect(path)
+    book.execute('delete from submitted_assignment')
+    book.commit()
+    book.close()
+
+
+@pytest.mark.parametrize('damage', [empty, truncate, break_off_early, replace_by_text, take_rows])
+def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, damage):
+    """The command in the line restores it."""
+    keep_copy(course)
+    damage(gradebook(course))
+    broken = gradebook(course).read_bytes()
+
+    for look in (refuse_damaged, keep_copy, lambda layout: connected(layout).__enter__()):
+        with pytest.raises(GraderError, match='expected a gradebook that answers, got: ') as told:
+            look(course)
+    assert gradebook(course).read_bytes() == broken
+    assert len(copies.copies(course)) == 1
+
+    command = told.value.fix.removeprefix('Try: ').partition('. To begin')[0]
+    subprocess.run(command, shell=True, check=True)
+    refuse_damaged(course)
+    assert students(gradebook(course)) == ['ann', 'bob']
+
+
+def test_damage_that_only_a_full_read_finds_makes_no_copy(course, at):
+    """The earlier copy stays the newest."""
+    copy = keep_copy(course)
+    data = bytearray(gradebook(course).read_bytes())
+    page = 4096 * 3
+    data[page : page + 4096] = b'\xff' * 4096
+    gradebook(course).write_bytes(data)
+    at(1)
+
+    with pytest.raises(GraderError, match=rf'got: .+ Try: cp \S+{copy.name} '):
+        keep_copy(course)
+    assert list(copy.parent.iterdir()) == [copy]
+
+
+def test_without_a_copy_a_backup_is_asked_for(course):
+    """There is no command that could help."""
+    empty(gradebook(course))
+
+    with pytest.raises(GraderError, match='restore it from a backup, as no copy of it is kept'):
+        refuse_damaged(course)
+
+
+def test_an_empty_file_that_was_never_filled_is_fine(course):
+    """As is one that is missing: the next grading makes a new gradebook."""
+    journal = course.work / 'entered' / '01.jsonl'
+    journal.unlink()
+    empty(gradebook(course))
+    refuse_damaged(course)
+    assert keep_copy(course) is None
+
+    gradebook(course).unlink()
+    refuse_damaged(course)
+    assert keep_copy(course) is None
+
+
+def test_a_locked_gradebook_is_not_called_damaged(course, monkeypatch):
+    """It cannot be copied either, which is one line."""
+    connect = sqlite3.connect
+    monkeypatch.setattr(copies.sqlite3, 'connect', lambda path: connect(path, timeout=0))
+    holder = connect(gradebook(course))
+    holder.execute('begin exclusive')
+
+    refuse_damaged(course)
+    with pytest.raises(GraderError, match=r'can be kept: database is locked\. Nothing'):
+        keep_copy(course)
+    assert copies.copies(course) == []
+    holder.close()

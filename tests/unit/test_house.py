@@ -1,0 +1,107 @@
+"""Imports in the grader go one way: a folder imports only from the folders below it."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from graphlib import TopologicalSorter
+from pathlib import Path
+import re
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+GRADER = ROOT / 'autograder'
+MOST_MODULES = 12
+ONE_EACH = {'exams/visible', 'exams/hidden', 'inside'}
+"""Folders of many similar modules: one per exam, or one per file that enters the sandbox."""
+
+
+@cache
+def modules() -> dict[str, Path]:
+    """Return the file of each module of the grader, by its dotted name."""
+    found = {}
+    for path in GRADER.rglob('*.py'):
+        name = '.'.join(path.relative_to(ROOT).with_suffix('').parts)
+        found[name.removesuffix('.__init__')] = path
+    return found
+
+
+def imported(path: Path) -> Iterator[str]:
+    """Yield the modules of the grader that a file imports, also inside functions."""
+    for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            inner = [f'{node.module}.{one.name}' for one in node.names]
+            names = [one for one in inner if one in modules()] or [node.module]
+        elif isinstance(node, ast.Import):
+            names = [one.name for one in node.names]
+        else:
+            continue
+        yield from (name for name in names if name in modules())
+
+
+def floor_of(module: str) -> str:
+    """Return the folder or single module below ``autograder`` that a module belongs to."""
+    return module.split('.')[1] if '.' in module else ''
+
+
+def order() -> list[str]:
+    """Return the floors from the top, as ARCHITECTURE.md draws them."""
+    text = (ROOT / 'ARCHITECTURE.md').read_text(encoding='utf-8')
+    block = text.partition('```\nautograder/\n')[2].partition('```')[0]
+    return re.findall(r'^  (\w+) ', block, re.MULTILINE)
+
+
+def test_the_drawing_has_every_folder_and_module():
+    """Nothing is in the house that the drawing leaves out, and the other way round."""
+    there = {floor_of(name) for name in modules()} - {''}
+
+    assert sorted(order()) == sorted(there)
+
+
+@pytest.mark.parametrize('floor', order())
+def test_a_folder_imports_only_what_stands_below_it(floor):
+    """So what is on the ground can be read without what stands on it."""
+    allowed = {'', *order()[order().index(floor) :]}
+    above = {
+        (name, other)
+        for name, path in modules().items()
+        if floor_of(name) == floor
+        for other in imported(path)
+        if floor_of(other) not in allowed
+    }
+
+    assert above == set()
+
+
+def test_no_file_imports_itself_through_others():
+    """A circle would be one module in several files."""
+    TopologicalSorter(
+        {name: set(imported(path)) - {name} for name, path in modules().items()}
+    ).prepare()
+
+
+@pytest.mark.parametrize('floor', ['probe', 'inside'])
+def test_what_enters_a_sandbox_imports_nothing_of_the_project(floor):
+    """Only its text is there."""
+    others = {
+        other
+        for name, path in modules().items()
+        if floor_of(name) == floor
+        for other in imported(path)
+    }
+
+    assert others == set()
+
+
+def test_no_folder_has_more_modules_than_can_be_seen_at_once():
+    """A folder with more is several."""
+    counts: dict[str, int] = {}
+    for path in modules().values():
+        if path.name != '__init__.py':
+            folder = path.parent.relative_to(GRADER).as_posix()
+            counts[folder] = counts.get(folder, 0) + 1
+    too_many = {name: count for name, count in counts.items() if count > MOST_MODULES}
+
+    assert set(too_many) <= ONE_EACH

@@ -1,0 +1,215 @@
+"""What the files of a message package say, and what a learner reads about it."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.exam.exam import Failed, Run
+from autograder.exams.visible import station_message
+from autograder.judging.message_package import require_declarations, require_fields, why_no_build
+from autograder.recording import Recording
+
+WANTED = (('pkg_a/Time', 'stamp'), ('float64[<=4]', 'values'), ('string', 'unit'))
+RIGHT = 'pkg_a/Time stamp\nfloat64[<=4] values\nstring unit\n'
+MISTAKES = {
+    'field_missing': ('string unit\n', ''),
+    'field_twice': ('string unit\n', 'string unit\nstring unit\n'),
+    'field_order': (RIGHT, 'float64[<=4] values\npkg_a/Time stamp\nstring unit\n'),
+    'field_line': ('string unit', 'string unit = m'),
+    'field_name': (' unit', ' units'),
+    'field_type': ('float64[<=4]', 'float32[<=4]'),
+    'unknown_type': ('string', 'str'),
+    'bound': ('[<=4]', '[4]'),
+    'bound_behind_name': ('float64[<=4] values', 'float64 values[<=4]'),
+    'split_type': ('float64[<=4]', 'float64 [<=4]'),
+    'punctuation': ('unit\n', 'unit;\n'),
+    'name_first': ('string unit', 'unit: string'),
+    'dotted_type': ('pkg_a/Time', 'pkg_a.msg.Time'),
+    'msg_in_type': ('pkg_a/Time', 'pkg_a/msg/Time'),
+    'type_without_package': ('pkg_a/Time', 'Time'),
+    'constant_without_equals': ('string unit\n', 'string unit\nuint8 OK 0\n'),
+}
+MANIFEST = """<package format="3">
+  <name>words</name>
+  <buildtool_depend>ament_cmake</buildtool_depend>
+  <build_depend>rosidl_default_generators</build_depend>
+  <build_depend>builtin_interfaces</build_depend>
+  <exec_depend>builtin_interfaces</exec_depend>
+  <depend>rosidl_default_runtime</depend>
+  <member_of_group>rosidl_interface_packages</member_of_group>
+  <export><build_type>ament_cmake</build_type></export>
+</package>
+"""
+STATES = 'uint8 OK=0\nuint8 STALE=1\nuint8 BROKEN=2\n'
+CONSTANTS = {
+    'constant_missing': ('uint8 STALE=1\n', ''),
+    'constant_name': ('BROKEN', 'broken'),
+    'constant_type': ('uint8 OK', 'int32 OK'),
+    'constant_value': ('OK=0', 'OK=1'),
+    'constant_line': ('OK=0', 'OK: 0'),
+    'constant_extra': ('uint8 OK=0', 'uint8 LOST=3\nuint8 OK=0'),
+    'constant_for_default': ('uint8 OK=0', 'float64 temperature=-40.0\nuint8 OK=0'),
+}
+DEFAULTS = {
+    'no_default': 'float64 temperature',
+    'default_value': 'float64 temperature -4',
+    'default_with_equals': 'float64 temperature = -40.0',
+    'other_default': 'float64 temperature -40.0\nfloat32[3] wind [0, 0, 0]',
+}
+
+
+def failure(check, *given):
+    """Return how a check fails."""
+    with pytest.raises(Failed) as failed:
+        check(*given)
+    return failed.value
+
+
+def station(text):
+    """Return a run of nothing but Station.msg."""
+    return Run({'msg/Station.msg': text}, Recording({}, ()))
+
+
+class TestFields:
+    """Fields are compared by type, name and order."""
+
+    @pytest.mark.parametrize(
+        'text',
+        [RIGHT, RIGHT.replace(' ', '\t'), f'# stamp unit\nuint8 A=1\n{RIGHT}uint8 B = 2 # x\n'],
+    )
+    def test_right_ones_pass_however_they_are_laid_out(self, text):
+        """Comments, spaces and constants do not count."""
+        require_fields(text, WANTED)
+
+    @pytest.mark.parametrize('cause', MISTAKES)
+    def test_each_mistake_has_a_name(self, cause):
+        """One mistake in a right text is called what it is."""
+        failed = failure(require_fields, RIGHT.replace(*MISTAKES[cause]), WANTED)
+
+        assert failed.why.cause_id == cause
+        assert failed.share < 0.6
+
+    def test_the_bound_is_explained(self):
+        """What [<=4] means is said where it is missing."""
+        failed = failure(require_fields, RIGHT.replace('[<=4]', '[]'), WANTED)
+
+        assert failed.why.try_this == '[<=4] is at most 4: float64[<=4] values'
+
+    def test_further_wrong_lines_are_named_too(self):
+        """Otherwise a learner fixes one line and builds again to find the next."""
+        text = RIGHT.replace('string', 'str').replace('float64[<=4] values', 'float values')
+        failed = failure(require_fields, text, WANTED)
+
+        assert failed.why.text.endswith('Also to mend: str unit')
+
+    def test_many_lines_earn_nothing(self):
+        """Who writes down everything that could be asked for has answered nothing."""
+        assert failure(require_fields, RIGHT + 'bool b\n' * 9, WANTED).share == 0.0
+
+
+class TestDeclarations:
+    """What package.xml has to say, in any of the ways of REP 149."""
+
+    def test_other_tags_that_say_the_same_pass(self):
+        """A build_depend and an exec_depend are a depend."""
+        require_declarations(MANIFEST, 'words')
+
+    @pytest.mark.parametrize('line', MANIFEST.splitlines()[1:-1])
+    def test_each_line_is_needed(self, line):
+        """Without any one of them something is missing, and the cause says so."""
+        failed = failure(require_declarations, MANIFEST.replace(line, ''), 'words')
+
+        assert failed.why.cause_id == 'manifest'
+        assert 0 < failed.share < 0.5
+
+    def test_a_tag_that_says_something_else_is_named(self):
+        """A dependency of the tests is none of those who use the package."""
+        text = MANIFEST.replace(
+            'depend>rosidl_default_runtime</', 'test_depend>rosidl_default_runtime</test_'
+        )
+
+        assert '<test_depend>' in failure(require_declarations, text, 'words').why.text
+
+    def test_what_is_no_xml_is_said_to_be_none(self):
+        """The line of the mistake is shown."""
+        failed = failure(require_declarations, MANIFEST.replace('</name>', '<name>'), 'words')
+
+        assert failed.why.cause_id == 'xml'
+        assert 'line' in failed.observed
+
+
+class TestStation:
+    """Constants and the default of the weather station."""
+
+    @pytest.mark.parametrize('cause', CONSTANTS)
+    def test_each_mistake_in_a_constant_has_a_name(self, cause):
+        """One mistake among three right constants is called what it is."""
+        text = STATES.replace(*CONSTANTS[cause])
+
+        assert failure(station_message.names_the_states, station(text)).why.cause_id == cause
+
+    @pytest.mark.parametrize('one', ['1', '01', '0x1', '0b1', '  1  # late'])
+    def test_numbers_are_read_as_the_generators_read_them(self, one):
+        """The value of a constant may be written in several ways."""
+        station_message.names_the_states(station(STATES.replace('STALE=1', f'STALE = {one}')))
+
+    @pytest.mark.parametrize('cause', DEFAULTS)
+    def test_each_mistake_in_the_default_has_a_name(self, cause):
+        """One mistake in the default is called what it is."""
+        run = station(DEFAULTS[cause])
+
+        assert failure(station_message.starts_at_the_lowest, run).why.cause_id == cause
+
+
+class TestBuild:
+    """How a build ended is told apart."""
+
+    @staticmethod
+    def built(**process):
+        """Return the cause for a build that ended so."""
+        event = {
+            'event': 'process',
+            'exit': 1,
+            'killed': '',
+            'stdout': '',
+            'stderr': '',
+            **process,
+        }
+        return why_no_build(Run({'CMakeLists.txt': 'project(a)\n'}, Recording({}, (event,))))
+
+    def test_a_limit_is_no_error_of_the_tools(self):
+        """What was ended by the grader is said to be."""
+        cause = self.built(killed='cpu_limit', stderr='CMake Error: half a word')
+
+        assert cause.cause_id == 'cpu_limit'
+        assert '30 s' in cause.text
+
+    def test_build_that_waits_forever_is_said_to_wait(self):
+        """Time stands still until the build is over, so it is ended by a limit."""
+        cause = self.built(exit=None, killed='waits_outside')
+
+        assert cause.cause_id == 'waits_outside'
+        assert 'never came' in cause.text
+
+    def test_a_known_error_is_named_with_its_line(self):
+        """The line of the file comes before the cause."""
+        said = "package name 'b' in '/x' does not match current PROJECT_NAME 'a'. You must"
+        cause = self.built(stderr=said)
+
+        assert cause.cause_id == 'name_mismatch'
+        assert cause.text.startswith('CMakeLists.txt, line 1: ')
+
+    def test_a_build_that_makes_no_message_is_named(self):
+        """The package builds, and the program that wants its message finds none."""
+        said = (
+            'Traceback (most recent call last):\n  File "/grader/inside/echo_node.py", line 19\n'
+        )
+
+        assert self.built(stderr=f'{said}ModuleNotFoundError: x').cause_id == 'no_messages'
+
+    def test_an_unknown_error_is_shown(self):
+        """What is in no table is not explained away."""
+        cause = self.built(stderr='foo.c:1:2: error: no such thing\n')
+
+        assert cause.cause_id == 'build'
+        assert 'no such thing' in cause.text

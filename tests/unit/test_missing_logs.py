@@ -1,0 +1,84 @@
+"""Log lines that do not come: where else they are is told, and what is right is not blamed."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.exam.exam import Run
+from autograder.judging.causes import missing_logs as unlogged
+from autograder.recording import ERROR, INFO, Recording, WARN
+
+OWN = '[WARN] [lab.a]: Too warm: 37.42\n'
+GRAPH = {'event': 'graph', 'when': 'end', 'nodes': ['/lab/a'], 'endpoints': []}
+WARNING = {'event': 'log', 'name': 'lab.a', 'level': WARN, 'text': 'Too warm: 37.42'}
+
+
+def run_of(*events, code='', **process):
+    """Return a run of the node /lab/a with these events and this output."""
+    ends = [{'event': 'end', 'reason': 'complete'}, {'event': 'process', **process}]
+    return Run({'a.py': code}, Recording({}, (GRAPH, *events, *ends)))
+
+
+def why(run, found=(), level=INFO, belongs=lambda text: '37.42' in text):
+    """Return the id of the cause for which a line that shows 37.42 did not come."""
+    cause = unlogged.why_not_logged(run, found, level, belongs)
+    return cause and cause.cause_id
+
+
+def test_own_lines_on_standard_output_are_not_printed():
+    """The course shows log lines on standard output; their numbers prove no print()."""
+    assert why(run_of(WARNING, stdout=OWN)) is None
+
+
+def test_line_of_another_level_comes_instead_only_if_it_is_the_one():
+    """A warning about something else is right where it is."""
+    assert why(run_of(WARNING), [WARNING]) == 'wrong_level'
+    assert why(run_of(WARNING), [{**WARNING, 'text': 'silence'}]) is None
+
+
+@pytest.mark.parametrize(
+    ('printed', 'cause_id'),
+    [
+        ('37.42 degrees\n', 'print_instead_of_logger'),
+        ('37.42 degrees' + OWN, 'print_instead_of_logger'),
+        ('ready\n', None),
+        ('[INFO] [mine]: 37.42\n', 'other_logger'),
+        ('[INFO] [1700000000.123456789] [mine]: 37.42\n', 'other_logger'),
+        ('[INFO] [mine]: ready\n', None),
+        ('[WARN] [mine]: 37.42\n', None),
+        ('[INFO] [lab.a.child]: 37.42\n', None),
+        ('[INFO] [rcl_action]: 37.42\n', None),
+    ],
+)
+def test_line_that_is_elsewhere_is_found_among_those_of_the_node(printed, cause_id):
+    """A node may log one thing as it should, and print another."""
+    assert why(run_of(WARNING, stdout=OWN + printed)) == cause_id
+
+
+def test_second_line_of_a_log_text_is_not_printed():
+    """It has no level in front of it, and yet it was logged."""
+    entry = {**WARNING, 'text': 'Too warm:\n37.42'}
+
+    assert why(run_of(entry, stdout='[WARN] [lab.a]: Too warm:\n37.42\n')) is None
+
+
+def test_any_printed_line_counts_where_nothing_is_logged():
+    """Then it need not show what was sent."""
+    assert why(run_of(stdout='too hot\n')) == 'print_instead_of_logger'
+    assert why(run_of(stdout='too hot\n'), belongs=None) == 'print_instead_of_logger'
+    assert why(run_of(WARNING, stdout='hot\n'), level=WARN, belongs=None) is None
+
+
+@pytest.mark.parametrize(
+    ('code', 'level', 'cause_id'),
+    [
+        ('log.debug(1)', INFO, 'debug_level'),
+        ('log.debug(1)\nlog.info(2)', INFO, None),
+        ('log.info(1)  # not log.debug(2)', ERROR, None),
+        ('log.debug(1)\nlog.warn(2)', WARN, None),
+        ('log.debug(1)\nlog.info(2)', WARN, 'debug_level'),
+    ],
+)
+def test_debug_is_named_only_if_nothing_has_the_right_level(code, level, cause_id):
+    """A program may have lines for its author."""
+    assert why(run_of(WARNING, code=code), level=level) == cause_id

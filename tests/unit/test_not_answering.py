@@ -1,0 +1,140 @@
+"""A program that lives on and does not answer: its thread has ended, or a callback sleeps."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.exam.exam import Run
+from autograder.judging.causes.ended import why_no_node, why_silent
+from autograder.recording import Recording
+
+SPUN = (
+    '  File "/usr/lib/python3.12/threading.py", line 1010, in run\n'
+    '  File "/opt/ros/jazzy/lib/python3.12/site-packages/rclpy/__init__.py", line 226, in spin\n'
+)
+ERROR = 'TypeError: can only concatenate str (not "int") to str'
+SLEEPS = (
+    'class Talker(Node):\n'
+    '    def __init__(self):\n'
+    '        self.create_timer(1.0, self.speak)\n'
+    '    def speak(self):\n'
+    '        time.sleep(1.5)\n'
+)
+LOOPS = SLEEPS.replace('        time', '        while rclpy.ok():\n            time')
+
+
+def died(frames=SPUN, file='/submission/talker.py', error=ERROR):
+    """Return what Python prints when an exception ends a thread."""
+    return (
+        'Exception in thread Thread-1 (spin):\nTraceback (most recent call last):\n'
+        f'{frames}  File "{file}", line 4, in speak\n    x\n{error}\n'
+    )
+
+
+def run(*events, reason='complete', answered=False, code=SLEEPS, facts=None, **process):
+    """
+    Return a run.
+
+    :param answered: whether its node answers at the end, None if it has no node
+    """
+    nodes = ['/talker'] if answered is not None else []
+    last = (
+        *({'event': 'asked', 'node': node, 'answered': answered} for node in nodes),
+        {'event': 'graph', 'when': 'end', 'nodes': nodes, 'endpoints': []},
+        {'event': 'end', 'reason': reason},
+        {'event': 'process', 'exit': None, 'killed': '', 'stdout': '', 'stderr': '', **process},
+    )
+    return Run({'talker.py': code}, Recording({}, (*events, *last)), facts or {})
+
+
+class TestThreads:
+    """An exception that ends a thread does not end the program."""
+
+    @pytest.mark.parametrize('reason', ['complete', 'cpu_limit'])
+    def test_exception_in_the_thread_that_spins_is_told_with_its_line(self, reason):
+        """Line 4 of the file is line 5 of the cell; no callback is blamed for not ending."""
+        found = why_silent(run(reason=reason, stderr=died(), code=LOOPS))
+
+        assert found.cause_id == 'exception'
+        assert 'line 5 of the cell' in found.text
+        assert found.text.endswith('to str. It ended the thread that spins the node.')
+        assert 'The program stopped' not in found.text
+
+    def test_known_exception_keeps_its_own_words(self):
+        """They are those of a program that dies of it."""
+        error = "AttributeError: 'String' object has no attribute 'dat'"
+
+        found = why_silent(run(stderr=died(error=error)))
+
+        assert found.cause_id == 'no_field'
+        assert 'A String has no field dat' in found.text
+
+    def test_another_thread_explains_a_node_that_nobody_ever_spins(self):
+        """It should have spun, perhaps; a helper's end says nothing of a node that answers."""
+        helper = died(frames='')
+
+        never = why_silent(run(stderr=helper, code=''))
+        served = why_silent(run(stderr=helper, code='', answered=True))
+
+        assert never.text.endswith('It ended a thread of your program.')
+        assert served is None
+
+    def test_thread_that_ends_before_it_has_a_node_is_told(self):
+        """No loop is looked for that keeps main() from making one."""
+        found = why_no_node(run(stderr=died(frames=''), answered=None), '/talker')
+
+        assert found.cause_id == 'exception'
+        assert 'It ended a thread' in found.text
+
+    def test_exception_below_code_that_is_not_the_learners_is_not_theirs(self):
+        """No line of the cell can be named."""
+        found = why_silent(run(stderr=died(file='/opt/ros/x.py'), code='rclpy.spin(node)'))
+
+        assert found.cause_id == 'blocked'
+
+    def test_words_of_an_exception_do_not_show_what_was_sent(self):
+        """A hidden exam's inputs stay hidden here too."""
+        sent = {'event': 'input', 'index': 0, 'data': {'data': 47.25}}
+        error = 'ValueError: 47.25 is too much'
+
+        found = why_silent(run(sent, stderr=died(error=error), facts={'secret': True}))
+
+        assert found.cause_id == 'exception'
+        assert '47' not in found.text
+
+
+def test_executor_without_a_node_is_told():
+    """It spins, so no loop is looked for that keeps the program from it."""
+    found = why_silent(run(code='executor = SingleThreadedExecutor()\nexecutor.spin()\n'))
+
+    assert 'has no node' in found.text
+
+
+class TestSleep:
+    """A pause in a callback stops the node."""
+
+    def test_long_pause_explains_a_node_that_does_not_answer(self):
+        """With the line, in place of words about loops."""
+        found = why_silent(run())
+
+        assert found.cause_id == 'sleeps_in_callback'
+        assert found.text.startswith('speak() sleeps in line 6 of the cell')
+
+    def test_pause_in_an_endless_loop_is_the_loops_fault(self):
+        """Without the sleep it would not end either."""
+        assert why_silent(run(code=f'{LOOPS}rclpy.spin(node)\n')).cause_id == 'blocked'
+
+    def test_loop_that_serves_its_node_is_no_callback(self):
+        """No callback is blamed where there is none."""
+        code = (
+            'while rclpy.ok():\n    publisher.publish(message)\n    rclpy.spin_once(node)\n'
+            '    time.sleep(0.5)\n'
+        )
+
+        assert why_silent(run(code=code)).cause_id == 'own_loop'
+        for other in ('node.create_timer(1.0, f)\n', 'def on_configure(self, state):\n    pass\n'):
+            assert why_silent(run(code=other + code)).cause_id == 'blocked'
+
+    def test_node_that_answers_is_not_told_to_sleep_less(self):
+        """Its pauses may be short enough."""
+        assert why_silent(run(answered=True)) is None

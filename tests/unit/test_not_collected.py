@@ -1,0 +1,166 @@
+"""What could not be collected stays in the reports until something of the student arrives."""
+
+from __future__ import annotations
+
+from collect_sources import (
+    CANVAS,
+    GOOD,
+    laid,
+    layout,  # noqa: F401 - a fixture
+    LISTEN,
+    OTHER,
+    packed,
+    TALK,
+)
+from export_world import submission
+import pytest
+from rich.console import Console
+
+from autograder import __main__ as command
+from autograder.classroom.class_report import write_class_report
+from autograder.classroom.not_collected import (
+    forget_not_collected,
+    keep_not_collected,
+    names_to_write_to,
+    not_collected,
+    NotCollected,
+    read_not_collected,
+)
+from autograder.classroom.pages import print_table, write_reports
+from autograder.collect.take_in import collect
+from autograder.commands.forget import traces
+from autograder.layout import Layout
+
+PDF = 'no notebook, only essay.pdf'
+
+
+def kept(layout):
+    """Return whose deliveries are kept, with assignment and reason."""
+    return [(one.student, one.assignment, one.why) for one in read_not_collected(layout)]
+
+
+def test_pdf_and_wrong_lesson_are_kept(tmp_path, layout):
+    """Whose notebook was taken is not in the list."""
+    collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
+
+    assert kept(layout) == [
+        ('1003', TALK, f'wrong assignment: listen.ipynb is {LISTEN}'),
+        ('1004', TALK, PDF),
+        ('1006', TALK, 'a text was handed in instead of a file'),
+    ]
+
+
+def test_entry_goes_when_something_of_the_student_arrives(tmp_path, layout):
+    """By a later collection, or laid there by hand."""
+    collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
+    later = {'diaz_1004_56004_talk.ipynb': GOOD, 'berg_1002_56002_talk.ipynb': GOOD}
+    collect(packed(tmp_path / 'later.zip', later), layout, layout.submitted)
+    laid(layout.submitted, {f'1006/{TALK}/talk.ipynb': GOOD})
+
+    assert [student for student, _, _ in kept(layout)] == ['1003']
+
+
+def test_later_delivery_that_cannot_be_taken_either_replaces_the_reason(tmp_path, layout):
+    """The last one is what the student has to hear of."""
+    first = {'diaz_1004_1_essay.pdf': b'%PDF', 'ann_1_2_talk.ipynb': GOOD}
+    again = {'diaz_1004_3_listen.ipynb': OTHER, 'ann_1_2_talk.ipynb': GOOD}
+    collect(packed(tmp_path / 'a.zip', first), layout, layout.submitted, TALK)
+    collect(packed(tmp_path / 'b.zip', again), layout, layout.submitted, TALK)
+
+    assert kept(layout) == [('1004', TALK, f'wrong assignment: listen.ipynb is {LISTEN}')]
+
+
+@pytest.mark.parametrize('write', [False, True])
+def test_dry_run_and_other_folders_keep_nothing(write, tmp_path, layout):
+    """Neither is a collection of this course."""
+    to = tmp_path / 'elsewhere' if write else layout.submitted
+    collect(packed(tmp_path / 'c.zip', CANVAS), layout, to, write=write)
+
+    assert read_not_collected(layout) == ()
+
+
+def test_delivery_of_no_certain_assignment_is_missing_in_each(tmp_path, layout):
+    """A student of whom nothing has arrived at all."""
+    collect(laid(tmp_path / 's', {'ann/essay.pdf': b'%PDF'}), layout, layout.submitted)
+
+    for assignment in (TALK, LISTEN):
+        (one,) = not_collected(layout, assignment, {'bob'})
+        assert (one.student, one.why) == ('ann', PDF)
+    assert not_collected(layout, TALK, {'ann'}) == ()
+
+
+@pytest.mark.parametrize('damage', [b'', b'{', b'{"a": 1}', b'[1]', b'[{"student": 1}]'])
+def test_damaged_list_is_empty_and_can_be_written(damage, layout):
+    """It is a help, and stops nothing."""
+    layout.work.mkdir(parents=True)
+    layout.not_collected.write_bytes(damage)
+
+    assert read_not_collected(layout) == ()
+    keep_not_collected(layout, [NotCollected('ann', TALK, PDF)])
+    assert kept(layout) == [('ann', TALK, PDF)]
+
+
+class TestShown:
+    """In the pages, in the table of grade, and after the table of collect."""
+
+    @pytest.fixture
+    def missing(self, layout):
+        """Return two deliveries, one with a name and with markup in it."""
+        keep_not_collected(
+            layout,
+            [
+                NotCollected('1001', TALK, PDF, 'Ann <b>', '2026-03-01 12:00'),
+                NotCollected('bob', TALK, 'no files'),
+            ],
+        )
+        return read_not_collected(layout)
+
+    def test_pages_have_reasons_and_names(self, missing, layout):
+        """The names stand together, for an e-mail."""
+        write_reports(layout.reports, TALK, [submission('cho')], missing=missing)
+        write_class_report(layout, TALK)
+
+        for page in ('index.html', 'class.html'):
+            text = (layout.reports / TALK / page).read_text('utf-8')
+            assert f'Not collected: {PDF} (handed in 2026-03-01 12:00 UTC).' in text
+            assert 'Nothing to grade yet from: Ann &lt;b&gt;, bob</p>' in text
+
+    def test_table_has_a_row_for_each(self, missing):
+        """Below those who have points."""
+        console = Console(record=True, width=120, file=None)
+        print_table(console, TALK, [submission('cho')], missing=missing)
+        text = console.export_text()
+
+        assert '1001 (Ann <b>)' in text
+        assert 'nothing' in text
+        assert 'Nothing to grade yet from: Ann <b>, bob' in text
+
+    def test_collect_prints_the_names_of_all_that_are_missing(
+        self, missing, tmp_path, layout, monkeypatch, capsys
+    ):
+        """Of earlier collections too."""
+        monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
+        source = laid(tmp_path / 's', {'cho/talk.ipynb': GOOD})
+
+        assert command.main(['collect', str(source)]) == command.OK
+        assert capsys.readouterr().out.endswith('Nothing to grade yet from: Ann <b>, bob\n')
+
+    def test_a_student_is_named_once(self):
+        """However many lessons are missing."""
+        two = [NotCollected('ann', TALK, PDF), NotCollected('ann', LISTEN, PDF)]
+
+        assert names_to_write_to(two) == 'ann'
+
+
+def test_forgotten_student_leaves_the_list(tmp_path, layout):
+    """The student may have nothing else in the course."""
+    collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
+    url = f'sqlite:///{layout.root}/gradebook.db'
+    text = f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n'
+    (layout.root / 'nbgrader_config.py').write_text(text, encoding='utf-8')
+    lines = list(traces(layout, '1004').lines(layout))
+
+    forget_not_collected(layout, '1004')
+
+    assert [student for student, _, _ in kept(layout)] == ['1003', '1006']
+    assert f'  reports: Not collected: {PDF}.' in lines

@@ -1,0 +1,314 @@
+"""Reports: complete, readable without colour, and inert whatever a student wrote."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from html.parser import HTMLParser
+import io
+import json
+import re
+
+import pytest
+from rich.console import Console
+
+from autograder.classroom import pages as report
+from autograder.classroom.pages import page_name, print_table, write_reports
+from autograder.explaining.feedback import exam_text, headline, printable
+from autograder.explaining.feedback_html import with_unique_ids
+from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
+
+EVIL = '<script>alert(1)</script>&"\'\x1b[31m[bold]'
+
+
+def failing(**changes):
+    """Return a check that failed."""
+    facts = {
+        'expected': 'one warning',
+        'observed': 'none',
+        'cause': 'a typo',
+        'try_this': 'look again',
+        'read': 'Part 2',
+    }
+    return CheckResult('warns', 'It warns.', Verdict.FAILED, 0, 3, **{**facts, **changes})
+
+
+PASSED = CheckResult('runs', 'It runs.', Verdict.PASSED, 2, 2)
+WAITING = CheckResult('stops', 'It stops.', Verdict.NOT_RUN, 0, 1, waits_for='warns')
+
+
+def submission(student='ann', checks=None, **more):
+    """Return a result with one exam."""
+    checks = checks or (PASSED, failing(), WAITING)
+    exam = ExamResult('talker', tuple(checks), 'watched', 'bwrap-user', ('odd',), {'run_s': 0.5})
+    return SubmissionResult(student, '01_talker', (exam,), **more)
+
+
+class Reader(HTMLParser):
+    """Collects the tags, the links and the visible text of a page."""
+
+    def __init__(self):
+        super().__init__()
+        self.tags, self.links, self.text = [], [], ''
+
+    def handle_starttag(self, tag, attrs):
+        """Note a tag and where it leads."""
+        self.tags.append(tag)
+        self.links += [value for name, value in attrs if name in ('href', 'src')]
+
+    def handle_data(self, data):
+        """Note text."""
+        self.text += data
+
+
+def read(path):
+    """Return what a browser makes of a page."""
+    reader = Reader()
+    reader.feed(path.read_text(encoding='utf-8'))
+    return reader
+
+
+class TestPages:
+    """HTML."""
+
+    def test_a_failed_check_says_all_five_things(self, tmp_path):
+        """Expected, observed, cause, what to try, where to read."""
+        write_reports(tmp_path, '01_talker', [submission()])
+
+        text = read(tmp_path / '01_talker' / page_name('ann')).text
+        for part in ('It warns.', 'one warning', 'none', 'a typo', 'look again', 'Part 2'):
+            assert part in text
+
+    def test_the_verdict_is_a_word_and_not_only_a_colour(self, tmp_path):
+        """A check that was not run names the one it waits for."""
+        write_reports(tmp_path, '01_talker', [submission()])
+
+        text = read(tmp_path / '01_talker' / page_name('ann')).text
+        assert 'Passed:' in text
+        assert 'Failed:' in text
+        assert 'Not looked at:' in text
+        assert 'waits forIt warns.' in text
+
+    def test_mode_timing_and_flags_stand_apart(self, tmp_path):
+        """They are not part of the verdict."""
+        write_reports(tmp_path, '01_talker', [submission()])
+
+        text = read(tmp_path / '01_talker' / page_name('ann')).text
+        about = text.partition('About the grading')[2]
+        assert 'bwrap-user' in about
+        assert 'run for 0.5 s' in about
+        assert 'Flag: odd' in about
+
+    @pytest.mark.parametrize('place', ['student', 'observed', 'problem', 'fault', 'flag'])
+    def test_hostile_words_stay_words(self, tmp_path, place):
+        """Every text on the pages may come from a student."""
+        result = submission(
+            student=EVIL if place == 'student' else 'ann',
+            checks=[failing(observed=EVIL, cause='') if place == 'observed' else failing()],
+            problems=(Problem(EVIL, 'a', 'b', 'c', (EVIL,)),) if place == 'problem' else (),
+            fault=EVIL if place == 'fault' else '',
+        )
+        if place == 'flag':
+            exam = ExamResult('talker', (PASSED,), EVIL, EVIL, (EVIL,))
+            result = SubmissionResult('ann', '01_talker', (exam,))
+
+        index = write_reports(tmp_path, '01_talker', [result], EVIL)
+
+        for path in index.parent.rglob('*.html'):
+            page = read(path)
+            assert 'script' not in page.tags
+            assert '\x1b' not in path.read_text(encoding='utf-8')
+
+    def test_pages_load_nothing_and_link_only_each_other(self, tmp_path):
+        """They can be sent by mail."""
+        index = write_reports(tmp_path, '01_talker', [submission(), submission('../b c')])
+
+        links = read(index).links
+        links.remove('class.html')  # the page of figures, which has a writer of its own
+        assert len(links) == 2
+        for link in links:
+            assert (index.parent / link).is_file()
+        assert read(index.parent / links[0]).links == []
+
+    def test_a_fault_of_ours_is_no_zero(self, tmp_path):
+        """Neither page shows points."""
+        index = write_reports(tmp_path, '01_talker', [submission(fault='probe broke')])
+
+        assert 'for review' in read(index).text
+        assert '2 of 6' not in read(index).text
+        page = read(index.parent / page_name('ann')).text
+        assert 'no score yet' in page
+        assert '2 of 6' not in page
+
+    def test_a_new_report_replaces_the_old_one(self, tmp_path):
+        """Nobody finds last week's page."""
+        write_reports(tmp_path, '01_talker', [submission('old')])
+        index = write_reports(tmp_path, '01_talker', [submission('new')])
+
+        assert [path.name for path in (index.parent / 'students').iterdir()] == ['new.html']
+
+    def test_names_are_with_their_ids_and_not_on_a_students_page(self, tmp_path):
+        """Where a learning platform has numbers for ids."""
+        people = {'ann': 'Ann <b>Example'}
+        index = write_reports(tmp_path, '01_talker', [submission()], people=people)
+
+        assert 'ann (Ann <b>Example)' in read(index).text
+        assert 'Example' not in read(index.parent / page_name('ann')).text
+
+    def test_the_results_are_there_whenever_writing_ends(self, tmp_path, monkeypatch):
+        """Every other command begins with them."""
+
+        def stop(*_):
+            raise KeyboardInterrupt
+
+        write_reports(tmp_path, '01_talker', [submission('old')])
+        monkeypatch.setattr(report, '_put', stop)
+        with pytest.raises(KeyboardInterrupt):
+            write_reports(tmp_path, '01_talker', [submission('new')])
+
+        data = json.loads((tmp_path / '01_talker' / 'results.json').read_text(encoding='utf-8'))
+        assert [one['student'] for one in data] == ['new']
+
+    def test_the_results_are_kept_as_data(self, tmp_path):
+        """Other programs read them."""
+        index = write_reports(tmp_path, '01_talker', [submission()])
+
+        data = json.loads((index.parent / 'results.json').read_text(encoding='utf-8'))
+        assert SubmissionResult.from_json(data[0]) == submission()
+
+    def test_no_id_of_a_page_is_repeated(self, tmp_path):
+        """Two checks may have the same picture, which names its title by an id."""
+        rows = [{'label': 'a', 'what': 'observed', 'count': 1, 'times': [2.0]}]
+        picture = {'kind': 'timeline', 'unit': 'seconds', 'begin': 0.0, 'end': 9.0, 'rows': rows}
+        exam = ExamResult(
+            'talker', (failing(), PASSED), pictures={'warns': picture, 'runs': picture}
+        )
+        result = SubmissionResult('ann', '01_talker', (exam,))
+
+        index = write_reports(tmp_path, '01_talker', [result])
+
+        page = (index.parent / 'students' / 'ann.html').read_text(encoding='utf-8')
+        ids = re.findall(r'\sid="([^"]+)"', page)
+        assert page.count('<svg') == 2
+        assert len(ids) == len(set(ids)) == 5
+
+    def test_pages_are_well_formed_for_readers(self, tmp_path):
+        """Language, title, one main heading, headed tables."""
+        index = write_reports(tmp_path, '01_talker', [submission()])
+
+        for path in index.parent.rglob('*.html'):
+            tags = read(path).tags
+            assert '<html lang="en">' in path.read_text(encoding='utf-8')
+            assert tags.count('h1') == tags.count('main') == tags.count('title') == 1
+        assert 'caption' in read(index).tags
+        assert '<th scope="col">' in index.read_text(encoding='utf-8')
+
+    @pytest.mark.parametrize(
+        'name', ['ann', 'a/b', '..', 'index', 'ü', 'a%2Fb', 'x' * 80, 'Щ' * 100]
+    )
+    def test_every_name_has_a_page_of_its_own_below_students(self, tmp_path, name):
+        """No name leads elsewhere."""
+        index = write_reports(tmp_path, '01_talker', [submission(name), submission('other')])
+
+        assert len(list((index.parent / 'students').iterdir())) == 2
+
+
+class TestTable:
+    """The terminal."""
+
+    def printed(self, *results):
+        """Return what a wide terminal shows."""
+        console = Console(file=io.StringIO(), width=150)
+        print_table(console, '01_talker', results)
+        return console.file.getvalue()
+
+    def test_it_shows_student_points_and_first_cause(self):
+        """One line each."""
+        line = next(line for line in self.printed(submission()).splitlines() if 'ann' in line)
+
+        assert '2 of 6' in line
+        assert 'a typo' in line
+
+    def test_flags_come_below(self):
+        """They are for the instructor."""
+        assert 'flag: ann: odd' in self.printed(submission()).splitlines()[-1]
+
+    def test_hostile_words_do_not_steer_the_terminal(self):
+        """No escape sequences, no markup."""
+        text = self.printed(submission(student=EVIL, checks=[failing(cause=EVIL)]))
+
+        assert '\x1b[31m' not in text
+        assert '[bold]' in text
+
+    def test_a_fault_of_ours_shows_no_points(self):
+        """A person has to look."""
+        text = self.printed(submission(fault='probe broke'))
+
+        assert 'for review' in text
+        assert '2 of 6' not in text
+
+
+class TestWords:
+    """Feedback and headlines."""
+
+    def test_the_text_of_an_exam_has_a_line_for_each_fact(self):
+        """It goes into the notebook's check cell."""
+        lines = exam_text(submission().exams[0]).splitlines()
+
+        assert lines[0] == '2 of 6 points'
+        assert '[pass] It runs. (2 of 2)' in lines
+        assert '[FAIL] It warns. (0 of 3)' in lines
+        assert '       likely cause: a typo' in lines
+        assert '       waits for: It warns.' in lines
+
+    def test_control_characters_are_replaced(self):
+        """Line ends and tabs stay."""
+        assert printable('a\x1b[1mb\n\tc\x00') == 'a\ufffd[1mb\n\tc\ufffd'
+
+    def test_what_costs_points_comes_before_what_does_not(self):
+        """A note about a file name does not explain missing points."""
+        note = Problem('x', 'a', 'b', 'c')
+        missing = Problem('y', 'a', 'b', 'c', ('talker',))
+
+        assert headline(submission(problems=(note,))).startswith('a typo')
+        assert headline(submission(problems=(note, missing))).startswith('y:')
+        assert headline(submission(checks=[PASSED], problems=(note,))).startswith('x:')
+        assert headline(submission(checks=[PASSED])) == ''
+        assert headline(submission(fault='broken')) == 'broken'
+
+    def test_headline_is_the_cause_that_costs_most_points(self):
+        """Points of checks that wait for a failed one count for its cause, in all exams."""
+        wrong_id = CheckResult('id', 'T', Verdict.FAILED, 0, 1, cause='Another id.', cause_id='a')
+        checks = (wrong_id, failing(cause='A wrong name.'), WAITING)
+        cheap = (wrong_id, replace(failing(), points=2.5))
+        again = (*checks, replace(wrong_id, check='id_again', max_points=4))
+
+        assert headline(submission(checks=checks)) == 'A wrong name. (observed: none)'
+        assert headline(submission(checks=cheap)).startswith('Another id')
+        assert headline(submission(checks=again)).startswith('Another id')
+
+    def test_headline_names_a_missing_cell_only_if_that_costs_most(self):
+        """A cause that costs more than the cell comes first."""
+        cell = Problem('y', 'a', 'b', 'c', ('talker',))
+        absent = CheckResult('id', 'T', Verdict.FAILED, 0, 1, cause='x', cause_id='missing_file')
+
+        assert headline(submission(checks=(absent, PASSED), problems=(cell,))).startswith('y:')
+        assert headline(submission(checks=(absent, failing()), problems=(cell,))) == (
+            'a typo (observed: none)'
+        )
+
+    def test_headline_says_the_observed_value_once(self):
+        """It is shortened, and left out where the cause has it."""
+        long = failing(observed='sensor_id ' + 'x' * 99)
+
+        assert headline(submission(checks=(long,))).endswith('xxx\N{HORIZONTAL ELLIPSIS})')
+        assert headline(submission(checks=(failing(observed='typo'),))) == 'a typo'
+        assert headline(submission(checks=(failing(cause=''),))) == 'none'
+
+
+def test_repeated_ids_get_a_number_that_is_free():
+    """Links lead to the first; words that look like an id stay as they are."""
+    page = '<h3 id="a">x</h3><h3 class="b" id="a">id="a"</h3><p id="a-2"></p><h3 id="a"></h3>'
+
+    assert with_unique_ids(page) == (
+        '<h3 id="a">x</h3><h3 class="b" id="a-3">id="a"</h3><p id="a-2"></p><h3 id="a-4"></h3>'
+    )

@@ -1,0 +1,64 @@
+"""Learners' Python is read by several threads at once."""
+
+from __future__ import annotations
+
+import ast
+from concurrent.futures import ThreadPoolExecutor
+import gc
+import time
+
+import pytest
+
+from autograder.submission.code.python_text import expression, NotPythonError, parsed
+
+WIDE = '[' + '[1, -2, a.b.c], ' * 300 + ']'
+DEEP = '-' * 900 + '1'
+
+
+def let_others_run(*_):
+    """Give up the interpreter in the middle of a tree."""
+    time.sleep(0.0005)
+
+
+@pytest.fixture
+def crowded():
+    """Switch threads at every few objects."""
+    before = gc.get_threshold()
+    gc.callbacks.append(let_others_run)
+    gc.set_threshold(50)
+    yield
+    gc.set_threshold(*before)
+    gc.callbacks.remove(let_others_run)
+
+
+def kind_of(text):
+    """Return what became of a text."""
+    try:
+        return type(expression(text)).__name__
+    except NotPythonError:
+        return 'none'
+
+
+@pytest.mark.usefixtures('crowded')
+def test_threads_do_not_disturb_one_another():
+    """Python 3.11.2 gives up with a SystemError if two trees are made at once."""
+    texts = [WIDE, DEEP] * 20
+
+    with ThreadPoolExecutor(4) as pool:
+        kinds = list(pool.map(kind_of, texts))
+
+    assert set(kinds[::2]) == {'Expression'}
+    assert len(set(kinds[1::2])) == 1  # how deep a tree may be is Python's own matter
+
+
+@pytest.mark.parametrize('text', ['x = (', 'a\0b', '(' * 5000, 'return' * 3 + '!'])
+def test_what_is_no_python_says_so(text):
+    """One error for all the ways in which Python gives up."""
+    with pytest.raises(NotPythonError):
+        parsed(text)
+
+
+def test_odd_escapes_are_no_warning(recwarn):
+    """They are the learner's matter."""
+    assert isinstance(parsed(r"x = '\d'"), ast.Module)
+    assert not recwarn.list

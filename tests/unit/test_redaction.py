@@ -1,0 +1,388 @@
+"""
+No feedback on a hidden exam tells what the exam has drawn.
+
+A program is played, not run: for each step of the exam's scenario it does something wrong, and
+most of all it says again what it was sent.  Every check judges it, whatever it would wait for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+import copy
+from dataclasses import dataclass, replace
+import json
+from typing import Any
+
+import pytest
+
+from autograder import exams
+from autograder.exam.exam import Cause, Exam, Run
+from autograder.exam.scenario import Advance, Call, Feed, Join, Look, Mark, Offer
+from autograder.explaining.picture_data import pictures
+from autograder.judging.causes.redaction import namespace_of, own_words, without_numbers
+from autograder.judging.judge import judge
+from autograder.recording import ERROR, INFO, Recording, WARN
+from autograder.results import CheckResult, Verdict
+from tests.judgement.drawn_inputs import NAMES, sent_by, texts_of, told_of
+
+NODES = {
+    'harbour': ('harbour/lookout', 'harbour/keeper'),
+    'managed_beacon': ('beacon',),
+    'managed_pressure': ('pressure_monitor',),
+}
+CODE = 'class Mine(Node):\n    create_timer, create_subscription\n    self.publisher.publish(m)\n'
+RELIABLE = {
+    'reliability': 'RELIABLE',
+    'durability': 'VOLATILE',
+    'liveliness': 'AUTOMATIC',
+    'deadline_ns': None,
+    'lifespan_ns': None,
+}
+LATCHED = {**RELIABLE, 'durability': 'TRANSIENT_LOCAL'}
+BEGINS_NS, TICK_S = 550_000_000, 0.25
+SENT = {'event': 'input', 'index': 0}
+ANSWERS = {
+    'change_state': {'success': True},
+    'get_state': {'current_state': {'label': 'unconfigured'}},
+    'get_parameters': {'values': []},
+    'set_parameters': {'results': [{'successful': True, 'reason': ''}]},
+}
+
+
+@dataclass(frozen=True)
+class Program:
+    """
+    What is wrong with a program.
+
+    :param place: put before the names of its nodes and topics, in which a {} is the namespace
+    :param slip: put behind the names of its nodes, or of its topics
+    :param ends: whether it has publishers and subscriptions
+    :param type: of all of them, if it is a wrong one
+    :param says: what it logs and publishes of what it has heard, None for nothing
+    :param died: whether an exception with all inputs in it ends it
+    """
+
+    place: str = '{}'
+    node_slip: str = ''
+    topic_slip: str = ''
+    nodes: bool = True
+    ends: bool = True
+    type: str = ''
+    qos: Any = None
+    says: str | None = None
+    level: int = INFO
+    died: bool = False
+
+
+PROGRAMS = {
+    'dies at once': Program(nodes=False, died=True),
+    'never makes a node': Program(nodes=False),
+    'has another name': Program(node_slip='er'),
+    'leaves its namespace': Program(place='', says='{} in {space}'),
+    'makes a namespace': Program(place='/mine{}', says='{space}: {}'),
+    'creates nothing': Program(ends=False),
+    'has other topics': Program(topic_slip='s'),
+    'has other types': Program(type='std_msgs/msg/Bool'),
+    'asks for and offers little': Program(qos={**RELIABLE, 'reliability': 'BEST_EFFORT'}),
+    'keeps and asks for old messages': Program(qos=LATCHED, says='{}'),
+    'is mute': Program(),
+    'dies of an input': Program(says='{}', died=True),
+    'repeats': Program(says='{}'),
+    'repeats in other words': Program(says='I have heard {} in {space}, at last', level=WARN),
+    'repeats as an error': Program(says='{}?', level=ERROR),
+    'rounds': Program(says='{:.1f}'),
+    'shouts': Program(says='{!r:>12}', level=WARN),
+}
+
+
+class Played:
+    """The recording of a program that follows a scenario in its own way."""
+
+    def __init__(self, exam: Exam, program: Program) -> None:
+        """Play all of it."""
+        self.exam, self.program = exam, program
+        self.space = namespace_of(exam.scenario)
+        names = NODES.get(exam.name, (exam.name,)) if program.nodes else ()
+        place = program.place.format(self.space)
+        self.nodes = [f'{place}/{name}{program.node_slip}' for name in names]
+        self.clock_ns = BEGINS_NS
+        self.index: int | None = None
+        self.heard: Any = 0
+        self.sent = 0
+        self.listeners: list[str | None] = [None]
+        self.events: list[dict[str, Any]] = []
+        self.play()
+
+    def play(self) -> None:
+        """Write down what the probe would have seen."""
+        self.graph('start')
+        for step in self.exam.scenario.steps if self.nodes else ():
+            self.follow(step)
+        for node in self.nodes:
+            self.note('asked', node=node, answered=True)
+        self.graph('end')
+        self.note('end', reason='complete' if self.nodes else 'student_exited')
+        inputs = sent_by(self.exam) if self.nodes else ()
+        heard = ' '.join(map(str, [self.space, *inputs]))
+        died = f'Traceback (most recent call last):\nValueError: {heard}\n'
+        code = {'exit': 1, 'stderr': died} if self.program.died else {'exit': None, 'stderr': ''}
+        self.note('process', killed='', stdout='', **code)
+
+    def note(self, event: str, **facts: Any) -> None:
+        """Write an event."""
+        moment = {'clock_ns': self.clock_ns, 'after_input': self.index}
+        self.events.append({'event': event, **moment, **facts})
+
+    def graph(self, when: str) -> None:
+        """Write who is there."""
+        ends = list(self.ends()) if self.program.ends else []
+        self.note('graph', when=when, nodes=self.nodes, endpoints=ends)
+
+    def ends(self) -> Iterator[dict[str, Any]]:
+        """Yield the endpoints that are asked for, with what is wrong with them."""
+        scenario, program = self.exam.scenario, self.program
+        wanted = [('publisher', *one) for one in scenario.watch.items()]
+        wanted += [
+            ('subscription', topic, getattr(kind, 'type', kind))
+            for topic, kind in scenario.feed.items()
+        ]
+        for step in scenario.steps:
+            if isinstance(step, (Join, Offer)):
+                kind = 'publisher' if isinstance(step, Join) else 'subscription'
+                wanted.append((kind, step.topic, step.type))
+        for node in self.nodes:
+            for kind, topic, type_name in wanted:
+                where = program.place.format(self.space) + topic.removeprefix(self.space)
+                yield {
+                    'kind': kind,
+                    'topic': where + program.topic_slip,
+                    'node': node,
+                    'type': program.type or type_name,
+                    'type_hash': '',
+                    'qos': program.qos or RELIABLE,
+                }
+
+    def follow(self, step: Any) -> None:
+        """Take one step of the scenario."""
+        if isinstance(step, Advance):
+            for _ in range(round(step.seconds / TICK_S)):
+                self.wait(TICK_S)
+                self.say()
+        elif isinstance(step, Feed):
+            for message in step.messages:
+                self.index = 0 if self.index is None else self.index + 1
+                self.note('input', index=self.index, topic=step.topic, data=dict(message))
+                for self.heard in message.values():
+                    if not isinstance(self.heard, dict):
+                        self.say()
+                self.wait(0.0 if step.burst else step.every_s)
+            self.wait(step.rest_s)
+        elif isinstance(step, Call):
+            answer = ANSWERS[step.service.rpartition('/')[2]]
+            facts = {'service': step.name, 'request': step.request, 'data': answer}
+            self.note('answer', **json.loads(json.dumps(facts)))
+        elif isinstance(step, Mark):
+            self.note('mark', name=step.name)
+        elif isinstance(step, Look):
+            self.graph(step.when)
+        elif isinstance(step, Join):
+            self.listeners.append(step.name)
+            self.note('joined', listener=step.name, matched=True, refused=[])
+            self.say()
+        elif isinstance(step, Offer):
+            self.note('offered', publisher=step.name, matched=True, refused=[])
+
+    def wait(self, seconds: float) -> None:
+        """Let virtual time pass."""
+        self.clock_ns += round(seconds * 1e9)
+
+    def say(self) -> None:
+        """Log and publish what was heard last, with the stamp of the first moment."""
+        if self.program.says is None:
+            return
+        try:
+            text = self.program.says.format(self.heard, space=self.space)
+        except ValueError:  # a text cannot be rounded
+            text = str(self.heard).upper()
+        number = self.heard if isinstance(self.heard, (int, float)) else 1.0
+        for node in self.nodes:
+            logger = node.strip('/').replace('/', '.')
+            self.note('log', name=logger, level=self.program.level, text=text)
+        clock = self.exam.scenario.ros_clock
+        stamp_ns = clock.at(BEGINS_NS) if clock else BEGINS_NS
+        sec, nanosec = divmod(stamp_ns, 1_000_000_000)
+        data = {
+            'data': number if 'Float64' in str(self.exam.scenario.watch) else text,
+            'temperature_value': float(number),
+            'unit': text,
+            'timestamp': {'sec': sec, 'nanosec': nanosec},
+            'sensor_id': text,
+        }
+        topics = [*self.exam.scenario.watch]
+        topics += [one.topic for one in self.exam.scenario.steps if isinstance(one, Join)]
+        self.sent += 1
+        facts = {'number': self.sent, 'data': data}
+        for topic in dict.fromkeys(topics):
+            if not topic.endswith('transition_event'):
+                for listener in self.listeners:
+                    self.note('message', topic=topic, listener=listener, **facts)
+
+
+def alone(exam: Exam) -> Exam:
+    """Return an exam whose checks wait for none."""
+    one = copy.copy(exam)
+    one.checks = [replace(check, needs=()) for check in exam.checks]
+    return one
+
+
+def runs_of(exam: Exam) -> Iterator[tuple[str, Run]]:
+    """Yield what each of the programs gives an exam to judge."""
+    files = dict.fromkeys(exam.requires, CODE)
+    for name, program in PROGRAMS.items():
+        recording = Recording({}, tuple(Played(exam, program).events))
+        yield name, Run(files, recording, exam.facts)
+
+
+def failures(exam: Exam) -> Iterator[tuple[str, Run, CheckResult]]:
+    """Yield all that the checks of an exam have against the programs."""
+    for name, run in runs_of(exam):
+        for check in judge(alone(exam), run):
+            if check.verdict is Verdict.FAILED:
+                yield name, run, check
+
+
+@pytest.mark.parametrize('name', NAMES)
+def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
+    """Whatever a program does, and although it says again what it has heard."""
+    exam = exams.load(name)
+    found = list(failures(exam))
+    told = [
+        (program, check.check, secret, texts_of(check))
+        for program, _, check in found
+        for secret in told_of(exam, texts_of(check))
+    ]
+
+    assert told == []
+    assert {check.check for _, _, check in found} == {check.name for check in exam.checks}
+
+
+@pytest.mark.parametrize('name', NAMES)
+def test_no_picture_of_a_hidden_exam_shows_its_namespace(name):
+    """Names of topics are in pictures too."""
+    exam = exams.load(name)
+    space = namespace_of(exam.scenario).strip('/')
+
+    for _, run in runs_of(exam):
+        shown = json.dumps(pictures(alone(exam), run, judge(alone(exam), run)))
+        assert not space or space not in shown
+
+
+@pytest.mark.parametrize(
+    'name',
+    [
+        'managed_beacon',
+        'map_server',
+        'milli_reader',
+        'night_watch',
+        'running_mean',
+        'sensor_watch',
+        'talker',
+        'temperature_publisher',
+        'temperature_subscriber',
+    ],
+)
+def test_the_same_texts_are_concrete_where_the_inputs_are_public(name):
+    """So the test above looks for what is really there; and learners read numbers."""
+    exam = alone(exams.load(name))
+    exam.hidden, exam.facts = False, {**exam.facts, 'secret': False}
+
+    assert any(told_of(exam, texts_of(check)) for _, _, check in failures(exam))
+
+
+@pytest.mark.parametrize('name', NAMES)
+def test_a_namespace_is_long_enough_to_be_left_out_of_texts(name):
+    """Shorter letters may be a part of a word."""
+    space = namespace_of(exams.load(name).scenario).strip('/')
+
+    assert not space or (len(space) >= 6 and not set(space) & set('aeiou'))
+
+
+class TestWords:
+    """What takes the place of a secret."""
+
+    @pytest.mark.parametrize(
+        ('exam', 'program', 'check', 'words'),
+        [
+            (
+                'night_watch',
+                'has another name',
+                'starts_in_the_namespace',
+                'a node called night_watch in the namespace that we chose',
+            ),
+            (
+                'night_watch',
+                'has another name',
+                'starts_in_the_namespace',
+                'There is a node called night_watcher.',
+            ),
+            (
+                'talker',
+                'keeps and asks for old messages',
+                'offers_reliable_qos',
+                'The publisher on chatter has another durability.',
+            ),
+            (
+                'map_server',
+                'repeats in other words',
+                'publishes_each_survey',
+                'a map for each survey, in their order',
+            ),
+            (
+                'map_server',
+                'repeats in other words',
+                'publishes_each_survey',
+                'What is published is no text of a survey.',
+            ),
+            ('sensor_watch', 'is mute', 'logs_each_distance', 'the number of distance 1'),
+            (
+                'temperature_publisher',
+                'repeats',
+                'stamps_follow_the_clock',
+                'a stamp of an earlier moment',
+            ),
+        ],
+    )
+    def test_feedback_speaks_of_kinds_and_relations(self, exam, program, check, words):
+        """A sentence stays a sentence."""
+        texts = [
+            texts_of(one)
+            for name, _, one in failures(exams.load(exam))
+            if (name, one.check) == (program, check)
+        ]
+
+        assert words in texts[0]
+
+    @pytest.mark.parametrize(
+        ('facts', 'events', 'code', 'shown'),
+        [
+            ({}, [SENT], '', "'a map'"),
+            ({'secret': True}, [], '', "'a map'"),
+            ({'secret': True}, [SENT], "data='a map'", "'a map'"),
+            ({'secret': True}, [SENT], '', 'another text'),
+        ],
+        ids=['public', 'nothing sent', 'in the code', 'perhaps an echo'],
+    )
+    def test_own_words_are_quoted_unless_they_may_be_an_echo(self, facts, events, code, shown):
+        """Words in the student's code are the student's own."""
+        run = Run({'a.py': code}, Recording({}, events), facts)
+
+        assert own_words(run, 'a map', 'another text') == shown
+
+    def test_numbers_of_a_quoted_line_are_left_out(self):
+        """Only where they may be inputs."""
+        why = Cause('x', "The line is '16.2 m'.", 'Log it.')
+
+        assert without_numbers(Run({}, Recording({}, ()), {}), why) == why
+        secret = without_numbers(Run({}, Recording({}, ()), {'secret': True}), why)
+        assert secret is not None
+        assert secret.text == "The line is '… m'."

@@ -1,0 +1,141 @@
+"""What is committed fits together: notebooks, exams, and what students receive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import pytest
+
+from autograder.authoring import release as course
+from autograder.layout import Layout
+
+
+@dataclass(frozen=True)
+class FakeExam:
+    """Name, cells and points."""
+
+    name: str = 'talker'
+    cells: tuple[str, ...] = ('talker',)
+    max_points: float = 3
+
+
+def cell(grade_id, source, **marks):
+    """Return a code cell with nbgrader's marks."""
+    return {
+        'cell_type': 'code',
+        'metadata': {'nbgrader': {'grade_id': grade_id, **marks}},
+        'source': source,
+        'outputs': [],
+        'execution_count': None,
+    }
+
+
+ANSWER = cell('talker', '%%node talker\nx', solution=True)
+CHECK = cell('check_talker', "check('talker')", grade=True, points=3)
+
+
+def unfit(*cells, exams=(FakeExam(),)):
+    """Return what is wrong with a notebook of some cells."""
+    return list(course.unfit_checks({'cells': list(cells)}, 'x.ipynb', '01', exams))
+
+
+class TestCheckCells:
+    """Each exam has one cell, below its answers, with its points."""
+
+    def test_a_fitting_pair_is_fine(self):
+        """Nothing is said."""
+        assert unfit(ANSWER, CHECK) == []
+
+    @pytest.mark.parametrize(
+        ('cells', 'said'),
+        [
+            ([ANSWER, {**CHECK, 'source': "check('taker')"}], "expected the one line check('"),
+            ([ANSWER, {**CHECK, 'source': "check('talker')\n1/0"}], 'expected the one line'),
+            ([CHECK, ANSWER], 'needs the answer talker'),
+            ([ANSWER], 'has no check cell'),
+            ([ANSWER, cell('check_talker', "check('talker')", grade=True, points=4)], '4 points'),
+            ([ANSWER, CHECK, cell('check_x', "check('x')", grade=True, points=1)], 'no exam x'),
+        ],
+    )
+    def test_a_misfit_is_one_line(self, cells, said):
+        """It names the cell."""
+        (line,) = [line for line in unfit(*cells) if said in line]
+
+        assert line.startswith('x.ipynb')
+
+    def test_a_grade_id_used_twice_is_named_with_both_places(self):
+        """Also across notebooks: the gradebook's pages are per course."""
+        seen = {}
+        assert list(course.repeated_ids({'cells': [ANSWER]}, 'a.ipynb', seen)) == []
+
+        (line,) = course.repeated_ids({'cells': [ANSWER]}, 'b.ipynb', seen)
+
+        assert 'b.ipynb' in line
+        assert 'a.ipynb' in line
+
+    @pytest.mark.parametrize('kept', [{'outputs': [{'x': 1}]}, {'execution_count': 3}])
+    def test_stored_outputs_are_found(self, kept):
+        """They make every run a change."""
+        (line,) = course.stored_outputs({'cells': [ANSWER, {**CHECK, **kept}]}, 'x.ipynb')
+
+        assert line.startswith('x.ipynb, cell 2')
+
+
+def test_what_is_above_the_course_hides_nothing_of_it(tmp_path):
+    """Machines that build check projects out in folders called build."""
+    folder = tmp_path / 'build' / 'notebooks'
+    for name in ('01/a.ipynb', '01/ros_ws/x.py'):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(name)
+
+    assert sorted(course._contents(folder)) == ['01/a.ipynb']
+
+
+class TestRelease:
+    """``make release`` packs a course that fits together."""
+
+    @pytest.fixture
+    def layout(self, tmp_path, monkeypatch):
+        """Return a course whose notebooks need no generating."""
+        monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(tmp_path)))
+        monkeypatch.setattr(course, 'regenerate', lambda layout: ('01',))
+        return Layout(tmp_path)
+
+    def test_a_course_that_does_not_fit_together_is_not_packed(self, layout, monkeypatch, capsys):
+        """The old bundle stays, and the faults are listed."""
+        monkeypatch.setattr(course, 'check', lambda layout: ['x.ipynb: 4 points'])
+        monkeypatch.setattr(course, 'pack', lambda *_: pytest.fail('It was packed.'))
+
+        assert course.main(['release']) == 1
+
+        captured = capsys.readouterr()
+        assert captured.out == 'x.ipynb: 4 points\n'
+        assert captured.err == 'course: nothing was packed. Try: repair this, then make release\n'
+
+    def test_a_course_that_fits_together_is_packed(self, layout, monkeypatch, capsys):
+        """In the end it says where."""
+        monkeypatch.setattr(course, 'check', lambda layout: [])
+        monkeypatch.setattr(course, 'pack', lambda layout, bundle: 7)
+
+        assert course.main(['release']) == 0
+        assert 'student_bundle.zip holds 7 files' in capsys.readouterr().out
+
+
+class TestThisCourse:
+    """The real notebooks and exams."""
+
+    def test_everything_committed_fits_together(self):
+        """The same as ``make check`` says."""
+        assert course.check(Layout.here()) == []
+
+    def test_nbgrader_is_told_the_same_folders(self):
+        """Layout and nbgrader_config.py agree."""
+        from autograder.gradebook.settings import load_config
+
+        layout = Layout.here()
+        said = load_config(layout).CourseDirectory
+
+        assert layout.root / said.source_directory == layout.solutions
+        assert layout.root / said.release_directory == layout.notebooks
+        assert layout.root / said.submitted_directory == layout.submitted
+        assert said.db_url == f'sqlite:///{layout.work}/gradebook.db'
