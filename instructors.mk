@@ -1,0 +1,70 @@
+# The goals of the full project, included by the Makefile; students' copies are without them.
+#
+#|  make grade                grade all of submitted/ (ARGS='--jobs 2' passes options on)
+#|  make release              generate notebooks/ from solutions/, check the course, pack a student
+#|                            bundle
+#|  make test                 all tests, without the browser and the benchmarks
+#|  make test-browser         JupyterLab and formgrader in headless Chromium; also test-cluster (Dask)
+#|                            and test-postgres (a real server)
+#|  make check                style, types, and whether generated files are up to date
+#|  make coverage             docs/coverage.md: what the course claims, teaches and proves
+#|  make judgement            docs/agreement.md, mutants.md, causes.md: how well the grader judges
+#|  make bench                the benchmarks; half an hour, best on a quiet machine
+#|  make soak                 the same files judged 200 times, calm and under load; half an hour
+
+.PHONY: grade test test-browser test-cluster test-postgres check coverage judgement release bench soak
+
+grade: prepare
+	@exec $(PY) -m autograder grade $(ARGS)
+
+# Files side by side, each file's tests in their order; ARGS='-n 0' runs one after the other.
+test: prepare
+	@exec $(WITH_ROS) python -m pytest -n auto --maxprocesses 4 --dist loadfile $(ARGS)
+
+test-browser: prepare
+	@for name in chromium chromium-browser google-chrome; do \
+	  command -v $$name >/dev/null && exit; \
+	done; echo 'No Chromium here. Try: sudo apt-get install -y chromium'; exit 1
+	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps \
+	  -r environment/requirements-browser.txt
+	@exec $(WITH_ROS) python -m pytest -m browser $(ARGS)
+
+# Beyond one machine: a scheduler and two workers on loopback; a real PostgreSQL server.
+test-cluster test-postgres: test-%: prepare
+	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps \
+	  -r environment/requirements-$*.txt
+	@exec $(WITH_ROS) python -m pytest -m $* $(ARGS)
+
+check: prepare
+	$(PY) -m ruff check
+	$(PY) -m ruff format --check
+	$(PY) -m mypy
+	$(PY) -m autograder.authoring.release check
+	$(PY) -m tests.claims.coverage --check
+	$(PY) -m tests.attacks.table --check
+	$(PY) -m tests.judgement.agreement --check
+	$(PY) -m tests.judgement.mutants --check
+	$(PY) -m tests.judgement.causes --check
+
+coverage: prepare
+	@exec $(PY) -m tests.claims.coverage
+
+# Runs what no kept recording answers: some minutes. The secret of the tests makes the tables the same
+# on every machine.
+judgement: export COURSE_SECRET = the secret of the tests
+judgement: prepare
+	$(PY) -m tests.judgement.agreement
+	$(PY) -m tests.judgement.mutants
+	$(PY) -m tests.judgement.causes
+
+release: prepare
+	@exec $(PY) -m autograder.authoring.release release $(ARGS)
+
+bench: prepare
+	$(PY) -m benchmarks.one_submission
+	$(PY) -m benchmarks.stock_nbgrader
+	$(PY) -m benchmarks.repeat_class
+
+# ARGS='--minutes 30' ends it sooner, '--quick' leaves out what takes long.
+soak: prepare
+	@exec $(PY) -m benchmarks.soak $(ARGS)
