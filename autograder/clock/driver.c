@@ -4,9 +4,9 @@
  *     driver REALTIME_NS TIME_FD SOCKET...
  *
  * REALTIME_NS is the system time at which the run begins. TIME_FD is a memfd for the time page. Each
- * SOCKET is one end of a SEQPACKET pair whose other end a process of the run has. If several processes
- * are due at one instant, the driver wakes them in the order of the command line, then children, the
- * oldest first.
+ * SOCKET is one end of a SEQPACKET pair, with SO_PASSCRED, whose other end a process of the run has. If
+ * several processes are due at one instant, the driver wakes them in the order of the command line, then
+ * children, the oldest first.
  *
  * Time moves when every process is IDLE, no descriptor that a thread waits for can be read, and every
  * process is still in the same IDLE (README.md explains why). The driver relies on nothing else that a
@@ -115,7 +115,7 @@ static bool adopt(int socket, int root)
 {
     struct process *process = calloc(1, sizeof *process);
     struct process **last = &processes;
-    int on = 1, type = 0;
+    int type = 0;
     socklen_t size = sizeof type;
     if (!process)
         exit(1);
@@ -136,7 +136,6 @@ static bool adopt(int socket, int root)
         ftruncate(process->page_fd, sizeof *process->page) == 0 &&
         fcntl(process->page_fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0 &&
         (process->page = map(process->page_fd, sizeof *process->page)) &&
-        setsockopt(socket, SOL_SOCKET, SO_PASSCRED, &on, sizeof on) == 0 &&
         listen_to(socket, process, SAYS_SOMETHING, EPOLLIN) &&
         /* Edge-triggered: a report costs no read, and a flood of reports is one event. */
         listen_to(process->idle, process, IS_NOW_IDLE, EPOLLIN | EPOLLET))

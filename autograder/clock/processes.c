@@ -38,10 +38,14 @@ static void forget_child(pid_t pid)
             children[i] = 0;
 }
 
-/* Order a place for a child; return its socket, -1 without one. */
+/*
+ * Order a place for a child; return its socket, -1 without one. The driver learns from the child's first
+ * message who it is. It may send that before the driver has read the order, so the socket asks for
+ * the sender's identity from the start.
+ */
 static int order_place(void)
 {
-    int pair[2];
+    int pair[2], on = 1;
     char byte = ADOPT;
     union {
         char bytes[CMSG_SPACE(sizeof(int))];
@@ -52,6 +56,7 @@ static int order_place(void)
                              .msg_controllen = sizeof control.bytes};
     if (socketpair(AF_UNIX, SOCK_SEQPACKET, 0, pair) < 0)
         return -1;
+    setsockopt(pair[1], SOL_SOCKET, SO_PASSCRED, &on, sizeof on);
     struct cmsghdr *header = CMSG_FIRSTHDR(&message);
     header->cmsg_level = SOL_SOCKET;
     header->cmsg_type = SCM_RIGHTS;

@@ -101,6 +101,9 @@ def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator
     if not (folder / 'driver').is_file():
         raise SandboxUnavailable('The virtual clock is not built.', 'Try: make prepare')
     pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(places)]
+    for _, theirs in pairs:
+        # Before a process can say its first word: the driver learns from it which process it is.
+        theirs.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
     page_fd = os.memfd_create('time', os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
     try:
         os.ftruncate(page_fd, _PAGE.size)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 import os
+from pathlib import Path
 import signal
 import subprocess
 import sys
 
 import pytest
 
-from autograder.clock.virtual_clock import virtual_clock
+from autograder.clock.virtual_clock import virtual_clock, VirtualClock
 from tests.clock import test_hostile_programs as hostile
 from tests.clock.test_hostile_programs import end, Pair
 from tests.clock.test_waits import BEGIN
@@ -114,6 +117,21 @@ def test_time_is_right_although(on_clock, name):
     assert on_clock(BEGIN + text) == [expected]
 
 
+@contextmanager
+def started(file: Path, clock: VirtualClock) -> Iterator[subprocess.Popen[str]]:
+    """Start a Python program in the one place of a clock."""
+    with subprocess.Popen(
+        [sys.executable, '-I', str(file)],
+        env={**os.environ, **clock.variables(0)},
+        pass_fds=[clock.places[0].fileno()],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as program:
+        clock.begin()
+        yield program
+
+
 def test_children_of_a_parent_that_ends_at_once_have_places(tmp_path):
     """The driver reads what a process said last before it lets the process go."""
     file = tmp_path / 'parent.py'
@@ -125,16 +143,7 @@ def test_children_of_a_parent_that_ends_at_once_have_places(tmp_path):
         '    if os.fork() == 0: time.sleep(1 + number); print(number, flush=True); os._exit(0)\n'
         'os._exit(0)\n'
     )
-    with virtual_clock(1) as clock:
-        parent = subprocess.Popen(
-            [sys.executable, '-I', str(file)],
-            env={**os.environ, **clock.variables(0)},
-            pass_fds=[clock.places[0].fileno()],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        clock.begin()
+    with virtual_clock(1) as clock, started(file, clock) as parent:
         assert parent.stdout.readline() == 'ready\n'
         os.kill(clock.driver.pid, signal.SIGSTOP)
         parent.stdin.write('go\n')
@@ -143,7 +152,47 @@ def test_children_of_a_parent_that_ends_at_once_have_places(tmp_path):
         os.kill(clock.driver.pid, signal.SIGCONT)
 
         assert parent.stdout.read().split() == ['0', '1', '2']
-        parent.stdout.close()
+
+
+CHILD_THAT_LEAVES = """
+import os, socket, sys, threading, time
+print('ready', flush=True)
+sys.stdin.readline()
+child = os.fork()
+if child == 0:  # from here on, it has a place
+    for name in os.listdir('/proc/self/fd'):
+        try:
+            found = socket.socket(fileno=int(name))
+        except OSError:
+            continue
+        if found.type == socket.SOCK_SEQPACKET:
+            found.shutdown(socket.SHUT_RDWR)
+    sum(range(5_000_000))
+    os._exit(0)
+print(child, flush=True)
+threading.Thread(target=time.sleep, args=[5], daemon=True).start()
+began = time.monotonic()
+os.wait()
+print(time.monotonic() - began, flush=True)
+os._exit(0)
+"""
+
+
+def test_time_waits_for_a_child_that_was_quicker_than_the_driver(tmp_path):
+    """Its first word came before its place was made, and its socket closes before it ends."""
+    file = tmp_path / 'parent.py'
+    file.write_text(CHILD_THAT_LEAVES)
+    with virtual_clock(1) as clock, started(file, clock) as parent:
+        assert parent.stdout.readline() == 'ready\n'
+        os.kill(clock.driver.pid, signal.SIGSTOP)
+        parent.stdin.write('go\n')
+        parent.stdin.close()
+        child = int(parent.stdout.readline())
+        while b') S ' not in Path(f'/proc/{child}/stat').read_bytes():
+            pass  # it waits for the driver's answer
+        os.kill(clock.driver.pid, signal.SIGCONT)
+
+        assert parent.stdout.read() == '0.0\n'
 
 
 def test_program_cannot_hide_the_messages_of_another(tmp_path, monkeypatch):
