@@ -10,22 +10,25 @@ from pathlib import Path
 import sys
 import warnings
 
+from autograder.layout import Layout
 from environment.exchange import exchange_root, protect
 
 c = get_config()  # nbgrader puts it here
 
 root = Path(__file__).resolve().parent
+course = Layout(root)
+work = course.facts.work
 
 c.CourseDirectory.root = str(root)
-c.CourseDirectory.course_id = 'ros2_nodes_and_topics'
+c.CourseDirectory.course_id = course.facts.name
 c.CourseDirectory.source_directory = 'solutions'
 c.CourseDirectory.release_directory = 'notebooks'
-c.CourseDirectory.submitted_directory = 'autograder/_work/submitted'
-c.CourseDirectory.autograded_directory = 'autograder/_work/autograded'
-c.CourseDirectory.feedback_directory = 'autograder/_work/feedback'
-c.CourseDirectory.solution_directory = 'autograder/_work/solution'
-c.CourseDirectory.source_with_tests_directory = 'autograder/_work/source_with_tests'
-c.CourseDirectory.db_url = f'sqlite:///{root}/autograder/_work/gradebook.db'
+c.CourseDirectory.submitted_directory = f'{work}/submitted'
+c.CourseDirectory.autograded_directory = f'{work}/autograded'
+c.CourseDirectory.feedback_directory = f'{work}/feedback'
+c.CourseDirectory.solution_directory = f'{work}/solution'
+c.CourseDirectory.source_with_tests_directory = f'{work}/source_with_tests'
+c.CourseDirectory.db_url = f'sqlite:///{course.work}/gradebook.db'
 # A learner's built workspace is next to the notebook and is not part of the assignment.
 c.CourseDirectory.ignore = ['.ipynb_checkpoints', '*.pyc', '__pycache__', 'feedback', 'ros_ws']
 
@@ -37,8 +40,8 @@ if folders[0] != beside:  # this file is read often
 # SQLite and the exchange need their folders. COURSE_EXCHANGE names another exchange, for students
 # who share this machine: docs/exchange.md.
 for folder in ('exchange', 'submitted'):
-    (root / 'autograder' / '_work' / folder).mkdir(parents=True, exist_ok=True)
-exchange = exchange_root(root, os.environ)
+    (course.work / folder).mkdir(parents=True, exist_ok=True)
+exchange = exchange_root(root, os.environ, work)
 protect(exchange)
 c.Exchange.root = str(exchange)
 c.ExchangeFactory.release_assignment = 'autograder.collect.exchange_plugin.ReleaseProtected'

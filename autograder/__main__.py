@@ -20,7 +20,7 @@ from autograder.commands.export import add_class_commands
 from autograder.commands.grade import add_grade, short
 from autograder.commands.table import add_commands
 from autograder.grading.pipeline import end_runs
-from autograder.layout import Layout
+from autograder.layout import CHOSEN, Layout
 
 GOES_ON = {
     'grade': 'Finished runs are kept; the same command goes on.',
@@ -38,6 +38,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :returns: the exit code
     """
     chosen = _parser().parse_args(arguments)
+    if chosen.course:
+        os.environ[CHOSEN] = str(chosen.course.resolve())
     try:
         code: int = chosen.run(chosen)
         sys.stdout.flush()
@@ -90,6 +92,7 @@ def _how_to_go_on(chosen: argparse.Namespace) -> str:
 def _parser() -> argparse.ArgumentParser:
     """Describe the command line."""
     parser = argparse.ArgumentParser(prog='python -m autograder', description=__doc__)
+    parser.add_argument('--course', type=Path, metavar='DIR', help='folder with a course.toml')
     commands = parser.add_subparsers(required=True, metavar='COMMAND', dest='command')
 
     add_grade(commands)

@@ -1,32 +1,105 @@
 """
-Where the parts of a course lie: the one place that knows the folder names.
+The course: what ``course.toml`` says about it, and where its parts lie.
 
-``nbgrader_config.py`` at the root says the same to nbgrader; a test compares the two.
+The grader is for any course. Which one is meant is said once: by ``--course``, else by the folder
+in which a command or a notebook was started, else it is the course that the grader came with.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
+from functools import cached_property
+import os
 from pathlib import Path
+import sys
 
 from autograder.errors import GraderError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+FILE = 'course.toml'
+CHOSEN = 'COURSE_DIR'
+"""The environment variable that names the folder of the course; ``--course`` sets it."""
+
+
+@dataclass(frozen=True)
+class Facts:
+    """
+    What ``course.toml`` says.
+
+    :param name: what nbgrader calls the course
+    :param exams: the Python package with ``visible`` and ``hidden`` exams, found from the root
+    :param package: the course's own ROS package, a folder of the root; ``''`` if there is none.
+        Programs see only its messages, as its nodes would be answers
+    :param work: folder of everything that grading writes, from the root
+    :param messages: the course's own message types -> the field that is meant where a learner
+        gives a whole message; for advice
+    """
+
+    name: str = 'course'
+    exams: str = 'exams'
+    package: str = ''
+    work: str = 'autograder/_work'
+    messages: Mapping[str, str] = field(default_factory=dict)
+
+
+def read_facts(path: Path) -> Facts:
+    """
+    Return what a ``course.toml`` says; what it leaves out is as in :class:`Facts`.
+
+    :raises GraderError: if it is no TOML, or a name or a type in it is wrong
+    """
+    try:
+        found = tomllib.loads(path.read_text(encoding='utf-8')) if path.is_file() else {}
+    except (OSError, ValueError) as error:
+        raise GraderError(f'{path}: expected TOML, got: {error}.', 'Try: correct it.') from error
+    known = {one.name: one for one in fields(Facts)}
+    for name, value in found.items():
+        if name not in known:
+            raise GraderError(f'{path}: got {name!r}.', f'Known: {", ".join(known)}.')
+        if not isinstance(value, dict if name == 'messages' else str):
+            kind = 'a table' if name == 'messages' else 'a text'
+            raise GraderError(f'{path}: expected {kind} for {name}, got {value!r}.', 'Correct it.')
+    return Facts(**found)
 
 
 @dataclass(frozen=True)
 class Layout:
     """
-    The folders of one course.
+    One course: its facts and its folders.
 
-    :param root: the folder with ``solutions/``, ``notebooks/`` and ``nbgrader_config.py``
+    :param root: the folder with ``course.toml``, ``solutions/``, ``notebooks/`` and
+        ``nbgrader_config.py``
     """
 
     root: Path
 
     @classmethod
     def here(cls) -> Layout:
-        """Return the course this package lies in."""
+        """
+        Return the course that is meant.
+
+        :raises GraderError: if ``COURSE_DIR`` names a folder without a course
+        """
+        if chosen := os.environ.get(CHOSEN):
+            if not (root := Path(chosen).resolve()).joinpath(FILE).is_file():
+                raise GraderError(f'{root}: expected a course, found no {FILE}.')
+            return cls(root)
+        started = Path.cwd()
+        for folder in (started, *started.parents):
+            if (folder / FILE).is_file():
+                return cls(folder)
         return cls(Path(__file__).resolve().parent.parent)
+
+    @cached_property
+    def facts(self) -> Facts:
+        """Return what ``course.toml`` says."""
+        return read_facts(self.root / FILE)
 
     @property
     def solutions(self) -> Path:
@@ -39,14 +112,24 @@ class Layout:
         return self.root / 'notebooks'
 
     @property
+    def exams(self) -> Path:
+        """Return the folder of the package of the exams."""
+        return self.root.joinpath(*self.facts.exams.split('.'))
+
+    @property
     def work(self) -> Path:
         """Return the folder of everything that grading writes; git ignores it."""
-        return self.root / 'autograder' / '_work'
+        return self.root / self.facts.work
 
     @property
     def submitted(self) -> Path:
         """Return the folder with ``<student>/<assignment>/<notebook>.ipynb``."""
         return self.work / 'submitted'
+
+    @property
+    def secret(self) -> Path:
+        """Return the file with the secret from which hidden inputs are drawn."""
+        return self.work / 'course_secret'
 
     @property
     def people(self) -> Path:

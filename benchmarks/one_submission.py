@@ -18,7 +18,7 @@ import statistics
 import time
 from typing import Any
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.exam.exam import Advance, Exam, Scenario
 from autograder.grading.examine import examine
 from autograder.runs import observe as observing
@@ -151,7 +151,7 @@ def main() -> None:
     count = parser.parse_args().runs
     os.environ.setdefault('COURSE_SECRET', 'benchmark')
     facts = report.machine()
-    exam = exams.load(EXAM)
+    exam = catalog.load(EXAM)
     files = {FILE: marked(publishers([REFERENCE])[REFERENCE])}
     sandbox = _ClockedSandbox(strongest().mode)
     observing._Watched = _Clocked  # type: ignore[misc]

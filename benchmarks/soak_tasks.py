@@ -13,8 +13,8 @@ from pathlib import Path
 
 import yaml
 
-from autograder import exams
 from autograder.authoring.sample_class import compose, samples
+from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.grading.pipeline import load_lesson, SandboxEngine
 from autograder.layout import Layout
@@ -102,7 +102,7 @@ def _attacks() -> Iterator[Task]:
     for attack in programs():
         files = tuple(sorted(files_of(attack).items()))
         bound = attack.points if attack.at_most else None
-        name, exam = f'attack/{attack.kind}/{attack.name}', exams.load(attack.kind)
+        name, exam = f'attack/{attack.kind}/{attack.name}', catalog.load(attack.kind)
         # A flag that names a limit, or a bound, means that it goes on until somebody ends it.
         slow = bound is not None or any(word in str(attack.flags) for word in ENDED)
         yield Task(name, exam, files, bound, slow or exam.scenario.program == 'build')

@@ -20,7 +20,7 @@ import tempfile
 import time
 from typing import Any
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.layout import Layout
 from autograder.submission.extract import extract
@@ -38,7 +38,7 @@ def visible_exams(layout: Layout) -> list[Exam]:
     return [
         exam
         for assignment in layout.assignments()
-        for exam in exams.for_assignment(assignment, hidden=False)
+        for exam in catalog.for_assignment(assignment, hidden=False)
     ]
 
 

@@ -19,16 +19,19 @@ ROOT_MODE = 0o1777
 """Everybody may hand in; nbgrader asks for 0777."""
 
 
-def exchange_root(project: Path, environ: Mapping[str, str]) -> Path:
+def exchange_root(
+    project: Path, environ: Mapping[str, str], work: str = 'autograder/_work'
+) -> Path:
     """
     Return the root folder of the exchange.
 
     :param project: the folder of the course, from which a relative path is seen
+    :param work: the folder in it that holds the course's own exchange
     """
     chosen = environ.get(SETTING)
     if chosen:
         return project / Path(chosen).expanduser()
-    return project / 'autograder' / '_work' / 'exchange'
+    return project / work / 'exchange'
 
 
 def unprotected(root: Path) -> list[tuple[Path, int]]:

@@ -5,13 +5,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 import os
 from pathlib import Path
+import re
 import tempfile
 
 PROJECT = Path(__file__).resolve().parent.parent
 LOCK_FILE = PROJECT / 'environment' / 'requirements.lock'
 MESSAGES_FILE = PROJECT / 'environment' / 'messages.txt'
-COURSE_PACKAGE = 'temp_monitor_pkg'
 CLOCK_SOURCES = PROJECT / 'autograder' / 'clock'
+
+
+def course_package(project: Path) -> str:
+    """Return the name of the ROS package that ``course.toml`` names."""
+    # Read so, as Python 3.10 has no tomllib.
+    text = (project / 'course.toml').read_text(encoding='utf-8')
+    found = re.search(r"^package = '(\w+)'$", text, re.MULTILINE)
+    if not found:
+        raise ValueError(f"{project}/course.toml: expected a line package = 'NAME'")
+    return found[1]
+
+
+COURSE_PACKAGE = course_package(PROJECT)
 
 
 @dataclass(frozen=True)

@@ -29,10 +29,10 @@ class RosEnvironment:
 
     :param kind: 'wheels' (from PyPI) or 'sourced' (an installation that was sourced)
     :param python: interpreter of the prepared virtual environment
-    :param variables: all that a process needs to import rclpy and temp_monitor_pkg
+    :param variables: all that a process needs to import rclpy and the course's own package
     :param base_variables: the same without the course's own workspace, to build student packages
     :param read_only: directories that a sandbox binds read-only, without /usr
-    :param workspace: install prefix of the course's built temp_monitor_pkg
+    :param workspace: install prefix of the course's own ROS package, a folder of its name
     """
 
     kind: str
@@ -41,6 +41,11 @@ class RosEnvironment:
     base_variables: dict[str, str]
     read_only: tuple[str, ...]
     workspace: str
+
+    @property
+    def package(self) -> str:
+        """Return the name of the course's own ROS package."""
+        return Path(self.workspace).name
 
     def to_json(self) -> str:
         """Return the description as the text of `ros_environment.json`."""

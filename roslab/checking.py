@@ -20,8 +20,8 @@ from typing import Any
 
 from IPython import get_ipython
 
-from autograder import exams
 from autograder.errors import ExamInvalid
+from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.layout import Layout
 from autograder.results import ExamResult, Problem
@@ -57,7 +57,7 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
     if not isinstance(exam, str):
         return CheckReport('check()', problem=_no_name(exam))
     try:
-        about = exams.load(exam, hidden=False)
+        about = catalog.load(exam, hidden=False)
     except ExamInvalid as error:
         return CheckReport(exam, problem=_no_such(exam, error))
     files = package.files() if package.folder.is_dir() else {}
@@ -97,7 +97,7 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
 def _no_name(given: Any) -> Problem:
     """Say that an exercise is asked for by its name, and which one may be meant."""
     meant = _exercise_of(given)
-    names = [meant] if meant else _exercises_here() or exams.names(hidden=False)
+    names = [meant] if meant else _exercises_here() or catalog.names(hidden=False)
     got = 'nothing' if given is None else f'a {type(given).__name__}'
     return Problem(
         where='check()' if given is None else f'check({_shown(given)})',
@@ -114,8 +114,8 @@ def _shown(given: Any) -> str:
 def _exercise_of(given: Any) -> str | None:
     """Return the exercise whose file defines a class, a function or the class of an object."""
     module = getattr(given, '__module__', None) or getattr(given, '__name__', '')
-    for name in exams.names(hidden=False):
-        if f'{module}.py' in map(_file_name, exams.load(name, hidden=False).requires):
+    for name in catalog.names(hidden=False):
+        if f'{module}.py' in map(_file_name, catalog.load(name, hidden=False).requires):
             return name
     return None
 
@@ -124,20 +124,20 @@ def _exercises_here() -> list[str]:
     """Return the exercises that the notebook checks somewhere."""
     shell = get_ipython()
     texts = texts_now(shell) if shell is not None else []
-    known = exams.names(hidden=False)
+    known = catalog.names(hidden=False)
     named = (name for text in texts for name in _CHECKED.findall(text))
     return [name for name in dict.fromkeys(named) if name in known]
 
 
 def _no_such(exam: str, error: ExamInvalid) -> Problem:
-    if exam in exams.names(hidden=False):
+    if exam in catalog.names(hidden=False):
         return Problem(
             where='the checker itself, not your code',
             expected='an exam',
             got=error.what.rstrip('.'),
             try_this='show this line to your instructor',
         )
-    near = difflib.get_close_matches(str(exam), exams.names(hidden=False), n=1)
+    near = difflib.get_close_matches(str(exam), catalog.names(hidden=False), n=1)
     return Problem(
         where=f'check({exam!r})',
         expected='the name of an exercise',

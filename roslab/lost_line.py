@@ -13,7 +13,7 @@ from typing import Any
 
 from IPython.core.error import InputRejected
 
-from autograder import exams
+from autograder.exam import catalog
 from roslab.errors import RoslabError
 from roslab.guide import running_cell
 
@@ -52,8 +52,8 @@ class ProgramsRefused(ast.NodeTransformer):
             return 'my_node'
         if cell.module:  # the notebook was saved when the line was still there
             return cell.module
-        for name in exams.names(hidden=False):
-            exam = exams.load(name, hidden=False)
+        for name in catalog.names(hidden=False):
+            exam = catalog.load(name, hidden=False)
             if cell.grade_id and cell.grade_id in exam.cells:
                 files = [Path(file) for file in exam.requires if file.endswith('.py')]
                 return files[0].stem if files else 'my_node'

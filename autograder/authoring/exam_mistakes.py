@@ -182,7 +182,7 @@ def mistakes_of(exam: Exam, prefixes: Sequence[Path], notebooks: Path) -> list[s
     :param exam: a hidden exam of the course
     :param notebooks: folder of the released notebooks
     """
-    from autograder import exams
+    from autograder.exam import catalog
 
     file = exam.scenario.file
     needless = exam.scenario.program != 'node' or file in exam.requires
@@ -190,5 +190,5 @@ def mistakes_of(exam: Exam, prefixes: Sequence[Path], notebooks: Path) -> list[s
         *([] if needless else [f'exam {exam.name}: runs {file!r}, which it does not require']),
         *type_mistakes(exam, prefixes),
         *read_mistakes(exam, lesson_headings(notebooks)),
-        *differs_from_visible(exam, exams.load(exam.name, hidden=False)),
+        *differs_from_visible(exam, catalog.load(exam.name, hidden=False)),
     ]

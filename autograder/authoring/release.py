@@ -56,7 +56,7 @@ def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
 def unfit_exams(layout: Layout) -> Iterator[str]:
     """Yield what is wrong with the exams themselves: types, fields, two versions that differ."""
     from autograder.authoring.exam_mistakes import ament_prefixes, mistakes_of
-    from autograder.exams import for_assignment
+    from autograder.exam.catalog import for_assignment
 
     prefixes = ament_prefixes()
     for assignment in layout.assignments():
@@ -122,7 +122,7 @@ def unfit_checks(
 ) -> Iterator[str]:
     """Yield check cells and exams that do not belong together."""
     if exams is None:
-        from autograder.exams import for_assignment
+        from autograder.exam.catalog import for_assignment
 
         exams = for_assignment(assignment)
     known = {exam.name: exam for exam in exams}

@@ -13,7 +13,6 @@ import zipfile
 from autograder.files import keep
 from autograder.layout import Layout
 from environment import packed_package
-from environment.places import COURSE_PACKAGE
 
 ALLOWED = (
     'LICENSE',
@@ -21,10 +20,7 @@ ALLOWED = (
     'environment.md',
     'drawing/',
     'environment/',
-    'notebooks/',
     'roslab/',
-    f'{COURSE_PACKAGE}/config/',
-    f'{COURSE_PACKAGE}/launch/',
     # What check(...) runs: the visible exams, their judge, and the sandbox.
     'autograder/__init__.py',
     'autograder/clock/',
@@ -33,8 +29,6 @@ ALLOWED = (
     'autograder/commands/exit_codes.py',
     'autograder/errors.py',
     'autograder/exam/',
-    'autograder/exams/__init__.py',
-    'autograder/exams/visible/',
     'autograder/explaining/',
     'autograder/fastdds.xml',
     'autograder/files.py',
@@ -50,21 +44,26 @@ ALLOWED = (
     'autograder/sandboxes/',
     'autograder/submission/',
 )
-"""What students receive: files, and folders with a slash at their end."""
+"""What students receive beside the course: files, and folders with a slash at their end."""
 UNDER_ANOTHER_NAME = {'README.md': 'docs/students.md'}
 """What they receive besides: the page about the whole project would lead them astray."""
-NO_PARTS = {'__pycache__', '.ipynb_checkpoints', 'ros_ws', 'build', 'install', 'log'}
+NO_PARTS = {'hidden', '__pycache__', '.ipynb_checkpoints', 'ros_ws', 'build', 'install', 'log'}
 TOP = 'ros2-course'
+PROJECT = Path(__file__).resolve().parents[2]
 
 
 def bundled_files(layout: Layout) -> dict[str, Path]:
-    """Return the files that students receive: name in their copy -> file of the course."""
+    """Return the files that students receive: name in their copy -> file."""
+    package = layout.facts.package
+    own = ['course.toml', 'notebooks/', f'{layout.exams.relative_to(layout.root)}/']
+    own += [f'{package}/{folder}/' for folder in ('config', 'launch') if package]
+    parts = [*((layout.root, one) for one in own), *((PROJECT, one) for one in ALLOWED)]
     found = {name: layout.root / source for name, source in UNDER_ANOTHER_NAME.items()}
-    for allowed in ALLOWED:
-        start = layout.root / allowed
-        for path in start.rglob('*') if allowed.endswith('/') else [start]:
-            inside = path.relative_to(layout.root)
-            if path.is_file() and not path.is_symlink() and not NO_PARTS & set(inside.parts):
+    for root, part in parts:
+        start = root / part
+        for path in start.rglob('*') if part.endswith('/') else [start]:
+            inside = path.relative_to(root)
+            if not path.is_symlink() and not NO_PARTS & set(inside.parts):
                 found[inside.as_posix()] = path
     return {name: path for name, path in found.items() if path.is_file()}
 
@@ -77,8 +76,8 @@ def pack(layout: Layout, bundle: Path) -> int:
     """
     files, made = bundled_files(layout), io.BytesIO()
     texts = {name: (path.read_bytes(), path.stat().st_mode) for name, path in files.items()}
-    package = layout.root / COURSE_PACKAGE
-    texts[f'{COURSE_PACKAGE}/{packed_package.FILE}'] = packed_package.pack(package), 0
+    if package := layout.facts.package:
+        texts[f'{package}/{packed_package.FILE}'] = packed_package.pack(layout.root / package), 0
     with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
         for name, (data, mode) in sorted(texts.items()):
             entry = zipfile.ZipInfo(f'{TOP}/{name}', date_time=(2024, 1, 1, 0, 0, 0))

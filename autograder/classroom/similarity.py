@@ -31,7 +31,6 @@ from autograder.submission.extract import extract
 from autograder.submission.inbox import discover
 from autograder.submission.notebook import Notebook
 from autograder.submission.submission import Opened
-from environment.places import COURSE_PACKAGE
 
 MOST = 50
 """Pairs that are shown with what they have in common."""
@@ -150,27 +149,26 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
         raise GraderError(f'{submitted}: expected submissions of {assignment}, got none.')
     own = {one.student: _answers(open_one(one, lesson), lesson) for one in there}
     return compare(
-        assignment, own, given_lines(lesson.release), at_least, finished(layout.root, lesson)
+        assignment, own, given_lines(lesson.release), at_least, finished(layout, lesson)
     )
 
 
-def finished(root: Path, lesson: Lesson) -> dict[str, dict[str, str]]:
+def finished(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
     """
     Return the course's own package as if it had been handed in, if the lesson asks for its nodes.
 
     The two forms find copies of the nodes, and copies of the nodes with the modules they import.
-
-    :param root: folder of the course
     """
+    package = layout.facts.package
     modules = {
         path.name: path.read_text(encoding='utf-8')
-        for path in sorted((root / COURSE_PACKAGE / COURSE_PACKAGE).glob('*.py'))
+        for path in sorted((layout.root / package / package).glob('*.py'))
     }
     asked = {name for exam in lesson.exams for name in exam.requires if name in modules}
     if not asked:
         return {}
     nodes = {name: modules[name] for name in sorted(asked)}
-    return {f'{COURSE_PACKAGE} (nodes)': nodes, f'{COURSE_PACKAGE} (all)': modules}
+    return {f'{package} (nodes)': nodes, f'{package} (all)': modules}
 
 
 def _answers(opened: Opened, lesson: Lesson) -> dict[str, str]:

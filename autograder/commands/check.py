@@ -57,13 +57,13 @@ def describe(parser: argparse.ArgumentParser) -> None:
 
 def check(chosen: argparse.Namespace) -> int:
     """Run one exam on a package; the visible one also runs where nothing isolates."""
-    from autograder import exams
+    from autograder.exam import catalog
     from autograder.grading.examine import examine
     from autograder.submission.package import name_missing, own_files, read_package, what_is_there
 
     if not chosen.files.is_dir():
         raise UsageError(f'--files {chosen.files}: expected a package folder, got none.')
-    exam = exams.load(chosen.exam, hidden=not chosen.visible)
+    exam = catalog.load(chosen.exam, hidden=not chosen.visible)
     if chosen.visible:
         files = own_files(exam, read_package(chosen.files))
     else:

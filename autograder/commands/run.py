@@ -17,8 +17,8 @@ from pathlib import Path
 import tempfile
 from typing import TYPE_CHECKING
 
-from autograder import exams
 from autograder.errors import GraderError
+from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import exam_text, number, printable
 from autograder.grading.built_package import as_package, explained, package_name
@@ -63,7 +63,7 @@ def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
     :param name: of an exam, or of an assignment with or without its number
     :raises GraderError: if there is neither, with a near name
     """
-    examined = {one: exams.for_assignment(one, hidden) for one in layout.assignments()}
+    examined = {one: catalog.for_assignment(one, hidden) for one in layout.assignments()}
     by_exam = {exam.name: exam for found in examined.values() for exam in found}
     if name in by_exam:
         return (by_exam[name],)

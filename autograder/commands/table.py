@@ -32,7 +32,7 @@ def add_commands(commands: Any) -> None:
         '--exam',
         required=True,
         metavar='NAME',
-        help='an exam (temperature_publisher), or an assignment (temperature_monitor)',
+        help='an exam (such as talker), or an assignment (topics)',
     )
     run.add_argument('--visible', action='store_true', help='only the visible checks')
     run.add_argument('--live', action='store_true', help='show what happens while it happens')

@@ -12,13 +12,11 @@ from functools import lru_cache
 import hashlib
 import hmac
 import os
-from pathlib import Path
 import random
 import secrets
 
 from autograder.errors import GraderError
-
-SECRET_FILE = Path(__file__).parents[1] / '_work' / 'course_secret'
+from autograder.layout import Layout
 
 
 @lru_cache(maxsize=1)
@@ -33,18 +31,19 @@ def course_secret() -> bytes:
     """
     if 'COURSE_SECRET' in os.environ:
         return _not_empty(os.environ['COURSE_SECRET'].encode(), 'COURSE_SECRET')
-    if not SECRET_FILE.exists():
-        SECRET_FILE.parent.mkdir(parents=True, exist_ok=True)
-        draft = SECRET_FILE.with_name(f'.course_secret.{secrets.token_hex(8)}')
+    file = Layout.here().secret
+    if not file.exists():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        draft = file.with_name(f'.course_secret.{secrets.token_hex(8)}')
         draft.touch(mode=0o600)
         draft.write_text(secrets.token_hex(32), encoding='ascii')
         try:
-            os.link(draft, SECRET_FILE)
+            os.link(draft, file)
         except FileExistsError:
             pass
         finally:
             draft.unlink()
-    return _not_empty(SECRET_FILE.read_bytes(), str(SECRET_FILE))
+    return _not_empty(file.read_bytes(), str(file))
 
 
 def _not_empty(secret: bytes, where: str) -> bytes:

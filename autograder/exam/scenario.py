@@ -290,7 +290,7 @@ class Scenario:
     :param arguments: of the program, after ``--ros-args``, such as
         ``('-r', '__ns:=/lab', '-p', 'threshold:=28.5')``
     :param build_type: for ``'build'``, the message that travels from ``/echo_in`` to
-        ``/echo_out``, such as ``temp_monitor_pkg/msg/Temperature``; the package is named in it;
+        ``/echo_out``, such as ``robot_msgs/msg/Speed``; the package is named in it;
         for ``'package'`` the package's name
     :param watch: topics to record, full name to type such as ``'std_msgs/msg/String'``
     :param feed: topics to send on, likewise, or with a :class:`FeedTopic`

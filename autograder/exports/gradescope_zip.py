@@ -25,7 +25,6 @@ from autograder.layout import Layout
 HERE = Path(__file__).parent / 'gradescope_files'
 EXECUTABLE = ('setup.sh', 'run_autograder')
 SETTINGS = 'gradescope.json'
-SECRET = 'autograder/_work/course_secret'  # noqa: S105 - a path
 TREES = (
     'autograder',
     'drawing',
@@ -33,9 +32,8 @@ TREES = (
     'notebooks',
     'roslab',
     'solutions',
-    'temp_monitor_pkg',
 )
-FILES = ('nbgrader_config.py', 'pyproject.toml')
+FILES = ('course.toml', 'nbgrader_config.py', 'pyproject.toml')
 LEFT_OUT = {'_work', '__pycache__', '.ipynb_checkpoints', 'ros_ws', '.mypy_cache', '.ruff_cache'}
 MADE = (2024, 1, 1, 0, 0, 0)
 """Date of every entry: the same course gives the same bytes."""
@@ -59,7 +57,7 @@ def autograder_zip(
         raise GraderError(
             f'--allow-weak {allow_weak}: it runs no hidden exam, so it gives no grade.'
         )
-    if not (layout.root / 'autograder' / 'exams' / 'hidden').is_dir():
+    if not (layout.exams / 'hidden').is_dir():
         raise GraderError(
             'This is the copy of the course that students have; it has no hidden exams.',
             'Try: the full project',
@@ -73,13 +71,13 @@ def autograder_zip(
         _add(archive, SETTINGS, (json.dumps(settings, indent=1) + '\n').encode())
         for name, path in course_files(layout):
             _add(archive, name, path.read_bytes(), bool(path.stat().st_mode & stat.S_IXUSR))
-        _add(archive, SECRET, course_secret(), mode=0o600)
+        _add(archive, str(layout.secret.relative_to(layout.root)), course_secret(), mode=0o600)
     return made.getvalue()
 
 
 def course_files(layout: Layout) -> Iterator[tuple[str, Path]]:
     """Yield what grading needs of the course: name in the zip, and file; sorted, no links."""
-    for tree in TREES:
+    for tree in (*TREES, layout.facts.package):
         for path in sorted((layout.root / tree).rglob('*')):
             inside = path.relative_to(layout.root)
             hidden = any(part in LEFT_OUT or part.startswith('.') for part in inside.parts)

@@ -71,9 +71,9 @@ class SandboxEngine:
 
     def exams(self, assignment: str) -> Sequence[Exam]:
         """Return the exams of an assignment in the lesson's order."""
-        from autograder import exams
+        from autograder.exam import catalog
 
-        return exams.for_assignment(assignment, hidden=self.hidden)
+        return catalog.for_assignment(assignment, hidden=self.hidden)
 
     def run(self, exam: Exam, files: Mapping[str, str]) -> ExamResult:
         """Run the files in the sandbox and judge the recording."""

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 from autograder.errors import GraderError, line_in
 from autograder.exam.exam import Cause, Check, Exam, Failed, Run
 from autograder.exam.read_more import where_to_read
 from autograder.judging.causes.ended import how_to_look
 from autograder.judging.causes.redaction import without_namespace
+from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import CheckResult, Verdict
-
-EXAMS = Path(__file__).parents[1] / 'exams'
 
 
 def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
@@ -82,7 +80,7 @@ def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResul
             read=where_to_read(why.cause_id) or check.read or exam.read,
         )
     except Exception as error:  # noqa: BLE001 - any other exception is ours, whatever its type
-        place = line_in(EXAMS, error)
+        place = line_in(Layout.here().exams, error)
         raise GraderError(
             f'Check {check.name} of exam {exam.name} broke{f" in {place}" if place else ""}: '
             f'{type(error).__name__}: {error}.',

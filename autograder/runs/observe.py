@@ -36,6 +36,7 @@ from autograder.sandboxes.processes import (
     ports,
 )
 from autograder.sandboxes.sandbox import HERE, Sandbox
+from environment.ros import RosEnvironment
 
 KEPT_OUTPUT = 64 * 1024
 LARGEST_RECORDING = 32 << 20
@@ -46,20 +47,22 @@ INSIDE = {str(HERE / 'inside'): '/grader/inside'}
 BUILD_LIMITS = Limits(cpu_s=30)
 # A build and a run, one after the other.
 PACKAGE_LIMITS = Limits(cpu_s=BUILD_LIMITS.cpu_s + Limits.cpu_s)
-COURSE_PACKAGE = 'temp_monitor_pkg'
 _BREAKS = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGXCPU)
 BROKEN = tuple(code for sign in _BREAKS for code in (-sign, 128 + sign))
 """Exit codes of a probe that broke on what it was sent; faults in its code give other codes."""
 _NO_TYPE = 'Try: name the package in environment/messages.txt, then make prepare.'
 
 
-def program_for(scenario: Scenario, submission: Path, python: str) -> tuple[Program, Limits]:
+def program_for(
+    scenario: Scenario, submission: Path, ros: RosEnvironment
+) -> tuple[Program, Limits]:
     """
     Return what to run for a scenario.
 
     :param submission: host folder with the student's files, readable by everyone
-    :param python: interpreter of the prepared environment
+    :param ros: the prepared environment
     """
+    python = ros.python
     binds = {**INSIDE, str(submission): '/submission'}
     if scenario.program == 'build':
         argv = [python, '/grader/inside/build_package.py', '/submission']
@@ -69,7 +72,7 @@ def program_for(scenario: Scenario, submission: Path, python: str) -> tuple[Prog
         argv = [python, '/grader/inside/run_package.py', '/submission', scenario.build_type]
         argv += [scenario.file.removesuffix('.py'), *_ros_arguments(scenario)]
         # A package of the course's own name brings the messages itself.
-        own = scenario.build_type == COURSE_PACKAGE
+        own = scenario.build_type == ros.package
         return Program(argv, binds, course_messages=not own), PACKAGE_LIMITS
     argv = [python, '/grader/inside/run_node.py', f'/submission/{scenario.file}']
     return Program([*argv, *_ros_arguments(scenario)], binds), Limits()
@@ -123,7 +126,7 @@ def observe(
     """
     began = time.monotonic()
     with sandbox.turn(), laid_out(files) as (submission, home), virtual_clock(2) as clock:
-        program, limits = program_for(scenario, submission, sandbox.ros.python)
+        program, limits = program_for(scenario, submission, sandbox.ros)
         # Packages are built in real time: run_package.py and build_package.py load the library
         # into what they become.
         placed = clock.command(STUDENT, later=scenario.program != 'node')

@@ -76,8 +76,8 @@ def readable(ros: RosEnvironment, course_messages: bool) -> tuple[list[str], lis
     closed = {workspace}
     if course_messages:
         closed = {workspace / name for name in ('build', 'log', 'src')}
-        closed.add(Path(ros.workspace, 'lib', 'temp_monitor_pkg'))
-        package = f'{ros.workspace}/lib/python3*/site-packages/temp_monitor_pkg'
+        closed.add(Path(ros.workspace, 'lib', ros.package))
+        package = f'{ros.workspace}/lib/python3*/site-packages/{ros.package}'
         closed |= {
             Path(module)
             for module in (*glob(f'{package}/*.py*'), *glob(f'{package}/__pycache__'))

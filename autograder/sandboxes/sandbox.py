@@ -167,10 +167,10 @@ class Sandbox:
         if not program.course_messages:
             return hide(Path(self.ros.workspace).parents[1])
         argv = []
-        build = Path(self.ros.workspace).parents[1] / 'build'
-        for folder in (build, Path(self.ros.workspace, 'lib', 'temp_monitor_pkg')):
+        prefix = Path(self.ros.workspace)
+        for folder in (prefix.parents[1] / 'build', prefix / 'lib' / self.ros.package):
             argv += hide(folder) if folder.is_dir() else []
-        for module in glob(f'{self.ros.workspace}/lib/python3*/site-packages/temp_monitor_pkg/*'):
+        for module in glob(f'{prefix}/lib/python3*/site-packages/{self.ros.package}/*'):
             if module.endswith('__pycache__'):
                 argv += hide(module)
             elif module.endswith(('.py', '.pyc')) and not module.endswith('__init__.py'):

@@ -108,7 +108,7 @@ def check_name(kind: str, name: str) -> None:
     if kind == 'rosmsg' and not _MESSAGE_NAME.match(name):
         raise CellSyntaxError(
             f'%%rosmsg {name}: a message name starts with a capital letter and has only letters '
-            f'and digits, as in %%rosmsg Temperature, got {name!r}.'
+            f'and digits, as in %%rosmsg Speed, got {name!r}.'
         )
     if kind == 'rospkg' and name not in PACKAGE_FILES:
         raise CellSyntaxError(

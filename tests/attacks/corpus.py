@@ -25,7 +25,7 @@ import re
 from typing import Any
 from unittest import mock
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.exam.scenario import Scenario
 from autograder.grading.examine import examine
 from autograder.layout import Layout
@@ -137,7 +137,7 @@ def grade(attack: Attack, sandbox: Sandbox, kept: Path) -> Outcome:
 
     :param kept: folder for recordings
     """
-    exam = exams.load(attack.kind)
+    exam = catalog.load(attack.kind)
     # Facts are what the hidden exam knows and nobody else.
     exam.facts['canary'] = CANARY
     folder = kept / attack.kind / attack.name
@@ -150,10 +150,10 @@ def files_of(attack: Attack) -> dict[str, str]:
     """Return the files that are handed in: the attack and what it bends."""
     text = attack.path.read_text(encoding='utf-8')
     if attack.path.suffix == '.cmake':
-        assignment = exams.load(attack.kind).assignment
+        assignment = catalog.load(attack.kind).assignment
         return {**reference(assignment), 'CMakeLists.txt': text}
     honest = FOLDER / 'honest' / f'{attack.kind}.py'
-    files = {exams.load(attack.kind).requires[0]: text}
+    files = {catalog.load(attack.kind).requires[0]: text}
     if honest.exists():
         files['honest.py'] = honest.read_text(encoding='utf-8')
     return files

@@ -15,9 +15,10 @@ from pathlib import Path
 import socket
 import sys
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.exam.scenario import Advance, Scenario
 from autograder.grading.examine import examine
+from autograder.layout import Layout
 from autograder.runs.observe import INSIDE, laid_out, observe
 from autograder.sandboxes import choose, sandbox
 from autograder.sandboxes.confined import Limits, Program
@@ -66,7 +67,7 @@ if facts['linger']:
 
 def hostile_run(box: sandbox.Sandbox, folder: Path, linger: bool) -> list[str]:
     """Run the hostile program and return what it printed."""
-    hidden = Path(exams.__file__).parent / 'hidden' / 'harbour.py'
+    hidden = Layout.here().exams / 'hidden' / 'harbour.py'
     grader = [sandbox.HERE / 'judging' / 'judge.py', hidden]
     assert all(path.exists() for path in grader)  # what is not there is refused to anybody
     secrets = [*map(str, (*grader, *sorted(folder.iterdir())))]
@@ -121,7 +122,7 @@ def main() -> None:
     answers = Path('tests/submissions/03_topics/pass__functions_style')
     results = []
     for name in ('talker', 'running_mean'):  # one publishes by its timer, one answers
-        exam = exams.load(name, hidden=mode != 'none')
+        exam = catalog.load(name, hidden=mode != 'none')
         files = {file: (answers / file).read_text('utf-8') for file in exam.requires}
         result = examine(exam, files, sandbox=box)
         results.append({**result.to_json(), 'lacks': result.max_points - result.points})

@@ -12,7 +12,7 @@ from itertools import groupby
 from pathlib import Path
 import sys
 
-from autograder import exams
+from autograder.exam import catalog
 from tests.attacks.archives import REFUSED
 from tests.attacks.corpus import Attack, NOTEBOOKS, notebooks, programs
 
@@ -61,7 +61,7 @@ def _section(kind: str, group: Sequence[Attack]) -> list[str]:
         what = 'Points of the whole lesson 07, of 40.'
     else:
         title = f'## Programs for the exam {kind}'
-        what = f'Of {exams.load(kind).max_points:g} points.'
+        what = f'Of {catalog.load(kind).max_points:g} points.'
     head = '| Attack | Tries to | Stopped by | Deserves and gets | Run ends with | Flag |'
     lines = [title, '', what, '', head, '|---|---|---|---|---|---|']
     return [*lines, *map(_row, group), '']

@@ -12,7 +12,7 @@ import sys
 import pytest
 
 import autograder
-from autograder import exams
+from autograder.exam import catalog
 from autograder.grading.examine import examine
 from autograder.runs.observe import INSIDE, laid_out
 from autograder.sandboxes.choose import plain, strongest
@@ -102,7 +102,7 @@ def test_usage_counts_the_memory_of_children():
 def test_visible_checks_run_without_a_sandbox_and_say_so():
     """On a laptop without bubblewrap a plain child process does it."""
     code = "import rclpy\nrclpy.init()\nrclpy.spin(rclpy.create_node('temperature_publisher'))\n"
-    exam = exams.load('temperature_publisher', hidden=False)
+    exam = catalog.load('temperature_publisher', hidden=False)
     result = examine(exam, {'temp_publisher.py': code}, sandbox=plain())
 
     assert result.mode == 'none'

@@ -18,8 +18,8 @@ import time
 
 import pytest
 
-from autograder import exams
 from autograder.errors import SandboxUnavailable
+from autograder.exam import catalog
 from autograder.grading.examine import examine
 from autograder.sandboxes import choose, isolation, landlock
 from autograder.sandboxes.processes import family
@@ -196,7 +196,7 @@ def check_honest(mode: str, results) -> None:
 
 def test_hidden_exams_are_never_run_without_isolation():
     """What keeps nothing hidden gets nothing hidden."""
-    exam = exams.load('harbour', hidden=True)
+    exam = catalog.load('harbour', hidden=True)
 
     with pytest.raises(SandboxUnavailable, match='never run with isolation none'):
         examine(exam, {'harbour.py': ''}, sandbox=choose.plain())

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 import re
 from typing import Any
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Advance, Call, Feed
 from autograder.judging.causes.redaction import namespace_of
 from autograder.judging.causes.tracebacks import PUBLIC
 from autograder.results import CheckResult
 
-NAMES = exams.names()
+NAMES = catalog.names()
 LEAST_DIGITS = 3
 """Fewer are the numbers of any sentence: periods, counts, lines of a cell."""
 _NUMBER = re.compile(r'(?<![\w.])\d+(?:\.\d+)?(?!\w)')

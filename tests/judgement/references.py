@@ -15,7 +15,7 @@ import inspect
 from pathlib import Path
 import sys
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.layout import Layout
 from autograder.submission.extract import answer_files
@@ -54,7 +54,7 @@ def exercises() -> tuple[Exercise, ...]:
     return tuple(
         Exercise(exam, dict(_files_of(exam)))
         for assignment in LAYOUT.assignments()
-        for exam in exams.for_assignment(assignment)
+        for exam in catalog.for_assignment(assignment)
     )
 
 

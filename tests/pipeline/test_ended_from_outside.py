@@ -11,8 +11,8 @@ from typing import Any
 import psutil
 import pytest
 
-from autograder import exams
 from autograder.errors import ProbeFailed
+from autograder.exam import catalog
 from autograder.grading.examine import examine
 from autograder.recording import Event
 from autograder.results import ExamResult
@@ -39,7 +39,7 @@ rclpy.spin(node)
 
 def graded(text: str, told: Callable[[Event], None] | None = None) -> ExamResult:
     """Return the result of the publisher's exam."""
-    return examine(exams.load(EXAM), {'temp_publisher.py': text}, sandbox=strongest(), told=told)
+    return examine(catalog.load(EXAM), {'temp_publisher.py': text}, sandbox=strongest(), told=told)
 
 
 class Killer:

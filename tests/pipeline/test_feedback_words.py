@@ -14,10 +14,10 @@ from test_nbgrader_round_trip import nbgrader
 from test_sample_class import EXAMINED
 
 from autograder import __main__ as command
-from autograder import exams
 from autograder.authoring import sample_class
 from autograder.authoring.exam_mistakes import lesson_headings, no_section, read_mistakes
 from autograder.classroom.pages import page_name, write_reports
+from autograder.exam import catalog
 from autograder.exam.read_more import SECTIONS, where_to_read
 from autograder.explaining.feedback import check_lines, titles_of, told
 from autograder.gradebook.record import record
@@ -191,7 +191,7 @@ def test_every_section_to_read_is_a_heading_of_a_lesson(assignment, hidden):
     headings = lesson_headings(HERE.notebooks)
 
     assert headings.keys() >= set(EXAMINED)
-    for exam in exams.for_assignment(assignment, hidden):
+    for exam in catalog.for_assignment(assignment, hidden):
         assert list(read_mistakes(exam, headings)) == []
 
 

@@ -31,11 +31,11 @@ GRADER = f"""
 import json, sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from autograder import exams
+from autograder.exam import catalog
 from autograder.sandboxes import choose
 from autograder.grading.examine import examine
 
-exam, box = exams.load('talker'), choose.strongest()
+exam, box = catalog.load('talker'), choose.strongest()
 
 
 def judged(name):

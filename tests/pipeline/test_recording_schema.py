@@ -9,8 +9,9 @@ import re
 from jsonschema import Draft202012Validator
 import pytest
 
-from autograder import exams, recording
+from autograder import recording
 from autograder.commands import run as quick_look
+from autograder.exam import catalog
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.sandboxes.choose import strongest
@@ -22,7 +23,7 @@ VALID = Draft202012Validator(SCHEMA)
 RUN = [
     pytest.param(assignment, exam.name, id=exam.name)
     for assignment in LAYOUT.assignments()
-    for exam in exams.for_assignment(assignment, hidden=False)
+    for exam in catalog.for_assignment(assignment, hidden=False)
     if exam.scenario.program
 ]
 KINDS = {
@@ -65,7 +66,7 @@ def test_an_unknown_event_and_an_unknown_field_are_refused():
 @pytest.mark.parametrize(('assignment', 'name'), RUN)
 def test_every_line_of_a_real_recording_is_valid(assignment, name, tmp_path: Path):
     """Of the reference solution, in the exam's visible form."""
-    exam = exams.load(name, hidden=False)
+    exam = catalog.load(name, hidden=False)
     source = LAYOUT.solutions / assignment / LAYOUT.release(assignment).name
     looks = quick_look.looks(source, [exam], LAYOUT)
 

@@ -12,7 +12,6 @@ from nbgrader.api import Gradebook
 import pytest
 
 from autograder import __main__ as command
-from autograder import exams
 from autograder.authoring import sample_class
 from autograder.classroom.pages import write_reports
 from autograder.classroom.people import keep_people
@@ -20,6 +19,7 @@ from autograder.classroom.results_of_class import last_results, ran_s
 from autograder.commands.explain import evidence, evidence_text, MOST_LINES, WIDEST
 from autograder.commands.rejudge import rejudge, rejudge_command
 from autograder.errors import GraderError
+from autograder.exam import catalog
 from autograder.exam.exam import Exam, Failed
 from autograder.exams.visible.temperature_publisher import build
 from autograder.gradebook.record import record
@@ -43,7 +43,7 @@ class OneExam(SandboxEngine):
 
     def exams(self, assignment):
         """Return it, as it is just now."""
-        return exams.for_assignment(assignment)
+        return catalog.for_assignment(assignment)
 
 
 def fit(layout: Layout, exam: Exam) -> None:
@@ -74,7 +74,7 @@ def graded(released, tmp_path_factory):
         data = sample_class.compose(here, ASSIGNMENT, here.sample_class / ASSIGNMENT / name)
         (place / here.release(ASSIGNMENT).name).write_bytes(data)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(exams, 'for_assignment', lambda *_, **__: (build(20, 0.07, 1.25),))
+        patch.setattr(catalog, 'for_assignment', lambda *_, **__: (build(20, 0.07, 1.25),))
         engine = OneExam(strongest(), layout.recordings)
         lesson = load_lesson(layout, ASSIGNMENT, engine)
         class_ = discover(layout.submitted, ASSIGNMENT, lesson.notebook)
@@ -97,7 +97,7 @@ def now(monkeypatch, layout):
 
     def put(exam: Exam) -> None:
         fit(layout, exam)
-        monkeypatch.setattr(exams, 'for_assignment', lambda *_, **__: (exam,))
+        monkeypatch.setattr(catalog, 'for_assignment', lambda *_, **__: (exam,))
 
     put(build(20, 0.07, 1.25))
     return put

@@ -8,8 +8,8 @@ import tempfile
 
 import pytest
 
-from autograder import exams
 from autograder.authoring import sample_class
+from autograder.exam import catalog
 from autograder.explaining.feedback import check_lines, MOST_LINES, titles_of, WIDTH
 from autograder.grading.pipeline import grade_class, grading_engine, load_lesson
 from autograder.layout import Layout
@@ -22,7 +22,7 @@ from tests.judgement.samples import counted, expected_verdicts, samples, verdict
 LAYOUT = Layout.here()
 _FOLDER = tempfile.TemporaryDirectory(prefix='class-')  # removed when Python ends
 WORKING = Layout(Path(_FOLDER.name))
-EXAMINED = [name for name in LAYOUT.assignments() if exams.for_assignment(name)]
+EXAMINED = [name for name in LAYOUT.assignments() if catalog.for_assignment(name)]
 SAMPLES = [
     pytest.param(assignment, path.name, id=f'{assignment}-{path.name}')
     for assignment in EXAMINED
@@ -95,7 +95,7 @@ def test_verdicts_and_causes_and_points_are_those_expected(assignment, name):
     verdicts = {exam.exam: verdicts_of(exam) for exam in result.exams}
     wanted = {
         exam.name: expected_verdicts(exam, expected['failed'].get(exam.name, {}))
-        for exam in exams.for_assignment(assignment)
+        for exam in catalog.for_assignment(assignment)
     }
 
     assert result.fault == ''
@@ -126,7 +126,7 @@ def test_every_failing_text_is_short(assignment):
 @pytest.mark.parametrize('assignment', EXAMINED)
 def test_no_failing_text_tells_what_was_drawn(assignment):
     """A student who learns the inputs could hard-code them and hand in again."""
-    drawn = {exam.name: exam for exam in exams.for_assignment(assignment)}
+    drawn = {exam.name: exam for exam in catalog.for_assignment(assignment)}
     for name, submission in graded(assignment).items():
         for result in submission.exams:
             for check in result.failed:

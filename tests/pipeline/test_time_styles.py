@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import pytest
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.grading.examine import examine
 from autograder.results import Verdict
 from autograder.sandboxes.choose import strongest
@@ -37,7 +37,7 @@ def verdicts(style: str, period_s: float) -> dict[str, Verdict]:
         assert before in text
         text = text.replace(before, after)
     body = ''.join(f'    {line}\n' for line in STYLES[style][0].splitlines())
-    result = examine(exams.load('talker'), {'talker.py': text + body}, sandbox=strongest())
+    result = examine(catalog.load('talker'), {'talker.py': text + body}, sandbox=strongest())
     return {check.check: check.verdict for check in result.checks}
 
 

@@ -11,7 +11,7 @@ import sys
 
 import pytest
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.grading.examine import examine
 from autograder.layout import Layout
 from autograder.runs.observe import HERE
@@ -99,7 +99,7 @@ def test_weaker_modes_build_too(mode, tmp_path):
     """Where the workspace may hold nothing that is executed, for one."""
     if mode == 'landlock' and (refused := landlock.refusal(root=False)[0]):
         pytest.skip(refused)
-    exam = exams.load('temperature_message', hidden=False)
+    exam = catalog.load('temperature_message', hidden=False)
     files = files_of(Layout.here(), exam, solved=True)
     result = examine(exam, files, sandbox=Sandbox(mode), recordings=tmp_path, fresh=True)
 

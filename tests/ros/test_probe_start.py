@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from autograder import exams
 from autograder.errors import ProbeFailed, SandboxUnavailable
+from autograder.exam import catalog
 from autograder.grading.examine import examine
 from autograder.runs import observe
 from autograder.runs.observe import HERE
@@ -117,7 +117,7 @@ def test_a_node_is_seen_however_late_its_network_is(monkeypatch):
         return probe
 
     monkeypatch.setattr(observe, 'start_probe', start_first)
-    exam = exams.load('talker')
+    exam = catalog.load('talker')
 
     result = examine(exam, {'talker.py': ANSWER.read_text('utf-8')}, sandbox=strongest())
 
@@ -144,7 +144,7 @@ def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch)
     with pytest.raises(
         ProbeFailed, match='ended with code 3 before the program began: no loopback'
     ):
-        examine(exams.load('talker'), {'talker.py': ''}, sandbox=strongest())
+        examine(catalog.load('talker'), {'talker.py': ''}, sandbox=strongest())
 
 
 def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatch):
@@ -152,7 +152,7 @@ def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatc
     start_instead(monkeypatch, 'sleep', 'infinity')
 
     with pytest.raises(ProbeFailed, match='had not begun when the run ended: no_node'):
-        observe.observe('talker', exams.load('talker').scenario, {'talker.py': ''}, strongest())
+        observe.observe('talker', catalog.load('talker').scenario, {'talker.py': ''}, strongest())
 
 
 def test_a_trial_of_the_sandbox_that_somebody_ended_says_nothing_about_rclpy(monkeypatch):

@@ -7,8 +7,8 @@ import re
 
 import pytest
 
-from autograder import exams
 from autograder.authoring.student_bundle import bundled_files
+from autograder.exam import catalog
 from autograder.exam.exam import Run
 from autograder.exams.hidden.check_your_understanding import key
 from autograder.exams.visible.check_your_understanding import path_of, QUESTIONS
@@ -143,7 +143,7 @@ def answers(**letters):
 
 def results(files, hidden):
     """Return the results of the exam by check; nothing may be run for it."""
-    exam = exams.load(EXAM, hidden=hidden)
+    exam = catalog.load(EXAM, hidden=hidden)
     assert not worth_running(exam, files)
     return {one.check: one for one in judge(exam, Run(files, Recording({}, ()), exam.facts))}
 

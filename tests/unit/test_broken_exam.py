@@ -8,8 +8,8 @@ import sys
 import pytest
 
 from autograder import __main__ as autograder
-from autograder import exams
 from autograder.errors import ExamInvalid, GraderError
+from autograder.exam import catalog
 from autograder.exam.exam import Exam, Run
 from autograder.exam.scenario import Scenario
 from autograder.judging.judge import judge
@@ -29,16 +29,23 @@ BROKEN = {
 @pytest.fixture
 def broken_exam(tmp_path, monkeypatch):
     """Return a function that writes the one visible exam of a course."""
-    from autograder.exams import visible
-
-    folder = tmp_path / 'exams' / 'visible'
+    folder = tmp_path / 'broken_exams' / 'visible'
     folder.mkdir(parents=True)
-    monkeypatch.setattr(exams, '__file__', str(folder.with_name('__init__.py')))
-    monkeypatch.setattr(visible, '__path__', [str(folder)])
-    monkeypatch.setattr('autograder.judging.judge.EXAMS', folder.parent)
+    (tmp_path / 'course.toml').write_text("exams = 'broken_exams'\n")
+    (folder.parent / '__init__.py').touch()
+    monkeypatch.setenv('COURSE_DIR', str(tmp_path))
+    monkeypatch.setattr(sys, 'path', list(sys.path))
+    forget()
     yield (folder / 'sample.py').write_text
-    sys.modules.pop('autograder.exams.visible.sample', None)
-    exams.load.cache_clear()
+    forget()
+
+
+def forget() -> None:
+    """Forget which course was chosen before."""
+    for name in [name for name in sys.modules if name.partition('.')[0] == 'broken_exams']:
+        del sys.modules[name]
+    catalog.load.cache_clear()
+    catalog._package.cache_clear()
 
 
 @pytest.mark.parametrize('line', BROKEN)
@@ -49,7 +56,7 @@ def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, ca
     command = ['check', 'sample', '--files', str(tmp_path), '--visible']
     assert autograder.main(command) == autograder.USAGE
     (said,) = capsys.readouterr().err.splitlines()
-    place = r'autograder: autograder/exams/visible/sample\.py, line 3: '
+    place = r'autograder: broken_exams/visible/sample\.py, line 3: '
     assert re.match(place + BROKEN[line], said)
 
     told = checking.check('sample').problem.line()
@@ -61,11 +68,11 @@ def test_check_that_breaks_is_named_with_its_line(broken_exam):
     """The exam is at fault, and says where."""
     broken_exam('def sums(run):\n    """It sums."""\n    return 1 / 0\n\nexam = None\n')
     with pytest.raises(ExamInvalid, match='defines no whole exam'):
-        exams.load('sample', hidden=False)
+        catalog.load('sample', hidden=False)
     sample = Exam(
         'sample', title='T', assignment='01_x', part=1, cells=(), requires=(), scenario=Scenario()
     )
-    sample.check(points=1)(sys.modules['autograder.exams.visible.sample'].sums)
+    sample.check(points=1)(sys.modules['broken_exams.visible.sample'].sums)
 
     with pytest.raises(GraderError, match=r'sums of exam sample broke in .*\.py, line 3: Zero'):
         judge(sample, Run({}, Recording({}, ())))

@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.grading import built_package
 from autograder.grading.built_package import as_package, explained, MARK, package_name
 from autograder.recording import Recording
@@ -15,7 +15,7 @@ from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.runs.observe import HERE
 
 XML = '<package format="3">\n  <name> thermo </name>\n</package>'
-EXAM = as_package(exams.load('temperature_publisher', hidden=False), 'thermo')
+EXAM = as_package(catalog.load('temperature_publisher', hidden=False), 'thermo')
 
 
 def test_a_package_has_a_manifest_with_a_name_and_says_how_it_is_built():
@@ -29,7 +29,7 @@ def test_a_package_has_a_manifest_with_a_name_and_says_how_it_is_built():
 
 def test_the_exam_stays_the_same_but_for_what_runs():
     """Same checks and inputs; the course's own exam is not changed."""
-    exam = exams.load('temperature_publisher', hidden=False)
+    exam = catalog.load('temperature_publisher', hidden=False)
 
     assert EXAM.checks == exam.checks
     assert EXAM.scenario.steps == exam.scenario.steps
@@ -41,7 +41,7 @@ def test_the_exam_stays_the_same_but_for_what_runs():
 
 def test_an_exam_that_builds_anyway_stays_as_it_is():
     """The message exam builds whatever was handed in."""
-    exam = exams.load('temperature_message', hidden=False)
+    exam = catalog.load('temperature_message', hidden=False)
 
     assert as_package(exam, 'thermo') is exam
 

@@ -17,6 +17,7 @@ from autograder import __main__ as command
 from autograder.commands import grade as grading
 from autograder.commands.grade import NotEnteredError, submitted_folder
 from autograder.errors import SandboxUnavailable
+from autograder.exam import catalog
 from autograder.layout import Layout
 from autograder.sandboxes import choose
 from autograder.sandboxes.sandbox import Sandbox
@@ -79,7 +80,7 @@ def no_place_to_write(tmp_path, monkeypatch):
 
     (tmp_path / 'file').write_text('x')
     monkeypatch.delenv('COURSE_SECRET', raising=False)
-    monkeypatch.setattr(inputs, 'SECRET_FILE', tmp_path / 'file' / 'course_secret')
+    monkeypatch.setattr(Layout, 'secret', tmp_path / 'file' / 'course_secret')
     inputs.course_secret.cache_clear()
     yield tmp_path / 'file'
     inputs.course_secret.cache_clear()
@@ -90,12 +91,11 @@ def test_a_folder_that_cannot_be_written_is_one_line(
     how, no_place_to_write, tmp_path, capsys, monkeypatch
 ):
     """It names the file, and nobody reads a traceback."""
-    from autograder import exams
     from autograder.exam import inputs
 
     monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
-    monkeypatch.setattr(exams, 'for_assignment', lambda *_, **__: inputs.course_secret())
-    monkeypatch.setattr(exams, 'load', lambda *_, **__: inputs.course_secret())
+    monkeypatch.setattr(catalog, 'for_assignment', lambda *_, **__: inputs.course_secret())
+    monkeypatch.setattr(catalog, 'load', lambda *_, **__: inputs.course_secret())
     option = ['grade', '--submitted'] if how == 'grade' else ['check', 'a', '--files']
 
     assert command.main([*option, str(tmp_path)]) == command.USAGE
@@ -109,12 +109,11 @@ def test_a_folder_that_cannot_be_written_is_one_line(
 
 def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys, monkeypatch):
     """A full disk has no name."""
-    from autograder import exams
 
     def refuse(*_, **__):
         raise OSError(28, 'No space left on device')
 
-    monkeypatch.setattr(exams, 'load', refuse)
+    monkeypatch.setattr(catalog, 'load', refuse)
 
     assert command.main(['check', 'a', '--files', str(tmp_path)]) == command.USAGE
     assert one_line(capsys.readouterr()).startswith(
@@ -159,12 +158,11 @@ def test_a_python_without_the_packages_is_one_line(tmp_path):
 
 def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
     """Another Python would not help."""
-    from autograder import exams
 
     def refuse(*_, **__):
         raise ModuleNotFoundError("No module named 'autograder.x'", name='autograder.x')
 
-    monkeypatch.setattr(exams, 'load', refuse)
+    monkeypatch.setattr(catalog, 'load', refuse)
 
     with pytest.raises(ModuleNotFoundError):
         command.main(['check', 'a', '--files', str(tmp_path)])
@@ -367,7 +365,7 @@ def test_a_reader_that_leaves_is_no_trouble(monkeypatch, capfd):
 
     with os.fdopen(writing, 'w') as closed:
         monkeypatch.setattr(sys, 'stdout', closed)
-        parser = argparse.Namespace(parse_args=lambda _: argparse.Namespace(run=run))
+        parser = argparse.Namespace(parse_args=lambda _: argparse.Namespace(run=run, course=None))
         monkeypatch.setattr(command, '_parser', lambda: parser)
         assert command.main([]) == 141
         print('lost', file=closed, flush=True)

@@ -16,6 +16,7 @@ from autograder.authoring.exam_mistakes import (
 )
 from autograder.authoring.self_check import self_check
 from autograder.errors import ExamInvalid
+from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario
 from autograder.layout import Layout
@@ -337,11 +338,10 @@ class TestBeforeItIsUsed:
 
     def test_self_check_refuses_an_exam_before_it_runs_it(self, tmp_path: Path, monkeypatch):
         """A run that cannot end well would be told as the probe's fault."""
-        from autograder import exams
         from autograder.authoring import self_check as module
 
         wrong = exam(watch={'/t': 'std_msgs/msg/Strin'})
-        monkeypatch.setattr(exams, 'load', lambda *_, **__: wrong)
+        monkeypatch.setattr(catalog, 'load', lambda *_, **__: wrong)
         monkeypatch.setattr(
             module,
             'load_lesson',

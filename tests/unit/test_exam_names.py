@@ -8,8 +8,9 @@ import re
 
 import pytest
 
-from autograder import exams, judging
+from autograder import judging
 from autograder.errors import ExamInvalid, GraderError
+from autograder.exam import catalog
 from autograder.exam.exam import Exam, Run
 from autograder.exam.names import Names
 from autograder.exam.scenario import Call, Feed, Join, Offer, Scenario, set_parameter
@@ -171,7 +172,7 @@ def test_names_come_from_all_steps():
 @pytest.mark.parametrize('name', SHARED)
 def test_shared_advice_names_no_exercise(name):
     """Neither a topic, a parameter nor a message type of the course's exams."""
-    every = [exams.load(one, hidden=False).facts['exam_names'] for one in exams.names(False)]
+    every = [catalog.load(one, hidden=False).facts['exam_names'] for one in catalog.names(False)]
     topics = {topic.rpartition('/')[2] for one in every for topic in (*one.published, *one.heard)}
     parameters = {one for names in every for one in names.parameters}
     types = {kind for one in every for names in one.homes.values() for kind in names.split()}

@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.exam.exam import Run
 from autograder.grading.examine import judged
 from autograder.judging.causes.builds import diagnose
@@ -64,7 +64,7 @@ def test_no_node_file_is_put_where_a_folder_is():
 
 def test_a_giant_event_of_a_managed_node_breaks_no_check():
     """What is recorded by its size alone has no data."""
-    exam = {one.name: one for one in exams.for_assignment('06_managed_lifecycle', False)}[
+    exam = {one.name: one for one in catalog.for_assignment('06_managed_lifecycle', False)}[
         'managed_pressure'
     ]
     answers = []

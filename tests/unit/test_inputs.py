@@ -6,6 +6,7 @@ import pytest
 
 from autograder.errors import GraderError
 from autograder.exam import inputs
+from autograder.layout import Layout
 
 
 @pytest.fixture(autouse=True)
@@ -37,7 +38,7 @@ def test_purpose_exam_and_secret_each_change_the_inputs(monkeypatch):
 def test_secret_is_made_once_and_for_its_owner_alone(monkeypatch, tmp_path):
     """The file survives and nobody else may read it."""
     monkeypatch.delenv('COURSE_SECRET', raising=False)
-    monkeypatch.setattr(inputs, 'SECRET_FILE', tmp_path / 'work' / 'secret')
+    monkeypatch.setattr(Layout, 'secret', tmp_path / 'work' / 'secret')
     first = inputs.course_secret()
     inputs.course_secret.cache_clear()
 
@@ -54,7 +55,7 @@ def test_an_empty_secret_is_refused_wherever_it_stands(monkeypatch, tmp_path):
         inputs.generator('e', 'p')
 
     monkeypatch.delenv('COURSE_SECRET')
-    monkeypatch.setattr(inputs, 'SECRET_FILE', tmp_path / 'secret')
+    monkeypatch.setattr(Layout, 'secret', tmp_path / 'secret')
     (tmp_path / 'secret').write_bytes(b'\n')
     with pytest.raises(GraderError, match='secret: expected the secret of the course'):
         inputs.course_secret()

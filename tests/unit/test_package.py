@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.submission.package import own_files, read_package
 
 
@@ -42,8 +42,8 @@ def test_odd_bytes_are_replaced(tmp_path):
 def test_a_message_is_built_without_the_nodes_of_other_exercises():
     """As in grading; and an edit of a node builds nothing again."""
     files = {'package.xml': '', 'msg/Temperature.msg': '', 'temp_publisher.py': 'a node'}
-    message = exams.load('temperature_message', hidden=False)
-    publisher = exams.load('temperature_publisher', hidden=False)
+    message = catalog.load('temperature_message', hidden=False)
+    publisher = catalog.load('temperature_publisher', hidden=False)
 
     assert sorted(own_files(message, files)) == ['msg/Temperature.msg', 'package.xml']
     assert own_files(publisher, files) == files

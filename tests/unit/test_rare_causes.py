@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from autograder.exam.exam import Failed, Run
+from autograder.exams.readings import Reading, Sent
 from autograder.exams.visible import (
     sensor_watch,
     talker,
@@ -12,7 +13,6 @@ from autograder.exams.visible import (
     temperature_publisher,
     temperature_subscriber,
 )
-from autograder.judging.readings import Reading, Sent
 from autograder.recording import INFO, Recording, WARN
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stdout': ''})

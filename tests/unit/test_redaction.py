@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.exam.exam import Cause, Exam, Run
 from autograder.exam.scenario import Advance, Call, Feed, Join, Look, Mark, Offer
 from autograder.explaining.picture_data import pictures
@@ -254,7 +254,7 @@ def failures(exam: Exam) -> Iterator[tuple[str, Run, CheckResult]]:
 @pytest.mark.parametrize('name', NAMES)
 def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
     """Whatever a program does, and although it says again what it has heard."""
-    exam = exams.load(name)
+    exam = catalog.load(name)
     found = list(failures(exam))
     told = [
         (program, check.check, secret, texts_of(check))
@@ -269,7 +269,7 @@ def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
 @pytest.mark.parametrize('name', NAMES)
 def test_no_picture_of_a_hidden_exam_shows_its_namespace(name):
     """Names of topics are in pictures too."""
-    exam = exams.load(name)
+    exam = catalog.load(name)
     space = namespace_of(exam.scenario).strip('/')
 
     for _, run in runs_of(exam):
@@ -293,7 +293,7 @@ def test_no_picture_of_a_hidden_exam_shows_its_namespace(name):
 )
 def test_the_same_texts_are_concrete_where_the_inputs_are_public(name):
     """So the test above looks for what is really there; and learners read numbers."""
-    exam = alone(exams.load(name))
+    exam = alone(catalog.load(name))
     exam.hidden, exam.facts = False, {**exam.facts, 'secret': False}
 
     assert any(told_of(exam, texts_of(check)) for _, _, check in failures(exam))
@@ -302,7 +302,7 @@ def test_the_same_texts_are_concrete_where_the_inputs_are_public(name):
 @pytest.mark.parametrize('name', NAMES)
 def test_a_namespace_is_long_enough_to_be_left_out_of_texts(name):
     """Shorter letters may be a part of a word."""
-    space = namespace_of(exams.load(name).scenario).strip('/')
+    space = namespace_of(catalog.load(name).scenario).strip('/')
 
     assert not space or (len(space) >= 6 and not set(space) & set('aeiou'))
 
@@ -356,7 +356,7 @@ class TestWords:
         """A sentence stays a sentence."""
         texts = [
             texts_of(one)
-            for name, _, one in failures(exams.load(exam))
+            for name, _, one in failures(catalog.load(exam))
             if (name, one.check) == (program, check)
         ]
 

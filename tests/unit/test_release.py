@@ -127,15 +127,3 @@ class TestThisCourse:
     def test_everything_committed_fits_together(self):
         """The same as ``make check`` says."""
         assert course.check(Layout.here()) == []
-
-    def test_nbgrader_is_told_the_same_folders(self):
-        """Layout and nbgrader_config.py agree."""
-        from autograder.gradebook.settings import load_config
-
-        layout = Layout.here()
-        said = load_config(layout).CourseDirectory
-
-        assert layout.root / said.source_directory == layout.solutions
-        assert layout.root / said.release_directory == layout.notebooks
-        assert layout.root / said.submitted_directory == layout.submitted
-        assert said.db_url == f'sqlite:///{layout.work}/gradebook.db'

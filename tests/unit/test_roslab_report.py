@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from autograder import exams
+from autograder.exam import catalog
 from autograder.results import CheckResult, ExamResult, Problem, Verdict
 from roslab import checking, child, messages
 from roslab.child import Outcome
@@ -131,7 +131,7 @@ def test_files_with_a_stub_are_unfinished(exam, unfinished):
         'msg/Temperature.msg': 'float64 temperature_value',
     }
 
-    own = checking._of_exercise(exams.load(exam, hidden=False), files)
+    own = checking._of_exercise(catalog.load(exam, hidden=False), files)
 
     assert [name for name, text in own.items() if checking._is_stub(name, text)] == unfinished
 

@@ -183,11 +183,11 @@ def test_a_lesson_that_asks_for_its_nodes_is_compared_with_the_package():
         name: load_lesson(layout, name, NothingRuns())
         for name in ('03_topics', '07_temperature_monitor')
     }
-    nodes, package = finished(layout.root, lessons['07_temperature_monitor']).values()
+    nodes, package = finished(layout, lessons['07_temperature_monitor']).values()
 
     assert set(nodes) == {'temp_publisher.py', 'temp_subscriber.py'}
     assert {'threshold.py', *nodes} < set(package)
-    assert finished(layout.root, lessons['03_topics']) == {}
+    assert finished(layout, lessons['03_topics']) == {}
 
 
 def test_a_name_of_ros_is_no_name_of_the_students():

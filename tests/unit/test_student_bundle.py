@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 import posixpath
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -55,10 +56,11 @@ class TestPacking:
     """A small course with a file of every kind."""
 
     @pytest.fixture
-    def layout(self, tmp_path):
+    def layout(self, tmp_path, monkeypatch):
         """Return the course."""
         for name in (
             'README.md',
+            'course.toml',
             'docs/students.md',
             'instructors.mk',
             'nbgrader_config.py',
@@ -82,6 +84,8 @@ class TestPacking:
             path = tmp_path / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(name)
+        shutil.copy(ROOT / 'course.toml', tmp_path)
+        monkeypatch.setattr(student_bundle, 'PROJECT', tmp_path)
         (tmp_path / 'roslab' / 'link.py').symlink_to(tmp_path / 'solutions/01/a.ipynb')
         return Layout(tmp_path)
 
@@ -91,6 +95,7 @@ class TestPacking:
             'README.md',
             'autograder/exams/visible/talker.py',
             'autograder/judging/judge.py',
+            'course.toml',
             'notebooks/01/a.ipynb',
             'roslab/api.py',
             'temp_monitor_pkg/launch/x.launch.py',
@@ -100,7 +105,7 @@ class TestPacking:
         """A new bundle means a new course."""
         first, second = tmp_path / 'a.zip', tmp_path / 'b.zip'
 
-        assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 7
+        assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 8
         assert first.read_bytes() == second.read_bytes()
         assert zipfile.ZipFile(first).testzip() is None
 

@@ -8,9 +8,9 @@ import pytest
 
 from autograder.exam.exam import Failed, Run
 from autograder.exam.scenario import RosClock
+from autograder.exams.readings import Reading, share_of
 from autograder.exams.visible import temperature_publisher as publisher
 from autograder.exams.visible import temperature_subscriber as subscriber
-from autograder.judging.readings import Reading, share_of
 from autograder.recording import ERROR, INFO, Recording, WARN
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})

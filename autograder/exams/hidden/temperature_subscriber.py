@@ -6,8 +6,8 @@ import math
 import random
 
 from autograder.exam.inputs import generator
+from autograder.exams.readings import Reading
 from autograder.exams.visible.temperature_subscriber import build
-from autograder.judging.readings import Reading
 
 
 def edges(draw: random.Random) -> list[Reading]:

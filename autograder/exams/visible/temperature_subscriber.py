@@ -14,17 +14,7 @@ import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, Scenario
-from autograder.judging.causes.ended import why_silent
-from autograder.judging.causes.missing_logs import (
-    LEVELS,
-    why_dropped,
-    why_elsewhere,
-    why_other_logger,
-    why_printed,
-)
-from autograder.judging.causes.not_answering import nobody_answers
-from autograder.judging.checks import require_endpoint, require_node, require_partner
-from autograder.judging.reading_errors import (
+from autograder.exams.reading_errors import (
     LOGGED_TWICE,
     NEEDLESS_ERROR,
     ONE_LINE,
@@ -35,7 +25,7 @@ from autograder.judging.reading_errors import (
     why_nan,
     why_refused,
 )
-from autograder.judging.readings import (
+from autograder.exams.readings import (
     cool_groups,
     each_shown_twice,
     is_right,
@@ -46,6 +36,16 @@ from autograder.judging.readings import (
     shown_in,
     THRESHOLD_C,
 )
+from autograder.judging.causes.ended import why_silent
+from autograder.judging.causes.missing_logs import (
+    LEVELS,
+    why_dropped,
+    why_elsewhere,
+    why_other_logger,
+    why_printed,
+)
+from autograder.judging.causes.not_answering import nobody_answers
+from autograder.judging.checks import require_endpoint, require_node, require_partner
 from autograder.recording import ERROR, INFO, WARN
 
 NODE = '/temperature_subscriber'

@@ -16,14 +16,15 @@ from autograder.judging.causes.exception_table import KINDS
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.judging.causes.unknown_names import (
     home_cause,
-    HOMES,
+    homes,
     import_cause,
     init_cause,
     local_cause,
     name_cause,
 )
+from autograder.layout import Layout
 
-__all__ = ['HOMES', 'exception_cause']
+__all__ = ['exception_cause']
 
 _CALLBACK = re.compile(r'callback should be either be callable')
 _ARGUMENTS = re.compile(
@@ -50,13 +51,6 @@ _HOLDS_MORE = ('Header', 'ColorRGBA', 'Empty')
 
 MOST_SUBSCRIPTIONS = 20
 """How many of them are looked at."""
-
-MAIN_FIELDS = {
-    'temp_monitor_pkg Temperature': 'temperature_value',
-    'temp_monitor_pkg Num': 'num',
-    'builtin_interfaces Time': 'sec',
-}
-"""The field of a message type that is meant where the whole message is given."""
 
 BY_NAME = {'QoSProfile': 'QoSProfile(depth=10)', 'Duration': 'Duration(seconds=0.3)'}
 """Classes of rclpy that take their values by name only."""
@@ -276,7 +270,7 @@ def _messages(trace: Traceback) -> Mapping[str, str]:
     """Return the package of each message type of the lessons, or that the code imports."""
     known = {
         name: home.removesuffix('.msg')
-        for home, names in (*HOMES.items(), *trace.names.homes.items())
+        for home, names in (*homes().items(), *trace.names.homes.items())
         if home.endswith('.msg')
         for name in names.split()
     }
@@ -289,7 +283,9 @@ def _main_field(name: str, package: str) -> str:
     """Return the field that holds what a message is about, or nothing if there are several."""
     if package == 'std_msgs' and name not in _HOLDS_MORE and not name.endswith('Array'):
         return 'data'
-    return MAIN_FIELDS.get(f'{package} {name}', '')
+    if (package, name) == ('builtin_interfaces', 'Time'):
+        return 'sec'
+    return Layout.here().facts.messages.get(f'{package}/msg/{name}', '')
 
 
 def _heard(trace: Traceback) -> Mapping[str, str]:

@@ -14,7 +14,7 @@ import re
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.ended import close_name, why_no_verdict, why_silent
-from autograder.judging.causes.unknown_names import HOMES
+from autograder.judging.causes.unknown_names import homes
 from autograder.recording import Recording
 
 _IMPORT = re.compile(
@@ -141,7 +141,7 @@ def why_refused(run: Run, name: str) -> Cause:
             f'Write def on_{name}({lone[1] or "self"}, state):',
         )
     if missing := _not_imported(code):
-        home = next(module for module, names in HOMES.items() if missing in names.split())
+        home = next(module for module, names in homes().items() if missing in names.split())
         return Cause(
             'missing_import',
             f'{missing} is used and not imported; rclpy swallows the NameError of on_{name}() '
@@ -173,7 +173,7 @@ def _not_imported(code: str) -> str:
     imported = ' '.join(found[1] for found in _IMPORT.finditer(code))
     if '*' in imported:
         return ''
-    for name in (name for names in HOMES.values() for name in names.split()):
+    for name in (name for names in homes().values() for name in names.split()):
         made = re.search(rf'\b{name}\b', imported) or re.search(
             rf'^[ \t]*(?:class[ \t]+{name}\b|{name}[ \t]*=)', code, re.M
         )

@@ -13,6 +13,7 @@ import sys
 
 from autograder.exam.exam import Cause
 from autograder.judging.causes.tracebacks import Traceback
+from autograder.layout import Layout
 from autograder.submission.code.code_places import outer_scope
 
 _NAME = re.compile(r"name '(\w{1,60})' is not defined")
@@ -36,13 +37,22 @@ HOMES = {
     'rclpy.duration': 'Duration',
     'rclpy.event_handler': 'SubscriptionEventCallbacks PublisherEventCallbacks',
     'std_msgs.msg': 'String Float64 Float32 Int32 Bool',
-    'temp_monitor_pkg.msg': 'Temperature Num',
     'geometry_msgs.msg': 'Twist TwistStamped Point Pose PoseStamped Quaternion Vector3',
     'sensor_msgs.msg': 'LaserScan Imu Image BatteryState Range JointState',
     'nav_msgs.msg': 'Odometry OccupancyGrid',
     'std_srvs.srv': 'SetBool Trigger',
 }
 """Where the names of the lessons, and of the most used messages, come from."""
+
+
+def homes() -> Mapping[str, str]:
+    """Return where names come from, those of the course's own messages too: module -> names."""
+    own: dict[str, str] = {}
+    for one in Layout.here().facts.messages:
+        package, kind, name = one.split('/')
+        own[f'{package}.{kind}'] = f'{own.get(f"{package}.{kind}", "")} {name}'.strip()
+    return {**HOMES, **own}
+
 
 OTHER_HOMES = {
     'time': 'sleep',
@@ -58,7 +68,6 @@ OTHER_HOMES = {
 
 ALIASES = {'np': 'import numpy as np'}
 MODULES = ('rclpy', 'math', 'random', 'time')
-PACKAGES = (*HOMES, *(home.partition('.')[0] for home in HOMES), 'builtin_interfaces.msg')
 INSTALLED = (*(one for one in sorted(sys.stdlib_module_names) if one[0] != '_'), 'numpy')
 """Modules that are there wherever rclpy is."""
 
@@ -99,7 +108,7 @@ def import_cause(trace: Traceback) -> Cause | None:
     if not found:
         return Cause('import', text, 'Check the spelling of the package and of the name.')
     name, module = found[1], found[2]
-    home = _home(name, trace.names.homes, HOMES)
+    home = _home(name, trace.names.homes, homes())
     meant = _MEANT.search(trace.error)
     try_this = f'Check the spelling of the name; help({module}) lists what it has.'
     if home == module:
@@ -118,7 +127,7 @@ def import_cause(trace: Traceback) -> Cause | None:
 def home_cause(trace: Traceback) -> Cause | None:
     """Explain a name that is looked for in another module than its own, such as rclpy.Node."""
     found = _ATTRIBUTE.search(trace.error)
-    home = _home(found[2], trace.names.homes, HOMES) if found else ''
+    home = _home(found[2], trace.names.homes, homes()) if found else ''
     if trace.kind != 'AttributeError' or found is None or not home:
         return None
     return Cause(
@@ -144,7 +153,9 @@ def _module_cause(trace: Traceback, module: str) -> Cause:
             'Leave it out here. A node file starts by itself: main() calls rclpy.init(), makes '
             'the node, and calls rclpy.spin(node).',
         )
-    packages = (*trace.names.homes, *PACKAGES)
+    known = homes()
+    packages = (*trace.names.homes, *known, *(home.partition('.')[0] for home in known))
+    packages = (*packages, 'builtin_interfaces.msg')
     near = difflib.get_close_matches(module, packages, n=1, cutoff=0.8)
     if not near and not _MESSAGES.fullmatch(module):
         alike = [one for one in INSTALLED if one[0] == module[0]]
@@ -196,7 +207,7 @@ def _import_line(name: str, trace: Traceback) -> str:
     for one, use, line in USES:
         if one == name and re.search(use, code):
             return line
-    if home := _home(name, trace.names.homes, HOMES, OTHER_HOMES):
+    if home := _home(name, trace.names.homes, homes(), OTHER_HOMES):
         return f'from {home} import {name}'
     # Half the modules of Python have names that variables have too, such as code or string.
     as_module = name in sys.stdlib_module_names and re.search(rf'\b{name}\.\w', code)

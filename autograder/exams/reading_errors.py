@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import re
 
 from autograder.exam.exam import Cause, Run
+from autograder.exams.readings import Reading, Sent, sent, shown_in
 from autograder.judging.causes.ended import close_name
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.tracebacks import PUBLIC, Traceback
-from autograder.judging.readings import Reading, Sent, sent, shown_in
 from autograder.recording import ERROR, Event, INFO, WARN
 from autograder.submission.code.learners_code import calls, subscription_depths, texts_in
 

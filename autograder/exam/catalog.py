@@ -1,0 +1,117 @@
+"""
+Find the exams of a course: a package that ``course.toml`` names, one module an exam.
+
+``visible`` in it is shipped to learners, ``hidden`` is what is graded.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+import importlib
+import pkgutil
+import sys
+from types import ModuleType
+
+from autograder.errors import ExamInvalid, GraderError, line_in
+from autograder.exam.exam import Exam
+from autograder.layout import FILE, Layout
+
+
+@cache
+def _package() -> ModuleType:
+    """
+    Import the package of the exams from the root of the course.
+
+    :raises ExamInvalid: if there is none
+    """
+    course = Layout.here()
+    if str(course.root) not in sys.path:
+        sys.path.insert(0, str(course.root))
+    try:
+        return importlib.import_module(course.facts.exams)
+    except ModuleNotFoundError as error:
+        raise ExamInvalid(
+            f'{course.root / FILE}: exams = {course.facts.exams!r}: {error}.',
+            f'Try: name a package that Python finds from {course.root}.',
+        ) from error
+
+
+def names(hidden: bool = True) -> tuple[str, ...]:
+    """
+    Return the names of all exams.
+
+    :raises ExamInvalid: if this copy of the course has none of this kind
+    """
+    try:
+        package = importlib.import_module(f'{_package().__name__}.{_folder(hidden)}')
+    except ModuleNotFoundError:
+        raise ExamInvalid(
+            'The hidden exams are not part of this copy of the course.',
+            'Grading needs the full project; visible checks work without it.',
+        ) from None
+    return tuple(module.name for module in pkgutil.iter_modules(package.__path__))
+
+
+def _folder(hidden: bool) -> str:
+    return 'hidden' if hidden else 'visible'
+
+
+@cache
+def load(name: str, hidden: bool = True) -> Exam:
+    """
+    Return an exam.
+
+    :param name: as in the grade cell ``check('<name>')``
+    :param hidden: the full exam, or the visible one that learners have
+    :raises ExamInvalid: if there is none, with the names that exist; or if its file is broken
+    """
+    folder, known = _folder(hidden), names(hidden)
+    if name not in known:
+        raise ExamInvalid(f'There is no exam {name!r}.', f'Known: {", ".join(known)}.')
+    exam = getattr(_module(folder, name), 'exam', None)
+    if not isinstance(exam, Exam) or exam.name != name or not exam.checks:
+        raise ExamInvalid(f'{_file_of(folder, name)} defines no whole exam {name!r}.')
+    if hidden and not exam.hidden:
+        exam.hidden = True
+        exam.facts['secret'] = True
+    return exam
+
+
+def _module(folder: str, name: str) -> ModuleType:
+    """
+    Return the module of an exam.
+
+    :raises ExamInvalid: if its file cannot be imported, with file, line and message
+    """
+    try:
+        return importlib.import_module(f'{_package().__name__}.{folder}.{name}')
+    except GraderError:
+        raise  # it has its place
+    except Exception as error:  # noqa: BLE001 - whatever somebody's exam raises
+        place = line_in(Layout.here().exams, error)
+        where = _from_root(place) if place else _file_of(folder, name)
+        said = ' '.join(str(getattr(error, 'msg', '') or error).split())
+        raise ExamInvalid(
+            f'{where}: {type(error).__name__}: {said}.', 'Try: correct that line'
+        ) from error
+
+
+def _file_of(folder: str, name: str) -> str:
+    return _from_root(f'{Layout.here().exams.name}/{folder}/{name}.py')
+
+
+def _from_root(place: str) -> str:
+    """Return how a course calls a file: by its path from the root."""
+    course = Layout.here()
+    return str((course.exams.parent / place).relative_to(course.root))
+
+
+def for_assignment(assignment: str, hidden: bool = True) -> tuple[Exam, ...]:
+    """
+    Return the exams of a lesson, in the lesson's order.
+
+    :param assignment: folder name, such as ``07_temperature_monitor``
+    """
+    exams = [load(name, hidden) for name in names(hidden)]
+    found = [exam for exam in exams if exam.assignment == assignment]
+    return tuple(sorted(found, key=lambda exam: exam.part))
