@@ -47,7 +47,8 @@ class Watchdog:
         self.builds = builds
         self.cpu_s = 0.0
         self.began = self.looked = time.monotonic()
-        self.still_s, self.used_ns = 0.0, 0
+        self.still_s: dict[float, float] = {}
+        self.used_ns = 0
         self.progress: tuple[int, ...] = ()
 
     def is_due(self) -> bool:
@@ -73,19 +74,19 @@ class Watchdog:
         others_ns = sum(sum(used_ns(pid)) for pid in self.others)
         used_s = max(0, student_ns + others_ns - self.used_ns) / 1e9
         self.used_ns = student_ns + others_ns
-        still_s = self._stands_still_s(recorded, self.looked - before, used_s)
+        stands_still = self._stands_still(recorded, begun, self.looked - before, used_s)
         return (
-            self._too_long(begun, others_ns / 1e9, still_s)
+            self._too_long(begun, others_ns / 1e9, stands_still)
             or ('output_limit' if printed > self.limits.output else '')
             or (self._too_large(resident) if runs else '')
         )
 
-    def _too_long(self, begun: bool, others_s: float, still_s: float) -> str:
+    def _too_long(self, begun: bool, others_s: float, stands_still: bool) -> str:
         if self.cpu_s + others_s > self.limits.cpu_s:
             return 'cpu_limit'
         if others_s > self.cpu_s + PROBE_S:
             return 'probe_broken'
-        if still_s > OUTSIDE_S and still_s > self._patience_s(begun):
+        if stands_still:
             return 'waits_outside'
         if not begun and not self.builds and self.cpu_s > BUSY_S:
             return 'busy_before_node'
@@ -100,22 +101,30 @@ class Watchdog:
         # A sandbox's folders have a size of their own.
         return 'disk_limit' if self.student.home and size > self.limits.folder else ''
 
-    def _stands_still_s(self, recorded: int, passed_s: float, used_s: float) -> float:
+    def _stands_still(self, recorded: int, begun: bool, passed_s: float, used_s: float) -> bool:
         """
-        Return how long no process has computed since virtual time last moved [s].
+        Tell whether no process has computed for too long since virtual time last moved.
 
+        What passes counts against the patience that is due meanwhile: a probe that somebody has
+        stopped for a second leaves the program its own 0.3 s.
+
+        :param recorded: bytes that came from the probe
+        :param begun: whether a node was seen
         :param passed_s: real time since the last look
         :param used_s: processor time since then, of the program, the probe and the driver
         """
         everyone = (self.student.pid, *self.others)
         progress = (self.clock.jumps, recorded)
         if progress != self.progress:
-            self.progress, self.still_s = progress, 0.0
+            self.progress, self.still_s = progress, {}
         elif not any(b'R' in states(pid) for pid in everyone):
             # If it was this process that did not look for long, the program is not to blame.
             passed_s = min(passed_s, 2 * WATCH_EVERY_S)
-            self.still_s += max(0.0, passed_s - used_s)
-        return self.still_s
+            patience_s = self._patience_s(begun)
+            still_s = self.still_s.get(patience_s, 0.0) + max(0.0, passed_s - used_s)
+            self.still_s[patience_s] = still_s
+            return still_s > patience_s
+        return False
 
     def _patience_s(self, begun: bool) -> float:
         if not self.student.released or (self.builds and not begun):

@@ -1,0 +1,58 @@
+"""How long nothing may happen before a run ends."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from autograder.runs import watchdog
+from autograder.sandboxes.confined import Limits
+
+PROGRAM, PROBE = 1, 2
+
+
+@pytest.fixture
+def look(monkeypatch):
+    """Return a function that looks a number of times at processes in a state, 0.1 s apart."""
+    clock = SimpleNamespace(now=0.0, jumps=0)
+    state = {}
+    monkeypatch.setattr(watchdog.time, 'monotonic', lambda: clock.now)
+    monkeypatch.setattr(watchdog, 'states', lambda pid: state[pid])
+    monkeypatch.setattr(watchdog, 'usage', lambda pid: (0, 0.0))
+    monkeypatch.setattr(watchdog, 'used_ns', lambda pid: [0])
+    process = SimpleNamespace(poll=lambda: None)
+    student = SimpleNamespace(
+        pid=PROGRAM, process=process, released=True, files=lambda: (0, 0), home=None
+    )
+    dog = watchdog.Watchdog(student, (PROBE,), Limits(), clock, builds=False)
+
+    def look(times: int, program: bytes, probe: bytes) -> str:
+        state.update({PROGRAM: program, PROBE: probe})
+        for _ in range(times):
+            clock.now += 0.1
+            if said := dog.look(recorded=0, printed=0, begun=True):
+                return said
+        return ''
+
+    return look
+
+
+def test_a_program_that_waits_outside_the_clock_has_a_third_of_a_second(look):
+    """Three looks are no more than that, a fourth is."""
+    assert look(1, b'S', b'S') == ''  # the first look sees what has happened so far
+    assert look(2, b'S', b'S') == ''
+    assert look(2, b'S', b'S') == 'waits_outside'
+
+
+def test_a_probe_that_was_stopped_leaves_the_program_its_own_patience(look):
+    """It goes on, and is not yet seen to run: the second before is not the program's."""
+    assert look(20, b'S', b'T') == ''
+    assert look(2, b'S', b'S') == ''
+    assert look(2, b'S', b'S') == 'waits_outside'
+
+
+def test_a_program_that_waits_for_a_disk_has_three_seconds(look):
+    """So does one that waits for a child of vfork, which looks the same."""
+    assert look(30, b'D', b'S') == ''
+    assert look(3, b'D', b'S') == 'waits_outside'
