@@ -1,5 +1,5 @@
 """
-Command line of the set-up, run from the root of the project by any Python from 3.10 on.
+Command line of the set-up, run in the folder of a course by any Python from 3.10 on.
 
     python3 -m environment prepare   prepare everything (what make does first)
     python3 -m environment ready     end with code 0 if there is nothing to prepare
@@ -14,15 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 import os
+from pathlib import Path
 import sys
 
-from environment.places import Places
+from environment.places import Places, PROJECT
 
 
 def main(arguments: Sequence[str], environ: Mapping[str, str]) -> int:
     """Run one command and return its exit code."""
     command, rest = (arguments[0] if arguments else ''), list(arguments[1:])
-    places = Places.of(environ.get('VENV') or '.venv')
+    course = Path.cwd() if Path('course.toml').is_file() else PROJECT
+    places = Places.of(environ.get('VENV') or '.venv', course)
     # Imported where they are used: `ready` runs before every make goal and has to be quick.
     if command == 'ready':
         from environment.stamps import is_ready

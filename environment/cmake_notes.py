@@ -16,7 +16,7 @@ import shlex
 import shutil
 import subprocess
 
-from environment.places import COURSE_PACKAGE, Places, PROJECT, write_atomically
+from environment.places import Places, PROJECT, write_atomically
 
 STAND_IN = PROJECT / 'autograder' / 'inside' / 'hand_over.py'
 """What CMake takes for Python in the grader's builds: it saves them the start of a Python."""
@@ -44,7 +44,8 @@ def keep(places: Places) -> bool:
 
     :returns: whether there were any of the known form
     """
-    built, known = places.workspace / 'build' / COURSE_PACKAGE, places.cmake / 'known'
+    package = places.package_name
+    built, known = places.workspace / 'build' / package, places.cmake / 'known'
     shutil.rmtree(known, ignore_errors=True)
     try:
         cache = dict(ENTRY.findall((built / 'CMakeCache.txt').read_text('utf-8')))
@@ -58,7 +59,7 @@ def keep(places: Places) -> bool:
         shutil.copyfile(note, known / note.parent.name / note.name)
     _write_stand_in(known / 'python', cache['_Python3_EXECUTABLE'])
     for name, language, called, target, defines in HEADERS:
-        flags = built / 'CMakeFiles' / f'{COURSE_PACKAGE}__{target}.dir' / 'flags.make'
+        flags = built / 'CMakeFiles' / f'{package}__{target}.dir' / 'flags.make'
         shutil.copyfile(places.cmake / name, known / name)
         _precompile(known / name, flags, language, called, defines)
     return True

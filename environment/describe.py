@@ -116,6 +116,16 @@ def _describe(
     )
 
 
+def trial_of_messages(package: str) -> str:
+    """Return a Python program that loads every message of a built package."""
+    return f"""
+import rclpy
+import {package}.msg as messages
+for name in [name for name in dir(messages) if name[0].isupper()]:
+    type(getattr(messages, name)).__import_type_support__()
+"""
+
+
 def with_workspace(base: Mapping[str, str], prefix: Path) -> dict[str, str]:
     """
     Return the variables with a built workspace in front.

@@ -19,10 +19,11 @@ import subprocess
 import sys
 
 from environment import install_files, interpreters, messages, stamps, system
+from environment.describe import trial_of_messages
 from environment.exchange import exchange_root, unprotected
 from environment.interpreters import Interpreter
 from environment.pins import canonical, is_ros, pins_for
-from environment.places import COURSE_PACKAGE, LOCK_FILE, Places
+from environment.places import LOCK_FILE, Places
 from environment.ros import (
     EnvironmentError_,
     further_messages,
@@ -46,10 +47,6 @@ with tempfile.TemporaryDirectory() as name:
     (folder / 'Trial.msg').write_text('float64 value\\nstring unit\\n')
     idl = convert_msg_to_idl(folder, 'trial', pathlib.Path('Trial.msg'), folder)
     parse_idl_string(idl.read_text())
-"""
-_MESSAGES = """
-from temp_monitor_pkg.msg import Temperature
-type(Temperature).__import_type_support__()
 """
 _UBUNTU_FIX = (
     'on Ubuntu 24.04: sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0; in a '
@@ -248,7 +245,7 @@ def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
     trials = (
         ('rclpy', 'import rclpy', 'base', ANEW),
         ('message generators', _GENERATORS, 'base', ANEW),
-        ('course messages', _MESSAGES, 'full', PREPARE),
+        ('course messages', trial_of_messages(ros.package if ros else ''), 'full', PREPARE),
     )
     for name, code, which, fix in trials:
         if ros is None:
@@ -275,8 +272,8 @@ def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
 
 def check_workspace(places: Places) -> Finding:
     """Judge the built course package: there, and built from the sources as they are."""
-    name = COURSE_PACKAGE
-    programs = places.prefix / 'lib' / COURSE_PACKAGE
+    name = places.package_name
+    programs = places.prefix / 'lib' / name
     if not programs.is_dir():
         return Finding(name, MISSING, 'not built', PREPARE)
     if not stamps.read_stamp(places, 'workspace'):

@@ -145,8 +145,10 @@ def write_style(places: Places) -> None:
 
 
 def write_path_file(places: Places) -> None:
-    """Put the project root on the venv's module path."""
-    write_atomically(places.site_packages() / 'ros2_course.pth', f'{places.project}\n')
+    """Put the grader and the course on the venv's module path."""
+    folders = dict.fromkeys((places.project, PROJECT))
+    lines = ''.join(f'{folder}\n' for folder in folders)
+    write_atomically(places.site_packages() / 'ros2_course.pth', lines)
 
 
 def write_description(places: Places, ros: RosEnvironment) -> None:

@@ -14,17 +14,19 @@ MESSAGES_FILE = PROJECT / 'environment' / 'messages.txt'
 CLOCK_SOURCES = PROJECT / 'autograder' / 'clock'
 
 
-def course_package(project: Path) -> str:
-    """Return the name of the ROS package that ``course.toml`` names."""
+def stated(project: Path, name: str) -> str:
+    """
+    Return what ``course.toml`` says: the text of the line ``name = '...'``.
+
+    :param project: the folder of a course; without a ``course.toml``, that of the set-up counts
+    """
+    files = (project / 'course.toml', PROJECT / 'course.toml')
     # Read so, as Python 3.10 has no tomllib.
-    text = (project / 'course.toml').read_text(encoding='utf-8')
-    found = re.search(r"^package = '(\w+)'$", text, re.MULTILINE)
+    text = next(file for file in files if file.is_file()).read_text(encoding='utf-8')
+    found = re.search(rf"^{name} = '([\w.]+)'$", text, re.MULTILINE)
     if not found:
-        raise ValueError(f"{project}/course.toml: expected a line package = 'NAME'")
+        raise ValueError(f"{project / 'course.toml'}: expected a line {name} = 'NAME'")
     return found[1]
-
-
-COURSE_PACKAGE = course_package(PROJECT)
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ class Places:
     Where things are in one prepared environment.
 
     :param venv: the virtual environment, absolute
-    :param project: the root of the project
+    :param project: the folder of the course
     """
 
     venv: Path
@@ -90,19 +92,25 @@ class Places:
         return self.venv / 'workspace'
 
     @property
+    def package_name(self) -> str:
+        """Name of the course's own ROS package."""
+        return stated(self.project, 'package')
+
+    @property
     def prefix(self) -> Path:
         """Install prefix of the course's own ROS package."""
-        return self.workspace / 'install' / COURSE_PACKAGE
+        return self.workspace / 'install' / self.package_name
 
     @property
     def package(self) -> Path:
         """Sources of the course's own ROS package."""
-        return self.project / COURSE_PACKAGE
+        return self.project / self.package_name
 
     @property
     def for_students(self) -> bool:
         """Whether this copy of the course lacks the hidden exams, as students' copies do."""
-        return not (self.project / 'autograder' / 'exams' / 'hidden').is_dir()
+        exams = stated(self.project, 'exams').split('.')
+        return not self.project.joinpath(*exams, 'hidden').is_dir()
 
     def site_packages(self) -> Path:
         """Return the folder of the installed Python packages, whichever Python the venv has."""

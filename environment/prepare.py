@@ -20,6 +20,7 @@ import sys
 from environment import (
     clock,
     cmake_notes,
+    describe,
     install_files,
     interpreters,
     messages,
@@ -28,16 +29,9 @@ from environment import (
     system,
 )
 from environment.pins import pins_for
-from environment.places import COURSE_PACKAGE, LOCK_FILE, Places
+from environment.places import LOCK_FILE, Places
 from environment.plan import make_plan, Plan
 from environment.steps import Job, locked, run_steps, Screen, Step, StepError
-
-_TRIAL = """
-import rclpy
-from temp_monitor_pkg.msg import Num, Temperature
-for message in (Num, Temperature):
-    type(message).__import_type_support__()
-"""
 
 
 def prepare(places: Places, environ: Mapping[str, str]) -> bool:
@@ -113,7 +107,7 @@ def steps_of(plan: Plan) -> list[Step]:
         ),
         Step(
             'workspace',
-            f'ROS package {COURSE_PACKAGE}',
+            f'ROS package {plan.places.package_name}',
             lambda: unstamped('workspace'),
             lambda job: build_workspace(plan, job),
             about='ten to thirty seconds',
@@ -297,23 +291,23 @@ def package_sources(plan: Plan, job: Job) -> Path:
 
     :raises StepError: if there is neither the package nor a packed one
     """
-    package = plan.places.package
+    package, name = plan.places.package, plan.places.package_name
     if (package / 'package.xml').is_file():
         return package
     packed = package / packed_package.FILE
     if not packed.is_file():
         raise StepError(f'{package}: expected the ROS package, found no package.xml')
-    sources = plan.places.workspace / 'src' / COURSE_PACKAGE
+    sources = plan.places.workspace / 'src' / name
     shutil.copytree(package, sources)
     packed_package.unpack(packed.read_bytes(), sources)
     job.run(
         # Beside the sources, which then may go; -d: what tracebacks call their folder.
-        [str(plan.places.python), '-m', 'compileall', '-q', '-b', '-d', COURSE_PACKAGE]
-        + ['--invalidation-mode', 'unchecked-hash', str(sources / COURSE_PACKAGE)],
+        [str(plan.places.python), '-m', 'compileall', '-q', '-b', '-d', name]
+        + ['--invalidation-mode', 'unchecked-hash', str(sources / name)],
         plan.clean_environ(),
         'compileall',
     )
-    for module in (sources / COURSE_PACKAGE).glob('*.py'):
+    for module in (sources / name).glob('*.py'):
         module.unlink()
     return sources
 
@@ -328,7 +322,8 @@ def build_clock(plan: Plan, job: Job) -> None:
 def try_imports(plan: Plan, job: Job) -> None:
     """Start a fresh Python with the described variables and load ROS and the messages."""
     ros = plan.description()
-    job.run([ros.python, '-c', _TRIAL], {**plan.clean_environ(), **ros.variables}, 'python')
+    command = [ros.python, '-c', describe.trial_of_messages(ros.package)]
+    job.run(command, {**plan.clean_environ(), **ros.variables}, 'python')
 
 
 def _can_grade(plan: Plan) -> bool:

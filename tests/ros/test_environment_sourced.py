@@ -1,41 +1,23 @@
-"""
-Preparing from a sourced ROS 2 installation, tried with a stand-in prefix.
+"""Preparing from a sourced ROS 2 installation, tried with a stand-in prefix."""
 
-The stand-in is the prepared environment itself, seen as an apt installation is seen: a Python
-without packages of its own, and ROS 2 reached only through what a setup file exports.
-"""
-
-import io
-import os
 import subprocess
 import sys
-import sysconfig
 
 import pytest
 
-from environment import prepare, stamps
-from environment.describe import join_paths
-from environment.places import COURSE_PACKAGE, Places, PROJECT
+from environment.places import Places, PROJECT
 from environment.plan import make_plan
 from environment.ros import ros_environment
-from environment.steps import run_steps, Screen
+from tests.ros.stand_in import go, install_colcon_only, sourced_shell
 
+COURSE_PACKAGE = 'temp_monitor_pkg'
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
 
 @pytest.fixture
 def shell():
     """Return the environment of a shell in which the stand-in is sourced."""
-    base = ros_environment().base_variables
-    exported = ('AMENT_PREFIX_PATH', 'LD_LIBRARY_PATH', 'CMAKE_TOOLCHAIN_FILE')
-    return {
-        **{name: base[name] for name in exported if name in base},
-        'HOME': os.environ.get('HOME', '/tmp'),
-        'PATH': '/usr/local/bin:/usr/bin:/bin',
-        'PYTHON': getattr(sys, '_base_executable', sys.executable),
-        'PYTHONPATH': join_paths(sysconfig.get_path('purelib'), base.get('PYTHONPATH', '')),
-        'ROS_DISTRO': 'jazzy',
-    }
+    return sourced_shell()
 
 
 @pytest.fixture
@@ -43,25 +25,6 @@ def places(tmp_path):
     """Return the places of a project that has only the ROS package."""
     (tmp_path / COURSE_PACKAGE).symlink_to(PROJECT / COURSE_PACKAGE)
     return Places.of('.venv', tmp_path)
-
-
-def install_colcon_only(plan):
-    """Replace pip, which would need the network: make only colcon callable."""
-    colcon = plan.places.venv / 'bin' / 'colcon'
-    colcon.write_text(
-        f'#!{plan.places.python}\n'
-        'import sys\nfrom colcon_core.command import main\nsys.exit(main())\n'
-    )
-    colcon.chmod(0o755)
-    stamps.write_stamp(plan.places, 'packages', plan.digest('packages'))
-
-
-def go(plan, *names):
-    """Run some of the steps of a plan; return what was shown."""
-    steps = [step for step in prepare.steps_of(plan) if step.name in names]
-    out = io.StringIO()
-    assert run_steps(steps, plan.places.logs, Screen(out)), out.getvalue()
-    return out.getvalue()
 
 
 def test_prepare_sourced_prefix_builds_and_serves_later_shells(shell, places):

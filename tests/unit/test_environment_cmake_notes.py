@@ -9,7 +9,7 @@ import subprocess
 import pytest
 
 from environment.cmake_notes import HEADERS, keep
-from environment.places import COURSE_PACKAGE, Places
+from environment.places import Places
 
 CACHE = """# comment
 CMAKE_PLATFORM_INFO_INITIALIZED:INTERNAL=1
@@ -20,6 +20,8 @@ _Python3_INCLUDE_DIR:INTERNAL=/include/python3.12
 _Python3_INTERPRETER_PROPERTIES:INTERNAL=Python;3;12;1;64;<none>;cpython-312-x86_64;abi3;/lib
 _Python3_NumPy_INCLUDE_DIR:INTERNAL=/venv/numpy/include
 """
+
+COURSE_PACKAGE = 'temp_monitor_pkg'
 
 
 @pytest.fixture

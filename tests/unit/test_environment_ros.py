@@ -8,7 +8,7 @@ import subprocess
 import pytest
 
 from environment import describe, install_files
-from environment.places import Places
+from environment.places import Places, PROJECT
 from environment.ros import EnvironmentError_, FILE_NAME, ros_environment, RosEnvironment
 
 
@@ -132,7 +132,7 @@ def test_install_files_writes_path_file_and_switches_news_off(places):
 
     path_file = places.site_packages() / 'ros2_course.pth'
     page = places.venv / 'etc' / 'jupyter' / 'labconfig' / 'page_config.json'
-    assert path_file.read_text() == f'{places.project}\n'
+    assert path_file.read_text().splitlines() == [str(places.project), str(PROJECT)]
     assert 'announcements' in page.read_text()
 
 

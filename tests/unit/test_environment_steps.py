@@ -234,7 +234,7 @@ def test_make_plan_sourced_asked_for_but_absent_is_refused(tmp_path):
 def test_the_sample_in_environment_md_shows_the_steps_as_they_are():
     """Numbers, titles and hints; the first step is for machines that lack a program."""
     page = (PROJECT / 'environment.md').read_text(encoding='utf-8')
-    steps = prepare.steps_of(None)
+    steps = prepare.steps_of(SimpleNamespace(places=Places.of('.venv')))
     for number, step in list(enumerate(steps, start=1))[1:]:
         label = f'[{number}/{len(steps)}] {step.title}'
         assert f'{label} ...{f" ({step.about})" if step.about else ""}\n{label}: done in' in page
