@@ -18,6 +18,7 @@ from autograder.commands.check import describe, REFUSALS, refuse
 from autograder.commands.exit_codes import FOR_REVIEW, OK, STOPPED, UNREAD, USAGE
 from autograder.commands.export import add_class_commands
 from autograder.commands.grade import add_grade, short
+from autograder.commands.new import add_new
 from autograder.commands.table import add_commands
 from autograder.grading.pipeline import end_runs
 from autograder.layout import CHOSEN, Layout
@@ -108,6 +109,7 @@ def _parser() -> argparse.ArgumentParser:
     proof.set_defaults(run=_self_check)
     add_commands(commands)
     add_class_commands(commands)
+    add_new(commands)
     return parser
 
 
