@@ -23,7 +23,7 @@ from IPython import get_ipython
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
-from autograder.layout import Layout
+from autograder.layout import CHOSEN, Layout
 from autograder.results import ExamResult, Problem
 from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED
 from roslab import child
@@ -82,7 +82,7 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
         outcome = child.run(
             [*command, '--files', str(package.folder), '--visible', '--json'],
             cwd=Path(empty),
-            env=os.environ,
+            env={**os.environ, CHOSEN: str(Layout.here().root)},
             deadline_s=_DEADLINE_S,
             on_tick=elapsed.tick,
         )

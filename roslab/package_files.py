@@ -3,9 +3,9 @@ The learner's package on disk: where cells are saved, and what the grader is giv
 
 Everything lies beside the notebook, in a colcon workspace of the usual shape::
 
-    ros_ws/src/temp_monitor_pkg/package.xml, CMakeLists.txt
-                                msg/Temperature.msg
-                                temp_monitor_pkg/temp_publisher.py
+    ros_ws/src/my_robot_pkg/package.xml, CMakeLists.txt
+                            msg/Speed.msg
+                            my_robot_pkg/wheels.py
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import os
 from pathlib import Path
 import re
 
+from autograder.layout import Layout
 from autograder.submission.cells import CellFile
 from roslab.errors import NameRefusedError
 
@@ -101,7 +102,7 @@ def _is_source(path: Path, inside: str) -> bool:
     return path.is_file() and not hidden
 
 
-_name = 'temp_monitor_pkg'
+_name = ''  # until one is chosen, it is that of the course's own package
 
 
 def package(name: str | None = None) -> str:
@@ -116,12 +117,12 @@ def package(name: str | None = None) -> str:
         if not isinstance(name, str) or not _PACKAGE_NAME.match(name):
             raise NameRefusedError(
                 f'package({name!r}): expected lower-case letters, digits and single underscores, '
-                "as in package('temp_monitor_pkg')."
+                "as in package('my_robot_pkg')."
             )
         _name = name
-    return _name
+    return _name or Layout.here().facts.package
 
 
 def learner_package() -> LearnerPackage:
     """Return the chosen package beside the running notebook."""
-    return LearnerPackage(_name, Path.cwd())
+    return LearnerPackage(package(), Path.cwd())

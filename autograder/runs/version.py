@@ -147,7 +147,7 @@ def _digest_of_settings(venv: Path) -> str:
     share = Path(json.loads(text)['workspace'], 'share')
     for folder, name in ((venv, 'VENV'), (HERE.parent, 'COURSE'), (sys.base_prefix, 'PYTHON')):
         text = text.replace(str(folder), f'<{name}>')
-    messages = sorted(share.glob('temp_monitor_pkg/msg/*.msg'))
+    messages = sorted(share.glob('*/msg/*.msg'))
     cmake = sorted((HERE.parent / 'environment' / 'cmake').glob('*.cmake'))
     return _digest(text.encode() + b''.join(path.read_bytes() for path in (*messages, *cmake)))
 

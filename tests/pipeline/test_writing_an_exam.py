@@ -1,4 +1,4 @@
-"""The instructors' page, followed literally in a copy of the course."""
+"""The instructors' page, followed literally in a course of one's own."""
 
 from __future__ import annotations
 
@@ -22,8 +22,6 @@ COMMANDS = [
 ]
 SAMPLES = Path('tests', 'submissions', '20_doors')
 TEXT = '# Count the visitors\n\n' + 'Count the visitors at a door: see the table. ' * 4
-COPIED = ('autograder', 'drawing', 'environment', 'roslab', 'tests')
-TEMPORARY = ('__pycache__', '_work', 'ros_ws', 'submissions', 'attacks')
 
 
 def cell(grade_id: str, source: str) -> dict[str, object]:
@@ -44,16 +42,14 @@ def cell(grade_id: str, source: str) -> dict[str, object]:
 @pytest.fixture(scope='module')
 def course(tmp_path_factory) -> Path:
     """Return a course that has nothing but the page's exercise."""
-    root = tmp_path_factory.mktemp('new') / 'course'
-    for name in COPIED:
-        ignored = shutil.ignore_patterns(*TEMPORARY)
-        shutil.copytree(ROOT / name, root / name, ignore=ignored)
-    for name in ('nbgrader_config.py', 'pyproject.toml'):
-        shutil.copy(ROOT / name, root)
+    root = tmp_path_factory.mktemp('new') / 'doors'
+    begin, exercise = COMMANDS[:2]
+    done = follow(ROOT, begin.replace('../doors', str(root)).replace('.venv', sys.prefix))
+    assert done.returncode == 0, done.stderr
+    # In place of the set-up: the environment of this project, whose messages will do.
     (root / '.venv').symlink_to(sys.prefix)
-    for folder in ('visible', 'hidden'):
-        for path in (root / 'autograder' / 'exams' / folder).glob('[a-z]*'):
-            path.unlink()
+    done = follow(root, exercise)
+    assert done.returncode == 0, done.stderr
     cells = [{'cell_type': 'markdown', 'id': 'text', 'metadata': {}, 'source': TEXT}]
     for where, text in BLOCKS:
         if where.startswith('cell'):
@@ -69,7 +65,6 @@ def course(tmp_path_factory) -> Path:
         'nbformat_minor': 5,
     }
     path = root / 'solutions' / '20_doors' / 'doors.ipynb'
-    path.parent.mkdir(parents=True)
     path.write_text(json.dumps(notebook), encoding='utf-8')
     return root
 
@@ -111,7 +106,7 @@ def test_the_cells_import_what_they_call():
 @pytest.mark.slow
 def test_following_it_literally_works(course):
     """The release is made, the exam is proven, and the near miss fails for its reason."""
-    release, check, proof, look, _ = COMMANDS
+    release, check, proof, look, _ = COMMANDS[2:]
 
     done = follow(course, release)
     assert done.returncode == 0, done.stderr
@@ -142,7 +137,7 @@ def test_misspelt_topic_is_explained_as_in_the_exams_of_the_course(course, tmp_p
     sample = course / SAMPLES / 'fail__counts_messages' / 'visitor_counter.py'
     text = sample.read_text(encoding='utf-8')
     (tmp_path / 'visitor_counter.py').write_text(text.replace("'visitors'", "'visitor'"))
-    look = COMMANDS[3].replace(str(sample.relative_to(course)), f'{tmp_path}/visitor_counter.py')
+    look = COMMANDS[5].replace(str(sample.relative_to(course)), f'{tmp_path}/visitor_counter.py')
 
     said = ' '.join(follow(course, look).stdout.split())
 
@@ -155,9 +150,9 @@ def test_misspelt_topic_is_explained_as_in_the_exams_of_the_course(course, tmp_p
 @pytest.mark.slow
 def test_the_samples_are_graded_once_there_are_three_right_ones(course, tmp_path):
     """One right answer is too few, three will do: the twelve of this course are not asked."""
-    root = tmp_path / 'course'
+    root = tmp_path / 'doors'
     shutil.copytree(course, root, symlinks=True)
-    assert follow(root, COMMANDS[0]).returncode == 0
+    assert follow(root, COMMANDS[2]).returncode == 0
     answer = next(text for where, text in BLOCKS if where == 'cell visitor_counter')
     expected = re.search(r'`("points":\s\{"visitor_counter": 6\}, "failed": \{\})`', PAGE)[1]
     said = []
@@ -168,7 +163,8 @@ def test_the_samples_are_graded_once_there_are_three_right_ones(course, tmp_path
         (folder / 'visitor_counter.py').write_text(text, encoding='utf-8')
         (folder / 'expected.json').write_text(f'{{{expected}}}', encoding='utf-8')
         if style != 'two':
-            said.append(follow(root, COMMANDS[-1]))
+            line = COMMANDS[-1].replace('../ros2-course', str(ROOT)).replace('../doors', str(root))
+            said.append(follow(root, line.replace('.venv', sys.prefix)))
 
     assert 'test_the_class_is_large_enough[20_doors]' in said[0].stdout, said[0].stdout
     assert ' 8 passed' in said[1].stdout, said[1].stdout + said[1].stderr
@@ -200,13 +196,13 @@ def test_a_mistake_in_it_is_refused_with_its_place(course, tmp_path, wrong, righ
     """The proof finds it before any grading; in the last case the reference fails a check."""
     root = tmp_path / 'course'
     shutil.copytree(course, root, symlinks=True)
-    assert follow(root, COMMANDS[0]).returncode == 0
-    path = root / 'autograder' / 'exams' / 'visible' / 'visitor_counter.py'
+    assert follow(root, COMMANDS[2]).returncode == 0
+    path = root / 'exams' / 'visible' / 'visitor_counter.py'
     text = path.read_text(encoding='utf-8')
     assert wrong in text
     path.write_text(text.replace(wrong, right), encoding='utf-8')
 
-    done = follow(root, COMMANDS[2])
+    done = follow(root, COMMANDS[4])
 
     assert done.returncode != 0
     assert said in done.stdout + done.stderr

@@ -11,6 +11,8 @@ import re
 
 import pytest
 
+from autograder.layout import Layout
+
 ROOT = Path(__file__).resolve().parents[2]
 GRADER = ROOT / 'autograder'
 MOST_MODULES = 12
@@ -105,3 +107,14 @@ def test_no_folder_has_more_modules_than_can_be_seen_at_once():
     too_many = {name: count for name, count in counts.items() if count > MOST_MODULES}
 
     assert set(too_many) <= ONE_EACH
+
+
+def test_nothing_outside_the_exams_names_the_package_of_this_course():
+    """The grader serves any course: what is its own stands in course.toml and in its exams."""
+    naming = [
+        str(path.relative_to(GRADER))
+        for path in GRADER.rglob('*.py')
+        if 'exams' not in path.parts and Layout(ROOT).facts.package in path.read_text('utf-8')
+    ]
+
+    assert naming == []

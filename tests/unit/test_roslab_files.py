@@ -69,7 +69,7 @@ def test_texts_are_keyed_as_the_grader_keys_them(learner):
 @pytest.mark.parametrize('name', ['', 'Temp', '../x', 'a b', 'a__b', '1a', 'a_', 'a-b', 3])
 def test_package_name_that_ros_would_refuse_is_refused(name):
     """The name of the package follows the rules of ROS 2."""
-    with pytest.raises(NameRefusedError, match='temp_monitor_pkg'):
+    with pytest.raises(NameRefusedError, match='my_robot_pkg'):
         package(name)
 
 

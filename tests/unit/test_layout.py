@@ -1,0 +1,65 @@
+"""Which course is meant, and what its file says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from autograder.errors import GraderError
+from autograder.layout import CHOSEN, FILE, Layout, read_facts
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.mark.parametrize(
+    ('text', 'said'),
+    [
+        ('name = ', 'expected TOML, got: '),
+        ("nmae = 'x'", "got 'nmae'"),
+        ('work = 3', 'expected a text for work, got 3'),
+        ("messages = 'x'", "expected a table for messages, got 'x'"),
+    ],
+)
+def test_a_mistake_in_the_file_is_refused_with_its_place(tmp_path, text, said):
+    """The file is named, and what stands there."""
+    (tmp_path / FILE).write_text(text)
+
+    with pytest.raises(GraderError) as caught:
+        read_facts(tmp_path / FILE)
+    assert str(caught.value).startswith(f'{tmp_path / FILE}: {said}')
+
+
+def test_what_the_file_leaves_out_is_usual(tmp_path):
+    """So a course without a package needs one line."""
+    (tmp_path / FILE).write_text("name = 'doors'")
+
+    course = Layout(tmp_path)
+    assert (course.facts.name, course.facts.package) == ('doors', '')
+    assert course.exams == tmp_path / 'exams'
+
+
+class TestHere:
+    """The course that is meant where nobody names one."""
+
+    def test_it_is_the_one_that_was_chosen(self, tmp_path, monkeypatch):
+        """Whatever the folder."""
+        (tmp_path / FILE).touch()
+        monkeypatch.setenv(CHOSEN, str(tmp_path))
+        assert Layout.here().root == tmp_path
+
+    def test_a_folder_without_a_course_is_refused(self, tmp_path, monkeypatch):
+        """Grading another course would be worse."""
+        monkeypatch.setenv(CHOSEN, str(tmp_path))
+        with pytest.raises(GraderError, match=f'expected a course, found no {FILE}'):
+            Layout.here()
+
+    def test_it_is_the_one_around_the_folder(self, tmp_path, monkeypatch):
+        """As for a notebook of a lesson; else it is the one that the grader came with."""
+        inside = tmp_path / 'notebooks' / '01_doors'
+        inside.mkdir(parents=True)
+        monkeypatch.delenv(CHOSEN, raising=False)
+        monkeypatch.chdir(inside)
+        assert Layout.here().root == ROOT
+        (tmp_path / FILE).touch()
+        assert Layout.here().root == tmp_path
