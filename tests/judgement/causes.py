@@ -60,8 +60,9 @@ class Written:
 def in_the_code() -> tuple[Written, ...]:
     """Return the causes of the grader and of all exams, in the order of the files."""
     folder = ROOT / 'autograder'
-    grader = [path for path in folder.rglob('*.py') if 'exams' not in path.parts]
-    paths = [*sorted(grader, key=lambda path: path.name), *sorted(folder.glob('exams/*/*.py'))]
+    exams = set(folder.glob('exams/*/*.py'))
+    grader = [path for path in folder.rglob('*.py') if path not in exams]
+    paths = [*sorted(grader, key=lambda path: path.name), *sorted(exams)]
     found = [one for path in paths for one in _in_file(path)]
     return (*found, *_in_tables())
 
