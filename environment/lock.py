@@ -2,17 +2,18 @@
 Write requirements.lock: `python -m environment lock`, for developers and with network.
 
 Every supported Python that is found resolves requirements.in for itself; versions that differ get
-an environment marker. The lock names versions only: no index address, no hash, no path, so that
-any mirror serves it.
+an environment marker. A line has the digests of the files that were found, and no address or path:
+any mirror serves the lock, and no file but these is installed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 import json
 from pathlib import Path
 import subprocess
 import tempfile
+from typing import Any
 
 from environment.interpreters import Interpreter
 from environment.pins import canonical, is_ros, merge
@@ -36,14 +37,35 @@ RESOLVED = '#\n# Resolved with CPython '
 LEFT_OUT = {'lark-parser', 'rfc3987-syntax'}
 
 
-def pins_of_report(report: Mapping[str, object]) -> dict[str, str]:
-    """Return name -> version of what `pip install --report` would install."""
-    found = {}
-    for item in report['install']:  # type: ignore[attr-defined]
-        name = canonical(item['metadata']['name'])
+def pins_of_report(report: Mapping[str, Any]) -> tuple[dict[str, str], dict[str, str]]:
+    """
+    Return what `pip install --report` would install.
+
+    :returns: name -> version, and requirement (`name==version`) -> SHA-256 of the file
+    """
+    pins, digests = {}, {}
+    for item in report['install']:
+        name, version = canonical(item['metadata']['name']), item['metadata']['version']
         if name not in LEFT_OUT:
-            found[name] = item['metadata']['version']
-    return found
+            pins[name] = version
+            file = item['download_info']['archive_info']
+            digests[f'{name}=={version}'] = file['hashes']['sha256']
+    return pins, digests
+
+
+def with_digests(lines: Iterable[str], digests: Iterable[Mapping[str, str]]) -> list[str]:
+    """
+    Return requirement lines with the digests of their files, sorted.
+
+    :param digests: of each Python, as :func:`pins_of_report` returns them
+    """
+    found: dict[str, set[str]] = {}
+    for requirement, digest in (item for one in digests for item in one.items()):
+        found.setdefault(requirement, set()).add(digest)
+    return [
+        line + ''.join(f' --hash=sha256:{one}' for one in sorted(found[line.partition(' ;')[0]]))
+        for line in lines
+    ]
 
 
 def render(lines: Sequence[str], releases: Sequence[str]) -> str:
@@ -71,19 +93,20 @@ def render(lines: Sequence[str], releases: Sequence[str]) -> str:
     )
 
 
-def resolve(python: str) -> dict[str, str]:
+def resolve(python: str, *requirements: str) -> tuple[dict[str, str], dict[str, str]]:
     """
-    Resolve requirements.in with one interpreter, in a throw-away venv.
+    Resolve requirements with one interpreter, in a throw-away venv.
 
     :param python: path of the interpreter
+    :param requirements: arguments of pip
+    :returns: as :func:`pins_of_report`
     """
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([python, '-m', 'venv', folder], check=True)
         report = Path(folder) / 'report.json'
         subprocess.run(
             [f'{folder}/bin/python', '-m', 'pip', 'install', '--quiet', '--dry-run']
-            + ['--ignore-installed', '--no-input', '--report', str(report)]
-            + ['-r', str(LOCK_FILE.with_suffix('.in'))],
+            + ['--ignore-installed', '--no-input', '--report', str(report), *requirements],
             check=True,
         )
         return pins_of_report(json.loads(report.read_text(encoding='utf-8')))
@@ -96,11 +119,13 @@ def write_lock(interpreters: Sequence[Interpreter]) -> None:
     :param interpreters: one of each supported version
     """
     ordered = sorted(interpreters, key=lambda item: item.numbers)
-    pins = {}
+    pins, digests = {}, []
     for item in ordered:
         print(f'resolving with Python {item.release} ...', flush=True)
-        pins[item.version] = resolve(item.path)
-    text = render(merge(pins), [item.release for item in ordered])
+        pins[item.version], files = resolve(item.path, '-r', str(LOCK_FILE.with_suffix('.in')))
+        digests.append(files)
+    lines = with_digests(merge(pins), digests)
+    text = render(lines, [item.release for item in ordered])
     LOCK_FILE.write_text(text, encoding='utf-8')
     print(f'{LOCK_FILE}: written')
 

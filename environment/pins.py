@@ -7,14 +7,15 @@ markers that :func:`merge` writes are understood, so no packaging library is nee
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 import re
 
 # Belongs to the ROS packages too: NumPy must be the one that a sourced ROS 2 was compiled with.
 ROS_NAMES = {'numpy'}
 
 PIN = re.compile(
-    r'^(?P<name>[A-Za-z0-9][A-Za-z0-9._-]*)==(?P<version>[A-Za-z0-9.!+_-]+)(?P<rest>\s*;.*)?$'
+    r'^(?P<name>[A-Za-z0-9][A-Za-z0-9._-]*)==(?P<version>[A-Za-z0-9.!+_-]+)(?P<rest>\s*;.*?)??'
+    r'(?P<digests>(?:\s+--hash=sha256:[0-9a-f]{64})*)$'
 )
 MARKER = re.compile(r'python_version (==|>=|<) "3\.(\d+)"')
 
@@ -38,14 +39,32 @@ def pins_for(text: str, python: str, *, ros: bool = True) -> dict[str, str]:
     :param ros: False leaves out what a sourced ROS 2 installation brings
     :returns: name -> version
     """
-    pins = {}
+    return {
+        canonical(match['name']): match['version'] for match in _lines_for(text, python, ros=ros)
+    }
+
+
+def requirements_for(text: str, python: str, *, ros: bool = True) -> list[str]:
+    """
+    Return what pip installs for one Python: a line for each pin, with the digests of its files.
+
+    :param text: text of the lock file
+    :param python: such as '3.12'
+    :param ros: as for :func:`pins_for`
+    """
+    return [
+        f'{match["name"]}=={match["version"]}{match["digests"]}'
+        for match in _lines_for(text, python, ros=ros)
+    ]
+
+
+def _lines_for(text: str, python: str, *, ros: bool) -> Iterator[re.Match[str]]:
     for line in text.splitlines():
         match = PIN.match(line)
         if not match or not applies(match['rest'] or '', _minor(python)):
             continue
         if ros or not is_ros(canonical(match['name'])):
-            pins[canonical(match['name'])] = match['version']
-    return pins
+            yield match
 
 
 def applies(marker: str, minor: int) -> bool:

@@ -28,7 +28,7 @@ from environment import (
     stamps,
     system,
 )
-from environment.pins import pins_for
+from environment.pins import requirements_for
 from environment.places import LOCK_FILE, Places
 from environment.plan import make_plan, Plan
 from environment.steps import Job, locked, run_steps, Screen, Step, StepError
@@ -221,9 +221,10 @@ def install_packages(plan: Plan, job: Job) -> None:
     """Install the pins of the lock, byte-compiled: a sandbox cannot write the cache itself."""
     places, version = plan.places, plan.python.version
     digest = plan.digest('packages')
-    pins = pins_for(LOCK_FILE.read_text(encoding='utf-8'), version, ros=plan.kind == 'wheels')
+    lock = LOCK_FILE.read_text(encoding='utf-8')
+    lines = requirements_for(lock, version, ros=plan.kind == 'wheels')
     chosen = places.notes / 'requirements.txt'
-    chosen.write_text(''.join(f'{n}=={v}\n' for n, v in pins.items()), encoding='utf-8')
+    chosen.write_text(''.join(f'{line}\n' for line in lines), encoding='utf-8')
     env = {**plan.clean_environ(), '_ROS_WHEELS_BOOTSTRAP_COMPLETE': '1'}
     python = str(places.python)
     job.run(

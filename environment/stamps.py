@@ -14,7 +14,7 @@ import json
 from pathlib import Path
 
 from environment.cmake_notes import STAND_IN
-from environment.pins import pins_for
+from environment.pins import requirements_for
 from environment.places import (
     CLOCK_SOURCES,
     LOCK_FILE,
@@ -93,8 +93,7 @@ def whole_digest(places: Places) -> str:
 def packages_digest(python_version: str, kind: str) -> str:
     """Return the digest of what pip installs: the pins for this Python only."""
     text = LOCK_FILE.read_text(encoding='utf-8')
-    pins = pins_for(text, python_version, ros=kind == 'wheels')
-    return digest_of(kind, *(f'{name}=={version}' for name, version in sorted(pins.items())))
+    return digest_of(kind, *requirements_for(text, python_version, ros=kind == 'wheels'))
 
 
 def messages_text() -> str:

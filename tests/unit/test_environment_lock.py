@@ -17,17 +17,18 @@ TEXT = LOCK_FILE.read_text(encoding='utf-8')
 PINS = [line for line in TEXT.splitlines() if line and not line.startswith('#')]
 
 
-def test_lock_has_no_addresses_hashes_or_paths():
-    """Any mirror serves the lock: it names versions only."""
+def test_lock_has_digests_and_no_addresses_or_paths():
+    """Any mirror serves the lock, and only the files that were there when it was written."""
     for line in PINS:
-        assert not re.search(r'://|--|@|/|sha256', line)
+        assert '--hash=sha256:' in line
+        assert not re.search(r'://|@|/', line)
 
 
 def test_lock_every_line_is_an_exact_pin():
     """Every line is name==version, with a marker that the set-up understands."""
     for line in PINS:
         assert pins_module.PIN.match(line), line
-        marker = line.partition(';')[2]
+        marker = line.partition(';')[2].partition('--hash')[0]
         assert re.sub(pins_module.MARKER, '', marker).split() in ([], ['and'], ['or']), line
 
 
@@ -103,16 +104,36 @@ def test_merge_different_versions_get_markers():
 
 def test_pins_of_report_uses_one_spelling():
     """Names of pip's report are spelled alike; what is left out on purpose is dropped."""
+    named = (('Jinja2', '3.1.6'), ('jupyter_client', '8.10.0'))
+    left_out = (('lark-parser', '0.12.0'), ('rfc3987-syntax', '1.1.0'))
     report = {
         'install': [
-            {'metadata': {'name': 'Jinja2', 'version': '3.1.6'}},
-            {'metadata': {'name': 'jupyter_client', 'version': '8.10.0'}},
-            {'metadata': {'name': 'lark-parser', 'version': '0.12.0'}},
-            {'metadata': {'name': 'rfc3987-syntax', 'version': '1.1.0'}},
+            {
+                'metadata': {'name': name, 'version': version},
+                'download_info': {'archive_info': {'hashes': {'sha256': f'of {name}'}}},
+            }
+            for name, version in (*named, *left_out)
         ]
     }
 
-    assert lock.pins_of_report(report) == {'jinja2': '3.1.6', 'jupyter-client': '8.10.0'}
+    pins, digests = lock.pins_of_report(report)
+    assert pins == {'jinja2': '3.1.6', 'jupyter-client': '8.10.0'}
+    assert digests == {
+        'jinja2==3.1.6': 'of Jinja2',
+        'jupyter-client==8.10.0': 'of jupyter_client',
+    }
+
+
+def test_a_line_has_the_files_of_every_python_and_the_set_up_reads_it():
+    """A wheel for each; the marker stays in front of them."""
+    one, two = 'a' * 64, 'b' * 64
+    line = 'x==1 ; python_version < "3.12"'
+    (whole,) = lock.with_digests([line], [{'x==1': two}, {'x==1': one}, {'x==1': two}])
+
+    assert whole == f'{line} --hash=sha256:{one} --hash=sha256:{two}'
+    assert pins_module.requirements_for(whole, '3.12') == []
+    wanted = [f'x==1 --hash=sha256:{one} --hash=sha256:{two}']
+    assert pins_module.requirements_for(whole, '3.11') == wanted
 
 
 def test_oldest_of_each_takes_the_oldest_patch_release():
