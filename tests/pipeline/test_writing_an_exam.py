@@ -21,22 +21,6 @@ COMMANDS = [
     for line in block.splitlines()
 ]
 SAMPLES = Path('tests', 'submissions', '20_doors')
-TEXT = '# Count the visitors\n\n' + 'Count the visitors at a door: see the table. ' * 4
-
-
-def cell(grade_id: str, source: str) -> dict[str, object]:
-    """Return a cell with the marks that the page asks for; with none if it has no grade id."""
-    graded = grade_id.startswith('check_')
-    marks = {'grade_id': grade_id, 'grade': graded, 'solution': not graded, 'locked': graded}
-    marks |= {'schema_version': 3, 'task': False, **({'points': 6} if graded else {})}
-    return {
-        'cell_type': 'code',
-        'id': grade_id.replace('_', '-') or 'start',
-        'metadata': {'nbgrader': marks} if grade_id else {},
-        'source': source.rstrip('\n'),
-        'outputs': [],
-        'execution_count': None,
-    }
 
 
 @pytest.fixture(scope='module')
@@ -50,21 +34,16 @@ def course(tmp_path_factory) -> Path:
     (root / '.venv').symlink_to(sys.prefix)
     done = follow(root, exercise)
     assert done.returncode == 0, done.stderr
-    cells = [{'cell_type': 'markdown', 'id': 'text', 'metadata': {}, 'source': TEXT}]
+    path = root / 'solutions' / '20_doors' / 'doors.ipynb'
+    notebook = json.loads(path.read_text(encoding='utf-8'))
+    cells = {cell['id']: cell for cell in notebook['cells']}
     for where, text in BLOCKS:
-        if where.startswith('cell'):
-            cells.append(cell(where.removeprefix('cell').strip(), text))
+        kind, _, name = where.partition(' ')
+        if kind == 'cell':
+            cells[name.replace('_', '-')]['source'] = text.rstrip('\n')
         else:
             (root / where).parent.mkdir(parents=True, exist_ok=True)
             (root / where).write_text(text, encoding='utf-8')
-    kernel = {'display_name': 'ROS 2 Jazzy', 'language': 'python', 'name': 'ros2_jazzy'}
-    notebook = {
-        'cells': cells,
-        'metadata': {'kernelspec': kernel},
-        'nbformat': 4,
-        'nbformat_minor': 5,
-    }
-    path = root / 'solutions' / '20_doors' / 'doors.ipynb'
     path.write_text(json.dumps(notebook), encoding='utf-8')
     return root
 
@@ -85,7 +64,7 @@ def follow(course: Path, line: str) -> subprocess.CompletedProcess[str]:
 
 def test_the_exercise_has_fewer_than_sixty_lines_of_code():
     """Both cells and the one before them, both exams and a sample, without the blank lines."""
-    code = [text for where, text in BLOCKS if not where.endswith('.json')]
+    code = [text for where, text in BLOCKS if not where.endswith(('.json', 'text'))]
     lines = [line for text in code for line in text.splitlines() if line.strip()]
 
     assert len(code) == 6
@@ -96,7 +75,7 @@ def test_the_cells_import_what_they_call():
     """``check`` is not a builtin: without the first cell the learner gets a NameError."""
     cells = {where.removeprefix('cell').strip(): text for where, text in BLOCKS if 'cell' in where}
     known: dict[str, object] = {}
-    exec(cells[''], known)
+    exec(cells['start'], known)
 
     assert set(compile(cells['check_visitor_counter'], '', 'exec').co_names) <= known.keys()
 
