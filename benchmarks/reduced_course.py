@@ -66,7 +66,8 @@ def build(
     """
     course, layout = Layout.here(), Layout(root)
     shutil.copytree(course.root / 'autograder', root / 'autograder', ignore=_left_out)
-    shutil.copy2(course.root / 'nbgrader_config.py', root)
+    for name in ('course.toml', 'nbgrader_config.py'):
+        shutil.copy2(course.root / name, root)
     exam = root / 'autograder' / 'exams' / 'hidden' / f'{EXAM}.py'
     _set_window(exam, seconds)
     exam.write_text(exam.read_text(encoding='utf-8') + more, encoding='utf-8')

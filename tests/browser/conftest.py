@@ -90,7 +90,8 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
             root / folder,
             ignore=shutil.ignore_patterns('ros_ws', '.ipynb_checkpoints'),
         )
-    shutil.copy(ROOT / 'nbgrader_config.py', root)
+    for name in ('course.toml', 'nbgrader_config.py'):
+        shutil.copy(ROOT / name, root)
     shutil.copytree(root / 'solutions' / ASSIGNMENT, root / 'lesson')
     from autograder.gradebook.record import enter_assignment
     from autograder.layout import Layout

@@ -30,6 +30,7 @@ def released(tmp_path_factory: pytest.TempPathFactory) -> Path:
     config = (ROOT / 'nbgrader_config.py').read_text(encoding='utf-8')
     config += "\nc.GradeOutside.engine_factory = 'fake_engine.make'\n"
     (root / 'nbgrader_config.py').write_text(config, encoding='utf-8')
+    shutil.copy(ROOT / 'course.toml', root)
     layout = Layout(root)
     converters.generate(layout, ASSIGNMENT, layout.notebooks, database=False)
     enter_assignment(layout, ASSIGNMENT)  # a new gradebook takes nbgrader two seconds

@@ -37,7 +37,8 @@ class NoExams:
 def test_lesson_without_exams_is_released_graded_and_reported(tmp_path):
     """A student who hands in the lesson gets 0 of 0 points and a page."""
     layout = Layout(tmp_path)
-    shutil.copy(ROOT / 'nbgrader_config.py', tmp_path)
+    for name in ('course.toml', 'nbgrader_config.py'):
+        shutil.copy(ROOT / name, tmp_path)
     source = layout.solutions / ASSIGNMENT / 'tour.ipynb'
     source.parent.mkdir(parents=True)
     notebook = new_notebook(cells=[new_markdown_cell('# Tour'), new_code_cell('1 + 1')])

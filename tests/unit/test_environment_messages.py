@@ -20,6 +20,8 @@ from environment.plan import Plan
 from environment.ros import further_messages
 from environment.steps import Job, StepError
 
+pytestmark = pytest.mark.slow  # pip installs toy packages
+
 
 def test_comments_and_empty_lines_name_nothing():
     """The file of the project explains itself and names no package."""

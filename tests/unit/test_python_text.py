@@ -40,6 +40,7 @@ def kind_of(text):
 
 
 @pytest.mark.usefixtures('crowded')
+@pytest.mark.slow
 def test_threads_do_not_disturb_one_another():
     """Python 3.11.2 gives up with a SystemError if two trees are made at once."""
     texts = [WIDE, DEEP] * 20

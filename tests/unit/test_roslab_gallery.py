@@ -46,6 +46,7 @@ def printed(key: str) -> str:
     return TERMINAL_COLOURS.sub('', ' '.join(' '.join(said).split()))
 
 
+@pytest.mark.slow
 @executed
 @each_entry
 def test_cell_prints_what_its_entry_says(entry: Entry) -> None:
