@@ -18,8 +18,6 @@ import re
 from typing import TYPE_CHECKING
 
 from autograder.authoring.exam_values import value_mistakes
-from autograder.exam.scenario import Call, Feed
-from autograder.exam.scenario_mistakes import types_of
 
 if TYPE_CHECKING:
     from autograder.exam.exam import Exam
@@ -38,18 +36,14 @@ def type_mistakes(exam: Exam, prefixes: Sequence[Path]) -> Iterator[str]:
     """
     scenario, where = exam.scenario, f'exam {exam.name}'
     types: dict[str, str] = {}
-    for place, topic, name in types_of(scenario):
+    for place, topic, name in scenario.types():
         types[topic] = name
         if problem := _unknown(name, prefixes):
             yield f'{where}, {place}: {problem}'
-    for number, step in enumerate(scenario.steps, 1):
-        if isinstance(step, Feed) and (name := types.get(step.topic, '')):
-            for which, message in enumerate(step.messages, 1):
-                for problem in value_mistakes(name, message, prefixes):
-                    yield f'{where}, step {number} (Feed): message {which}: {problem}'
-        elif isinstance(step, Call):
-            for problem in value_mistakes(step.type, step.request, prefixes, 'srv'):
-                yield f'{where}, step {number} (Call) {step.service!r}: {problem}'
+    for place, step in scenario.placed():
+        for part, name, values in step.sends():
+            for problem in value_mistakes(types.get(name, name), values, prefixes):
+                yield f'{where}, {place}{part}: {problem}'
 
 
 def _unknown(name: str, prefixes: Sequence[Path]) -> str:

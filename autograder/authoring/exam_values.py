@@ -25,24 +25,19 @@ _LARGEST_FLOAT32 = 3.402823466e38
 _LONGEST_SHOWN = 60
 
 
-def value_mistakes(
-    kind: str, data: Mapping[str, Any], prefixes: Sequence[Path], part: str = 'msg'
-) -> Iterator[str]:
+def value_mistakes(kind: str, data: Mapping[str, Any], prefixes: Sequence[Path]) -> Iterator[str]:
     """
     Yield what a message cannot hold, a line for each field.
 
-    :param kind: a type such as ``std_msgs/msg/String``
-    :param data: fields of a message, or of a service's request
+    :param kind: a type such as ``std_msgs/msg/String``, or that of a service
+    :param data: fields of a message, or of the service's request
     :param prefixes: where ROS packages are installed, as in ``AMENT_PREFIX_PATH``
-    :param part: ``msg``, or ``srv`` for the request of a service
     """
-    yield from _in_message(kind, data, tuple(prefixes), part, '')
+    yield from _in_message(kind, data, tuple(prefixes), '')
 
 
-def _in_message(
-    kind: str, data: object, prefixes: tuple[Path, ...], part: str, place: str
-) -> Iterator[str]:
-    fields = fields_of(kind, prefixes, part)
+def _in_message(kind: str, data: object, prefixes: tuple[Path, ...], place: str) -> Iterator[str]:
+    fields = fields_of(kind, prefixes)
     if fields is None:
         return  # its text is not installed: that the type is not there is said elsewhere
     if not isinstance(data, Mapping):
@@ -83,7 +78,7 @@ def _in_element(
 ) -> Iterator[str]:
     base = field['base']
     if '/' in base:
-        yield from _in_message(base, value, prefixes, 'msg', place)
+        yield from _in_message(base, value, prefixes, place)
     elif wanted := _unlike(base, field['longest'], value):
         yield _wrong(wanted, place, value)
 
@@ -131,9 +126,7 @@ def _wrong(wanted: str, place: str, value: object) -> str:
 
 
 @lru_cache(maxsize=256)
-def fields_of(
-    kind: str, prefixes: tuple[Path, ...], part: str = 'msg'
-) -> Mapping[str, re.Match[str]] | None:
+def fields_of(kind: str, prefixes: tuple[Path, ...]) -> Mapping[str, re.Match[str]] | None:
     """
     Return the fields of a message, or of a service's request, without constants.
 
@@ -141,6 +134,7 @@ def fields_of(
     :returns: by name, each as its line is taken apart; None if its text is not installed
     """
     package, _, rest = kind.partition('/')
+    part = 'srv' if '/srv/' in kind else 'msg'
     for prefix in prefixes:
         path = prefix / 'share' / package / part / f'{rest.rpartition("/")[2]}.{part}'
         if path.is_file():

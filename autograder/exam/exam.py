@@ -30,7 +30,6 @@ from typing import Any
 from autograder.errors import ExamInvalid
 from autograder.exam.names import Names
 from autograder.exam.scenario import Advance, Feed, Scenario
-from autograder.exam.scenario_mistakes import scenario_mistakes
 from autograder.recording import Recording
 
 __all__ = ['Advance', 'Cause', 'Check', 'Exam', 'Failed', 'Feed', 'Run', 'Scenario']
@@ -157,7 +156,7 @@ class Exam:
         facts: Mapping[str, Any] | None = None,
     ) -> None:
         """Start without checks; :meth:`check` adds them in order."""
-        for mistake in scenario_mistakes(scenario):
+        for mistake in scenario.mistakes():
             raise ExamInvalid(f'exam {name}, {mistake}.', 'Steps are described in scenario.py.')
         self.name = name
         self.hidden = False  # set by whoever loads it from the hidden ones

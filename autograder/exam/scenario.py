@@ -11,10 +11,13 @@ All seconds are virtual: sixty of them take a tenth of a real one, and are exact
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from difflib import get_close_matches
+import re
+from typing import Any, ClassVar
 
+MAX_BURST = 10
 TRANSITIONS = {'configure': 1, 'cleanup': 2, 'activate': 3, 'deactivate': 4}
 PARAMETER_TYPES = {
     bool: (1, 'bool'),
@@ -22,6 +25,8 @@ PARAMETER_TYPES = {
     float: (3, 'double'),
     str: (4, 'string'),
 }
+_TYPE = re.compile(r'^[a-z]\w*/(msg|srv)/[A-Z]\w*$')
+_EXAMPLES = {'msg': 'std_msgs/msg/String', 'srv': 'rcl_interfaces/srv/GetParameters'}
 
 
 @dataclass(frozen=True)
@@ -81,8 +86,40 @@ class RosClock:
         return round(self.begins_s * 1e9) + clock_ns // round(step_ns / self.rate) * step_ns
 
 
+There = Mapping[str, set[str]]
+"""Names of our publishers and subscriptions at a moment, by what the program has for them."""
+
+
 @dataclass(frozen=True)
-class Advance:
+class Step:
+    """
+    What the probe does next, and what others ask of a step without knowing its kind.
+
+    A new kind is a subclass here, and a function of its name in ``probe/probe_steps.py``.
+    """
+
+    label: ClassVar[str] = ''
+    """Attribute that tells the step from others of its kind, empty without one."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the step as the probe reads it."""
+        return {'do': type(self).__name__.lower(), **asdict(self)}
+
+    def mistakes(self, there: There) -> Iterator[str]:
+        """
+        Yield what contradicts the earlier steps, and change what is there.
+
+        :param there: as the earlier steps have left it
+        """
+        yield from ()
+
+    def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
+        """Yield what it sends: the place in the step, its type or publisher, the fields."""
+        yield from ()
+
+
+@dataclass(frozen=True)
+class Advance(Step):
     """
     Let time pass, and listen.
 
@@ -91,13 +128,14 @@ class Advance:
 
     seconds: float
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it."""
-        return {'do': 'advance', 'seconds': self.seconds}
+    def mistakes(self, there: There) -> Iterator[str]:
+        """Refuse a step in which no time passes."""
+        if not self.seconds > 0:
+            yield f'expected time to pass, got {self.seconds} s'
 
 
 @dataclass(frozen=True)
-class Feed:
+class Feed(Step):
     """
     Send messages on a topic, one a second or as one burst, and listen some seconds after the last.
 
@@ -116,21 +154,21 @@ class Feed:
     every_s: float = 1.0
     rest_s: float = 2.0
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it."""
-        return {
-            'do': 'feed',
-            'topic': self.topic,
-            'messages': [dict(message) for message in self.messages],
-            'burst': self.burst,
-            'optional': self.optional,
-            'every_s': self.every_s,
-            'rest_s': self.rest_s,
-        }
+    def mistakes(self, there: There) -> Iterator[str]:
+        """Refuse a topic that nobody announced, and a burst that is too long."""
+        if self.topic not in there['subscription']:
+            yield _not_announced(self.topic, there['subscription'])
+        if self.burst and len(self.messages) > MAX_BURST:
+            yield f'expected at most {MAX_BURST} messages a burst, got {len(self.messages)}'
+
+    def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
+        """Yield the messages."""
+        for which, message in enumerate(self.messages, 1):
+            yield f': message {which}', self.topic, message
 
 
 @dataclass(frozen=True)
-class Call:
+class Call(Step):
     """
     Call a service of the student's node, once; recorded as ``answer`` or ``no_answer``.
 
@@ -146,6 +184,7 @@ class Call:
     type: str
     request: Mapping[str, Any] = field(default_factory=dict)
     patience_s: float = 5.0
+    label = 'service'
 
     @property
     def name(self) -> str:
@@ -153,60 +192,63 @@ class Call:
         return self.service if self.service.startswith('/') else f'{self.node}/{self.service}'
 
     def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it."""
-        return {
-            'do': 'call',
-            'service': self.name,
-            'type': self.type,
-            'request': dict(self.request),
-            'patience_s': self.patience_s,
-        }
+        """Return the step as the probe reads it, with the service's full name."""
+        told = {**super().to_json(), 'service': self.name}
+        del told['node']
+        return told
+
+    def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
+        """Yield the request."""
+        yield '', self.type, self.request
 
 
 @dataclass(frozen=True)
-class Join:
+class Endpoint(Step):
+    """
+    A publisher or a subscription of ours that comes at this moment.
+
+    :param name: without a slash
+    :param topic: full topic name
+    """
+
+    name: str
+    topic: str
+    type: str
+    label = 'name'
+    asks: ClassVar[str] = ''
+    """What the program should have: ``'publisher'`` or ``'subscription'``."""
+
+    def mistakes(self, there: There) -> Iterator[str]:
+        """Announce the name."""
+        there[self.asks].add(self.name)
+        yield from ()
+
+
+@dataclass(frozen=True)
+class Join(Endpoint):
     """
     Join a topic with a subscription of our own, at this moment.
 
     What it hears is recorded with ``listener``, and ``joined`` tells whether it was matched.
 
-    :param name: of the subscription, without a slash
-    :param topic: full topic name
     :param listen_s: how long to listen before the next step [s]
     """
 
-    name: str
-    topic: str
-    type: str
     qos: Qos = Qos()
     listen_s: float = 0.4
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it."""
-        return {'do': 'join', **asdict(self)}
+    asks = 'publisher'
 
 
 @dataclass(frozen=True)
-class Offer:
-    """
-    Offer a topic with a publisher of our own, at this moment; ``Feed(name, ...)`` sends with it.
+class Offer(Endpoint):
+    """Offer a topic with a publisher of our own, at this moment; ``Feed(name, ...)`` uses it."""
 
-    :param name: of the publisher, without a slash
-    :param topic: full topic name
-    """
-
-    name: str
-    topic: str
-    type: str
     qos: Qos = EVERYONE
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it."""
-        return {'do': 'offer', **asdict(self)}
+    asks = 'subscription'
 
 
 @dataclass(frozen=True)
-class Leave:
+class Leave(Step):
     """
     Take away what a :class:`Join`, an :class:`Offer` or :attr:`Scenario.feed` has brought.
 
@@ -215,13 +257,17 @@ class Leave:
 
     name: str
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it."""
-        return {'do': 'leave', 'name': self.name}
+    def mistakes(self, there: There) -> Iterator[str]:
+        """Refuse a name that nobody announced, and take it away."""
+        announced = set().union(*there.values())
+        if self.name not in announced:
+            yield _not_announced(self.name, announced)
+        for names in there.values():
+            names.discard(self.name)
 
 
 @dataclass(frozen=True)
-class Mark:
+class Mark(Step):
     """
     Begin a phase of the run, see :meth:`autograder.recording.Recording.phase`.
 
@@ -230,13 +276,9 @@ class Mark:
 
     name: str
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it."""
-        return {'do': 'mark', 'name': self.name}
-
 
 @dataclass(frozen=True)
-class Look:
+class Look(Step):
     """
     Write down the graph as it is now, besides those of the start and of the end.
 
@@ -245,12 +287,15 @@ class Look:
 
     when: str
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it."""
-        return {'do': 'look', 'when': self.when}
 
-
-Step = Advance | Feed | Call | Join | Offer | Leave | Mark | Look
+def _not_announced(name: str, there: set[str]) -> str:
+    close = get_close_matches(name, there, n=1, cutoff=0.6)
+    hint = f'; did you mean {close[0]!r}?' if close else ''
+    known = ', '.join(sorted(map(repr, there))) or 'nothing'
+    return (
+        f'expected what Scenario(feed=...), an Offer or a Join has announced, which is {known}, '
+        f'got {name!r}{hint}'
+    )
 
 
 def set_parameter(node: str, name: str, value: bool | int | float | str) -> Call:
@@ -310,8 +355,38 @@ class Scenario:
 
     def to_json(self) -> dict[str, Any]:
         """Return the scenario as the probe reads it, without the probe's name."""
-        feed = {
-            topic: asdict(one if isinstance(one, FeedTopic) else FeedTopic(one))
-            for topic, one in self.feed.items()
-        }
+        feed = {topic: asdict(one) for topic, one in self.feeds.items()}
         return {**asdict(self), 'feed': feed, 'steps': [step.to_json() for step in self.steps]}
+
+    @property
+    def feeds(self) -> Mapping[str, FeedTopic]:
+        """Return the topics to send on, each with its quality of service."""
+        given = self.feed.items()
+        return {topic: FeedTopic(one) if isinstance(one, str) else one for topic, one in given}
+
+    def placed(self) -> Iterator[tuple[str, Step]]:
+        """Yield each step with the place that a mistake in it names."""
+        for number, step in enumerate(self.steps, 1):
+            label = f' {getattr(step, step.label)!r}' if step.label else ''
+            yield f'step {number} ({type(step).__name__}){label}', step
+
+    def types(self) -> Iterator[tuple[str, str, str]]:
+        """Yield every type the probe will load: its place, the topic or no name, and the type."""
+        yield from ((f'watch {topic!r}', topic, name) for topic, name in self.watch.items())
+        yield from ((f'feed {topic!r}', topic, one.type) for topic, one in self.feeds.items())
+        for place, step in self.placed():
+            if isinstance(step, (Call, Endpoint)):
+                yield place, step.name if isinstance(step, Endpoint) else '', step.type
+
+    def mistakes(self) -> Iterator[str]:
+        """Yield what the scenario contradicts in itself, each with its place."""
+        for place, topic, name in self.types():
+            kind = 'msg' if topic else 'srv'
+            if not _TYPE.match(name) or f'/{kind}/' not in name:
+                yield f'{place}: expected a type such as {_EXAMPLES[kind]}, got {name!r}'
+        for word, topics in (('watch', self.watch), ('feed', self.feed)):
+            for topic in (one for one in topics if not one.startswith('/')):
+                yield f'{word} {topic!r}: expected a full topic name, got no slash at its start'
+        there = {'publisher': set[str](), 'subscription': set(self.feed)}
+        for place, step in self.placed():
+            yield from (f'{place}: {one}' for one in step.mistakes(there))
