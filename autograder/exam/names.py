@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 import re
 
-from autograder.exam.scenario import Call, FeedTopic, Join, Offer, Scenario
+from autograder.exam.scenario import Call, Scenario
 
 _PLACEHOLDER = re.compile(r'\$(heard_topic|heard_type|topic|type|parameter)\b')
 
@@ -34,14 +34,10 @@ class Names:
     @classmethod
     def of(cls, scenario: Scenario) -> Names:
         """Return the names of a scenario, in the order in which they come."""
-        published, heard = dict(scenario.watch), {}
-        for topic, feed in scenario.feed.items():
-            heard[topic] = feed.type if isinstance(feed, FeedTopic) else feed
-        for step in scenario.steps:
-            if isinstance(step, Join):
-                published.setdefault(step.topic, step.type)
-            elif isinstance(step, Offer):
-                heard.setdefault(step.topic, step.type)
+        published: dict[str, str] = {}
+        heard: dict[str, str] = {}
+        for kind, topic, name in scenario.endpoints():
+            (published if kind == 'publisher' else heard).setdefault(topic, name)
         return cls(published, heard, tuple(dict.fromkeys(_parameters(scenario))))
 
     @cached_property

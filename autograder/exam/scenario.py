@@ -370,6 +370,13 @@ class Scenario:
             label = f' {getattr(step, step.label)!r}' if step.label else ''
             yield f'step {number} ({type(step).__name__}){label}', step
 
+    def endpoints(self) -> Iterator[tuple[str, str, str]]:
+        """Yield what the program should have: publisher or subscription, full topic name, type."""
+        yield from (('publisher', topic, name) for topic, name in self.watch.items())
+        yield from (('subscription', topic, one.type) for topic, one in self.feeds.items())
+        ends = (step for step in self.steps if isinstance(step, Endpoint))
+        yield from ((end.asks, end.topic, end.type) for end in ends)
+
     def types(self) -> Iterator[tuple[str, str, str]]:
         """Yield every type the probe will load: its place, the topic or no name, and the type."""
         yield from ((f'watch {topic!r}', topic, name) for topic, name in self.watch.items())

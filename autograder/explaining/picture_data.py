@@ -17,7 +17,7 @@ import re
 from typing import Any
 
 from autograder.exam.exam import Check, Exam, Failed, Run
-from autograder.exam.scenario import FeedTopic, Join, Offer, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.judging.causes.missing_logs import LEVELS
 from autograder.judging.causes.redaction import namespace_of
 from autograder.judging.deviation import deviation
@@ -99,16 +99,7 @@ def _wanted(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
     the one that is asked for; the others are watched to see a mistake.
     """
     seen: set[tuple[str, str]] = set()
-    wanted = [('publisher', topic, kind) for topic, kind in scenario.watch.items()]
-    for topic, feed in scenario.feed.items():
-        kind = feed.type if isinstance(feed, FeedTopic) else feed
-        wanted.append(('subscription', topic, kind))
-    for step in scenario.steps:
-        if isinstance(step, Offer):
-            wanted.append(('subscription', step.topic, step.type))
-        elif isinstance(step, Join):
-            wanted.append(('publisher', step.topic, step.type))
-    for kind, topic, type_name in wanted:
+    for kind, topic, type_name in scenario.endpoints():
         key = kind, topic.rpartition('/')[2]
         if key not in seen:
             seen.add(key)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from autograder.exam.scenario import Offer, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.recording import Event, Recording
 
 MANY_ENDPOINTS = 100
@@ -51,7 +51,7 @@ def _about_topics(recording: Recording, scenario: Scenario) -> Iterator[str]:
     """Say who publishes where the grader does, or where only rclpy should."""
     if recording.endpoints('publisher', '/clock'):
         yield 'the program publishes on /clock, which the grader owns'
-    inputs = {*scenario.feed, *(step.topic for step in scenario.steps if isinstance(step, Offer))}
+    inputs = {topic for kind, topic, _ in scenario.endpoints() if kind == 'subscription'}
     for topic in sorted(inputs):
         if recording.endpoints('publisher', topic):
             yield f'the program publishes on {topic}, from which it gets its inputs'

@@ -141,17 +141,8 @@ class Played:
     def ends(self) -> Iterator[dict[str, Any]]:
         """Yield the endpoints that are asked for, with what is wrong with them."""
         scenario, program = self.exam.scenario, self.program
-        wanted = [('publisher', *one) for one in scenario.watch.items()]
-        wanted += [
-            ('subscription', topic, getattr(kind, 'type', kind))
-            for topic, kind in scenario.feed.items()
-        ]
-        for step in scenario.steps:
-            if isinstance(step, (Join, Offer)):
-                kind = 'publisher' if isinstance(step, Join) else 'subscription'
-                wanted.append((kind, step.topic, step.type))
         for node in self.nodes:
-            for kind, topic, type_name in wanted:
+            for kind, topic, type_name in scenario.endpoints():
                 where = program.place.format(self.space) + topic.removeprefix(self.space)
                 yield {
                     'kind': kind,
