@@ -132,7 +132,7 @@ def floor_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> Marks:
     """
     _Clocked.marks.clear()
     began = time.monotonic()
-    observing.observe(exam.name, floor_of(exam.scenario), files, sandbox)
+    observing.observe(exam.name, floor_of(exam.scenario).to_json(), files, sandbox)
     ended = time.monotonic()
     if 'first message' not in _Clocked.marks:
         raise RuntimeError('No message came in the run that should end with the first one.')

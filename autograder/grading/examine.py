@@ -73,9 +73,10 @@ def examine(
 
     def run() -> Outcome:
         def once() -> Outcome:
+            scenario = exam.scenario.to_json()
             if place is None:
-                return observe(exam.name, exam.scenario, files, sandbox, told)
-            task = task_of(exam.name, exam.scenario.to_json(), files, sandbox.mode)
+                return observe(exam.name, scenario, files, sandbox, told)
+            task = task_of(exam.name, scenario, files, sandbox.mode)
             return outcome_of(place.run(task))
 
         recording, timing = _once_or_twice(once)

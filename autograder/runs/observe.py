@@ -24,7 +24,6 @@ from typing import Any
 
 from autograder.clock.virtual_clock import virtual_clock, VirtualClock
 from autograder.errors import ProbeFailed
-from autograder.exam.scenario import Scenario
 from autograder.recording import header, Recording
 from autograder.runs.watchdog import WATCH_EVERY_S, Watchdog
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
@@ -54,33 +53,34 @@ _NO_TYPE = 'Try: name the package in environment/messages.txt, then make prepare
 
 
 def program_for(
-    scenario: Scenario, submission: Path, ros: RosEnvironment
+    scenario: Mapping[str, Any], submission: Path, ros: RosEnvironment
 ) -> tuple[Program, Limits]:
     """
     Return what to run for a scenario.
 
+    :param scenario: what the probe is told
     :param submission: host folder with the student's files, readable by everyone
     :param ros: the prepared environment
     """
     python = ros.python
     binds = {**INSIDE, str(submission): '/submission'}
-    if scenario.program == 'build':
+    if scenario['program'] == 'build':
         argv = [python, '/grader/inside/build_package.py', '/submission']
-        argv += [scenario.build_type.partition('/')[0], scenario.build_type]
+        argv += [scenario['build_type'].partition('/')[0], scenario['build_type']]
         return Program(argv, binds, course_messages=False), BUILD_LIMITS
-    if scenario.program == 'package':
-        argv = [python, '/grader/inside/run_package.py', '/submission', scenario.build_type]
-        argv += [scenario.file.removesuffix('.py'), *_ros_arguments(scenario)]
+    if scenario['program'] == 'package':
+        argv = [python, '/grader/inside/run_package.py', '/submission', scenario['build_type']]
+        argv += [scenario['file'].removesuffix('.py'), *_ros_arguments(scenario)]
         # A package of the course's own name brings the messages itself.
-        own = scenario.build_type == ros.package
+        own = scenario['build_type'] == ros.package
         return Program(argv, binds, course_messages=not own), PACKAGE_LIMITS
-    argv = [python, '/grader/inside/run_node.py', f'/submission/{scenario.file}']
+    argv = [python, '/grader/inside/run_node.py', f'/submission/{scenario["file"]}']
     return Program([*argv, *_ros_arguments(scenario)], binds), Limits()
 
 
-def _ros_arguments(scenario: Scenario) -> list[str]:
-    follows = ['-p', 'use_sim_time:=true'] if scenario.ros_clock else []
-    given = [*follows, *scenario.arguments]
+def _ros_arguments(scenario: Mapping[str, Any]) -> list[str]:
+    follows = ['-p', 'use_sim_time:=true'] if scenario['ros_clock'] else []
+    given = [*follows, *scenario['arguments']]
     return ['--ros-args', *given] if given else []
 
 
@@ -109,7 +109,7 @@ def laid_out(files: Mapping[str, str]) -> Iterator[tuple[Path, Path]]:
 
 def observe(
     exam_name: str,
-    scenario: Scenario,
+    scenario: Mapping[str, Any],
     files: Mapping[str, str],
     sandbox: Sandbox,
     told: Callable[[Mapping[str, Any]], None] | None = None,
@@ -118,6 +118,7 @@ def observe(
     Run a student's files through a scenario.
 
     :param exam_name: for the recording's header
+    :param scenario: what the probe is told, :meth:`autograder.exam.scenario.Scenario.to_json`
     :param files: relative path to text
     :param told: called with each event as it happens
     :returns: the recording, and wall-clock facts [s] that no verdict may use
@@ -129,7 +130,7 @@ def observe(
         program, limits = program_for(scenario, submission, sandbox.ros)
         # Packages are built in real time: run_package.py and build_package.py load the library
         # into what they become.
-        placed = clock.command(STUDENT, later=scenario.program != 'node')
+        placed = clock.command(STUDENT, later=scenario['program'] != 'node')
         program = replace(program, argv=(*placed, *program.argv))
         student = sandbox.start(program, limits, home, (clock.places[STUDENT].fileno(),))
         try:
@@ -149,7 +150,7 @@ class _Watched:
         self,
         student: Confined,
         limits: Limits,
-        scenario: Scenario,
+        scenario: Mapping[str, Any],
         sandbox: Sandbox,
         home: Path,
         clock: VirtualClock,
@@ -160,7 +161,7 @@ class _Watched:
         self.probe = start_probe(sandbox, student, home, clock.command(PROBE), (place,))
         clock.begin()
         others = self.probe.pid, clock.driver.pid
-        builds = scenario.program != 'node'
+        builds = scenario['program'] != 'node'
         self.watchdog = Watchdog(student, others, limits, clock, builds)
         self.scenario = scenario
         self.exam = ''
@@ -223,7 +224,7 @@ class _Watched:
 
     def _loop(self) -> None:
         # A neutral name that no program can know in advance.
-        order = {**self.scenario.to_json(), 'name': f'n{secrets.token_hex(6)}'}
+        order = {**self.scenario, 'name': f'n{secrets.token_hex(6)}'}
         self._tell_probe(json.dumps(order).encode() + b'\n')
         with selectors.DefaultSelector() as pipes:
             pipes.register(self.probe.stdout, selectors.EVENT_READ, 'probe')

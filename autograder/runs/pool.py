@@ -17,7 +17,6 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass
 import fcntl
 from functools import lru_cache
 import json
@@ -30,7 +29,7 @@ import shutil
 import signal
 import tempfile
 import threading
-from typing import Any, cast, Protocol, TYPE_CHECKING
+from typing import Any, Protocol, TYPE_CHECKING
 
 from autograder import errors
 from autograder.errors import GraderError
@@ -38,7 +37,6 @@ from autograder.recording import Recording
 from autograder.runs.version import difference, version
 
 if TYPE_CHECKING:
-    from autograder.exam.scenario import Scenario
     from autograder.sandboxes.sandbox import Sandbox
 
 FOLDERS = 'grading-'
@@ -138,8 +136,7 @@ def _run(task: Mapping[str, Any]) -> tuple[Recording, dict[str, float]]:
 
     if unlike := difference(task['version'], version()):
         raise GraderError(f'A worker refused the task: {unlike}.', 'Update it and start it again.')
-    scenario = cast('Scenario', _Told(task['scenario']))
-    return observe(task['exam'], scenario, task['files'], _sandbox(task['mode']))
+    return observe(task['exam'], task['scenario'], task['files'], _sandbox(task['mode']))
 
 
 @lru_cache(maxsize=2)
@@ -156,36 +153,6 @@ def _sandbox(mode: str) -> Sandbox:
             'Start all workers as the same kind of user.',
         )
     return sandbox
-
-
-@dataclass(frozen=True)
-class _Told:
-    """A scenario as it was sent: all that :mod:`autograder.runs.observe` asks of one."""
-
-    data: Mapping[str, Any]
-
-    @property
-    def program(self) -> str:
-        return str(self.data['program'])
-
-    @property
-    def file(self) -> str:
-        return str(self.data['file'])
-
-    @property
-    def arguments(self) -> tuple[str, ...]:
-        return tuple(self.data['arguments'])
-
-    @property
-    def build_type(self) -> str:
-        return str(self.data['build_type'])
-
-    @property
-    def ros_clock(self) -> Any:
-        return self.data['ros_clock']
-
-    def to_json(self) -> dict[str, Any]:
-        return dict(self.data)
 
 
 # -- a pool of processes on this machine -----------------------------------------------------

@@ -17,7 +17,7 @@ A program may import ``honest``, the honest solution in ``honest/``, and bend it
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,7 +26,6 @@ from typing import Any
 from unittest import mock
 
 from autograder.exam import catalog
-from autograder.exam.scenario import Scenario
 from autograder.grading.examine import examine
 from autograder.layout import Layout
 from autograder.recording import Recording
@@ -172,10 +171,10 @@ def early_limits() -> Iterator[None]:
     whole = observe.program_for
 
     def program_for(
-        scenario: Scenario, submission: Path, python: str, **options: Any
+        scenario: Mapping[str, Any], submission: Path, python: str, **options: Any
     ) -> tuple[Program, Limits]:
         program, limits = whole(scenario, submission, python, **options)
-        if scenario.program == 'build':
+        if scenario['program'] == 'build':
             return program, limits
         return program, replace(limits, cpu_s=6)
 

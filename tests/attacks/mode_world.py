@@ -107,7 +107,7 @@ def endless_run(box: sandbox.Sandbox) -> None:
     """Watch a program that computes forever, and say so when its node was seen."""
     program = 'import rclpy\nrclpy.init()\nnode = rclpy.create_node("n")\n'
     program += 'import time\ntime.sleep(1)\nwhile True:\n    pass\n'
-    scenario = Scenario(file='x.py', steps=(Advance(60.0),))
+    scenario = Scenario(file='x.py', steps=(Advance(60.0),)).to_json()
     observe('endless', scenario, {'x.py': program}, box, lambda event: print('runs', flush=True))
 
 

@@ -35,7 +35,7 @@ ASKED = Scenario(
 def recording(body: str, scenario: Scenario, sandbox: Sandbox) -> Recording:
     """Run a program of a style."""
     inside = ''.join(f'    {line}\n' for line in body.splitlines())
-    return observe('style', scenario, {'style.py': BEGIN + inside}, sandbox)[0]
+    return observe('style', scenario.to_json(), {'style.py': BEGIN + inside}, sandbox)[0]
 
 
 def numbers(found: Recording) -> list[tuple[int, int]]:

@@ -37,7 +37,7 @@ def runner() -> Callable[..., Recording]:
     sandbox = strongest()
 
     def _run(body, *steps, **options):
-        scenario = Scenario(file='program.py', steps=steps, **options)
+        scenario = Scenario(file='program.py', steps=steps, **options).to_json()
         return observe('steps', scenario, {'program.py': PROGRAM.format(body=body)}, sandbox)[0]
 
     return _run

@@ -53,7 +53,7 @@ def recorded(monkeypatch, text: str, limits: Limits, sandbox: Sandbox | None = N
     whole = observe.program_for
     monkeypatch.setattr(observe, 'program_for', lambda *facts: (whole(*facts)[0], limits))
     scenario = Scenario(file='x.py', appear_s=30.0, steps=(Advance(60.0),))
-    return run('limits', scenario, {'x.py': text}, sandbox or strongest())[0]
+    return run('limits', scenario.to_json(), {'x.py': text}, sandbox or strongest())[0]
 
 
 @pytest.mark.timeout(120)
@@ -189,7 +189,7 @@ def test_the_probe_bounds_the_size_and_the_number_of_messages(size, count, reaso
         steps=(Advance(90.0),),
     )
     files = {'x.py': NODE.format(size=size, count=count)}
-    recording, _ = run('limits', scenario, files, strongest())
+    recording, _ = run('limits', scenario.to_json(), files, strongest())
     messages = recording.of('message')
 
     assert recording.end_reason == reason

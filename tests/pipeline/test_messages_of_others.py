@@ -130,4 +130,4 @@ def test_missing_package_of_a_scenario_is_no_verdict_and_named_with_the_file(exa
     scenario = replace(exam.scenario, watch={'/toys': 'toy_msgs/msg/Toy'})
 
     with pytest.raises(ProbeFailed, match=r"'toy_msgs'\. Try: .* in environment/messages\.txt"):
-        observe('pilot', scenario, {'pilot.py': PILOT}, strongest())
+        observe('pilot', scenario.to_json(), {'pilot.py': PILOT}, strongest())

@@ -151,8 +151,9 @@ def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatc
     """What starts it may be held up, by whomever: that says nothing about the student's code."""
     start_instead(monkeypatch, 'sleep', 'infinity')
 
+    scenario = catalog.load('talker').scenario.to_json()
     with pytest.raises(ProbeFailed, match='had not begun when the run ended: no_node'):
-        observe.observe('talker', catalog.load('talker').scenario, {'talker.py': ''}, strongest())
+        observe.observe('talker', scenario, {'talker.py': ''}, strongest())
 
 
 def test_a_trial_of_the_sandbox_that_somebody_ended_says_nothing_about_rclpy(monkeypatch):
