@@ -35,6 +35,7 @@ from autograder.sandboxes.confined import Limits, Program
 from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.extract import answer_files
 from autograder.submission.notebook import read_release
+from environment.ros import RosEnvironment
 
 FOLDER = Path(__file__).parent
 CANARY = 'CANARY-7f3a9c'
@@ -171,9 +172,9 @@ def early_limits() -> Iterator[None]:
     whole = observe.program_for
 
     def program_for(
-        scenario: Mapping[str, Any], submission: Path, python: str, **options: Any
+        scenario: Mapping[str, Any], submission: Path, ros: RosEnvironment
     ) -> tuple[Program, Limits]:
-        program, limits = whole(scenario, submission, python, **options)
+        program, limits = whole(scenario, submission, ros)
         if scenario['program'] == 'build':
             return program, limits
         return program, replace(limits, cpu_s=6)
