@@ -25,7 +25,6 @@ from environment.ros import FILE_NAME, further_messages
 AROUND = (
     'clock/virtual_clock.py',
     'fastdds.xml',
-    'exam/scenario.py',
     'grading/examine.py',
     'runs/observe.py',
     'runs/watchdog.py',
