@@ -8,7 +8,8 @@ Whose fault it is, as a class.
     |- ProbeFailed               the probe died or broke off: there is no evidence to judge
     |- TooBusy                   the machine gave a program too little of its time
     |- RecordingInvalid          a recording does not follow its format
-    `- ExamInvalid               an exam contradicts itself
+    |- ExamInvalid               an exam contradicts itself
+    `- UsageError                a command line asks for something that is not there
 
 A mistake in a *submission* is never an exception that leaves this package: it is a
 :class:`~autograder.results.Problem` or a failed check.
@@ -36,7 +37,7 @@ class GraderError(Exception):
         self.fix = fix
 
 
-class UsageError(Exception):
+class UsageError(GraderError):
     """The command line asks for something that is not there."""
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from autograder.authoring.portions import portions
 from autograder.authoring.student_bundle import NO_PARTS, pack
-from autograder.errors import ExamInvalid, GraderError
+from autograder.errors import GraderError
 from autograder.gradebook.cell_points import unfit_points
 from autograder.layout import Layout
 from autograder.submission.extract import CHECK_PREFIX
@@ -199,7 +199,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return 1
         bundle = layout.work / 'student_bundle.zip'
         count = pack(layout, bundle)
-    except (GraderError, ExamInvalid) as error:
+    except GraderError as error:
         print(f'course: {error}', file=sys.stderr)
         return 2
     print(f'notebooks/ holds {", ".join(assignments)}.')

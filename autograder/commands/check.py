@@ -26,7 +26,7 @@ from environment.ros import EnvironmentError_
 if TYPE_CHECKING:
     from autograder.exam.exam import Exam
 
-REFUSALS = (UsageError, GraderError, EnvironmentError_, OSError, ModuleNotFoundError)
+REFUSALS = (GraderError, EnvironmentError_, OSError, ModuleNotFoundError)
 """Why a command cannot be done, in one line."""
 
 
