@@ -49,7 +49,7 @@ def numbers_at(seconds: Sequence[float], first: int = 1) -> list[tuple[int, int]
 
 
 @pytest.mark.parametrize('style', STYLES)
-def test_style_is_exact(style):
+def test_style_is_exact(style: str) -> None:
     """Every number comes at the nanosecond that the program's text says."""
     body, seconds = STYLES[style]
     first = 2 if style == 'publish and sleep' else 1
@@ -58,7 +58,7 @@ def test_style_is_exact(style):
 
 
 @pytest.mark.parametrize('style', ANSWERING)
-def test_answers_come_at_the_instant_of_their_input(style):
+def test_answers_come_at_the_instant_of_their_input(style: str) -> None:
     """Bursts included; late ones exactly as late as the program says, one after the other."""
     found = recording(ANSWERING[style], ASKED, strongest())
 
@@ -73,7 +73,7 @@ def test_answers_come_at_the_instant_of_their_input(style):
 
 
 @pytest.mark.parametrize('mode', ['none', 'landlock'])
-def test_weaker_modes_are_as_exact(mode):
+def test_weaker_modes_are_as_exact(mode: str) -> None:
     """The network is shared there; the clock is not."""
     body, seconds = STYLES['timer']
 
