@@ -78,6 +78,7 @@ def test_what_a_gradebook_file_lacks_is_one_line(filled, statements, said, advic
     assert 'server' not in caught.value.fix
 
 
+@pytest.mark.slow
 def test_a_locked_gradebook_file_is_one_line(filled):
     """The program that has locked it is what has to end."""
     with closing(sqlite3.connect(filled.root / 'gradebook.db')) as other:

@@ -111,6 +111,7 @@ def slow_text(pattern: re.Pattern[str], method: str) -> str | None:
     return None
 
 
+@pytest.mark.slow
 def test_every_pattern_is_done_in_one_pass():
     """However a text is made up, it is read once."""
     slow = {

@@ -39,6 +39,7 @@ def kind_of(text):
         return 'none'
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures('crowded')
 def test_threads_do_not_disturb_one_another():
     """Python 3.11.2 gives up with a SystemError if two trees are made at once."""

@@ -97,6 +97,7 @@ def test_child_returns_its_output_and_code(tmp_path):
     assert sorted(outcome.output.split()) == ['1', '2']
 
 
+@pytest.mark.slow
 def test_child_past_its_deadline_is_ended_with_its_family(tmp_path):
     """Not even a grandchild stays."""
     family = (

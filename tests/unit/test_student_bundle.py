@@ -182,6 +182,7 @@ class TestThisCourse:
         assert (copy / PACKED).is_file()
         assert b'create_publisher' not in (copy / PACKED).read_bytes()
 
+    @pytest.mark.slow
     def test_everything_that_it_imports_is_in_it(self, copy):
         """No module asks for one that stays with the instructors."""
         done = subprocess.run(
