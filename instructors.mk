@@ -3,6 +3,7 @@
 #|  make grade                grade all of submitted/ (ARGS='--jobs 2' passes options on)
 #|  make release              generate notebooks/ from solutions/, check the course, pack a student
 #|                            bundle
+#|  make quick                style, types and the quick unit tests: under a minute
 #|  make test                 all tests, without the browser and the benchmarks
 #|  make test-browser         JupyterLab and formgrader in headless Chromium; also test-cluster (Dask)
 #|                            and test-postgres (a real server)
@@ -12,10 +13,17 @@
 #|  make bench                the benchmarks; half an hour, best on a quiet machine
 #|  make soak                 the same files judged 200 times, calm and under load; half an hour
 
-.PHONY: grade test test-browser test-cluster test-postgres check coverage judgement release bench soak
+.PHONY: grade quick test test-browser test-cluster test-postgres check coverage judgement release bench soak
 
 grade: prepare
 	@exec $(PY) -m autograder grade $(ARGS)
+
+# For after each change. Types take half a minute the first time and a second afterwards.
+quick: prepare
+	$(PY) -m ruff check
+	$(PY) -m ruff format --check
+	$(PY) -m mypy
+	@exec $(WITH_ROS) python -m pytest -q -n 2 --dist loadfile -m 'not ros and not slow' tests/unit $(ARGS)
 
 # Files side by side, each file's tests in their order; ARGS='-n 0' runs one after the other.
 test: prepare
