@@ -7,7 +7,7 @@
 #|  make test                 all tests, without the browser and the benchmarks
 #|  make test-browser         JupyterLab and formgrader in headless Chromium; also test-cluster (Dask)
 #|                            and test-postgres (a real server)
-#|  make check                style, types, and whether generated files are up to date
+#|  make check                style, types, words, and whether generated files are up to date
 #|  make coverage             docs/coverage.md: what the course claims, teaches and proves
 #|  make judgement            docs/agreement.md, mutants.md, causes.md: how well the grader judges
 #|  make bench                the benchmarks; half an hour, best on a quiet machine
@@ -53,6 +53,7 @@ check: prepare
 	$(PY) -m tests.judgement.agreement --check
 	$(PY) -m tests.judgement.mutants --check
 	$(PY) -m tests.judgement.causes --check
+	$(PY) -m pytest -q tests/unit/test_style.py
 
 coverage: prepare
 	@exec $(PY) -m tests.claims.coverage
