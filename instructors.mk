@@ -3,11 +3,11 @@
 #|  make grade                grade all of submitted/ (ARGS='--jobs 2' passes options on)
 #|  make release              generate notebooks/ from solutions/, check the course, pack a student
 #|                            bundle
-#|  make quick                style, and what tests itself in under a minute: the loop while you write
+#|  make quick                style, types and the quick unit tests: under a minute
 #|  make test                 all tests, without the browser and the benchmarks
 #|  make test-browser         JupyterLab and formgrader in headless Chromium; also test-cluster (Dask)
 #|                            and test-postgres (a real server)
-#|  make check                style, types, and whether generated files are up to date
+#|  make check                style, types, words, and whether generated files are up to date
 #|  make coverage             docs/coverage.md: what the course claims, teaches and proves
 #|  make judgement            docs/agreement.md, mutants.md, causes.md: how well the grader judges
 #|  make bench                the benchmarks; half an hour, best on a quiet machine
@@ -18,11 +18,12 @@
 grade: prepare
 	@exec $(PY) -m autograder grade $(ARGS)
 
+# For after each change. Types take half a minute the first time and a second afterwards.
 quick: prepare
 	$(PY) -m ruff check
 	$(PY) -m ruff format --check
-	@exec $(WITH_ROS) python -m pytest -q -n auto --maxprocesses 4 --dist loadfile \
-	  -m 'not slow' tests/unit $(ARGS)
+	$(PY) -m mypy
+	@exec $(WITH_ROS) python -m pytest -q -n 2 --dist loadfile -m 'not ros and not slow' tests/unit $(ARGS)
 
 # Files side by side, each file's tests in their order; ARGS='-n 0' runs one after the other.
 test: prepare
@@ -52,6 +53,7 @@ check: prepare
 	$(PY) -m tests.judgement.agreement --check
 	$(PY) -m tests.judgement.mutants --check
 	$(PY) -m tests.judgement.causes --check
+	$(PY) -m pytest -q tests/unit/test_style.py
 
 coverage: prepare
 	@exec $(PY) -m tests.claims.coverage

@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _nobody_reads() -> bool:
     """
-    Tell whether standard output is a pipe that its reader has closed.
+    Return whether standard output is a pipe that its reader has closed.
 
     If so it is led away, or Python itself would complain at its end.
     """

@@ -68,7 +68,7 @@ class Places:
 
     @property
     def lock(self) -> Path:
-        """Held while the set-up runs. It lies beside the venv because the venv may be removed."""
+        """Held while the set-up runs. It is next to the venv because the venv may be removed."""
         return self.venv.with_name(self.venv.name + '.lock')
 
     @property

@@ -147,7 +147,7 @@ def write_ready(
 
 def is_ready(places: Places, environ: Mapping[str, str]) -> bool:
     """
-    Tell whether a prepared environment is up to date and what the user asks for.
+    Return whether a prepared environment is up to date and what the user asks for.
 
     A shell that asks for nothing (no PYTHON=, nothing sourced) takes what is there.
     """

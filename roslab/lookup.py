@@ -27,7 +27,7 @@ _QUIET = ('/parameter_events', '/rosout')
 
 def is_hidden(name: str) -> bool:
     """
-    Tell whether tools leave a name out: one of its parts begins with an underscore.
+    Return whether tools leave a name out: one of its parts begins with an underscore.
 
     :param name: full name of a topic or a node
     """

@@ -38,7 +38,7 @@ class Cell:
     @property
     def has_frontend(self) -> bool:
         """
-        Tell whether somebody is looking.
+        Return whether somebody is looking.
 
         Frontends name the cell they execute, nbclient and a console do not.
         """

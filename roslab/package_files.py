@@ -1,7 +1,7 @@
 """
 The learner's package on disk: where cells are saved, and what the grader is given.
 
-Everything lies beside the notebook, in a colcon workspace of the usual shape::
+Everything is next to the notebook, in a colcon workspace of the usual shape::
 
     ros_ws/src/my_robot_pkg/package.xml, CMakeLists.txt
                             msg/Speed.msg

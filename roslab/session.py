@@ -99,7 +99,7 @@ class Session:
 
     def owns(self, node: Node) -> bool:
         """
-        Tell whether a node is the hidden node that is served now.
+        Return whether a node is the hidden node that is served now.
 
         :param node: what :attr:`helper` returned before
         """

@@ -1,5 +1,5 @@
 """
-Which submissions are near copies: a list to look at, never a verdict.
+List similar submissions: a list to look at, never a verdict.
 
 Of each submission the code that is the student's own is compared: comments, docstrings, spacing
 and names that the file itself gives are taken away, and so are lines that the release has.  What

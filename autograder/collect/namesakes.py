@@ -95,7 +95,7 @@ def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
         )
     if one.number and before != one.number:
         return (
-            f'not the {name!r} of before: number {one.number} in Moodle, then {before}; put an '
+            f'not the previous {name!r}: number {one.number} in Moodle, then {before}; put an '
             f'id into the name of the folder as in "{name} ID_{one.number}_assignsubmission_file'
             '", or if the same people hand in twice in Moodle, delete _work/namesakes.json'
         )

@@ -59,7 +59,7 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
 
 def _older(wanted: bytes | None, there: bytes | None) -> tuple[bool, str]:
     """
-    Tell whether work is older than what is there, as far as both times are known.
+    Return whether work is older than what is there, as far as both times are known.
 
     :param wanted: its time, as it would be written
     :param there: the time that is there

@@ -47,7 +47,7 @@ def add_class_commands(commands: Any) -> None:
     stats.add_argument('--json', action='store_true', help='print it as JSON')
     stats.set_defaults(run=_stats)
 
-    similar = commands.add_parser('similar', help='near copies, as a list to look at')
+    similar = commands.add_parser('similar', help='list similar submissions to look at')
     similar.add_argument('assignment', metavar='ASSIGNMENT')
     similar.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
     similar.add_argument(

@@ -25,7 +25,7 @@ def load_config(layout: Layout) -> Config:
     except Exception as error:  # noqa: BLE001 - it is a program, and instructors edit it
         raise GraderError(
             f'{path}: expected settings of nbgrader, got {type(error).__name__}: {error}.',
-            'Try: mend it, then the same command again; no run is lost.',
+            'Try: fix the file, then run the same command again. Finished runs are kept.',
         ) from error
 
 

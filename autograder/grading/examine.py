@@ -191,7 +191,7 @@ ENDING = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.S
 
 def _may_have_been_ended(recording: Recording) -> bool:
     """
-    Tell whether something outside may have ended the program, or a compiler it called.
+    Return whether something outside may have ended the program, or a compiler it called.
 
     A program that does it to itself does it again, and then it is evidence.
     """

@@ -228,7 +228,7 @@ def grade_class(
 
 def _somebody_runs(tasks: Iterable[Future[Any]]) -> bool:
     """
-    Tell whether one of the tasks takes as long as a run.
+    Return whether one of the tasks takes as long as a run.
 
     The pool takes them in order, and a recording that is kept is read in a hundredth of the time.
     """

@@ -120,7 +120,7 @@ class Confined:
 
     def held(self) -> bool:
         """
-        Tell whether it still waits, or has ended so: no line of a student's has been run.
+        Return whether it still waits, or has ended so: no line of a student's has been run.
 
         The kernel says so of a socket, and nobody inside can put anything there: a pipe could be
         opened again through the first process of the sandbox, and filled.

@@ -285,7 +285,7 @@ class Sandbox:
             'inherited': list(inherited),
         }
         launcher = str(HERE / 'inside' / 'confine.py')
-        # Not -I: what lies beside the launcher is to be found.
+        # Not -I: Python has to find what is next to the launcher.
         return [self.ros.python, '-E', '-s', '-S', launcher, json.dumps(rules)]
 
 

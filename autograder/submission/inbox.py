@@ -135,7 +135,7 @@ def is_student_id(name: str) -> bool:
 
 def is_letter(char: str) -> bool:
     """
-    Tell whether a character is a letter or digit of any alphabet, or a sign that belongs to one.
+    Return whether a character is a letter or digit of any alphabet, or a sign that belongs to one.
 
     Regular expressions count no such sign as part of a word, but it may be a name's only vowel.
     """

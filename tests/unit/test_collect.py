@@ -283,7 +283,7 @@ class TestHostileSources:
 
 
 def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, layout):
-    """Whole or not at all; nothing lies beside it."""
+    """The copy is atomic and leaves no other file."""
     collect(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}), layout, layout.submitted)
     newer = notebook('talker', text='newer')
     laid(tmp_path / 's', {'ann/talk.ipynb': newer})

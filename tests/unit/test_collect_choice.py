@@ -266,6 +266,7 @@ class TestTheRightOne:
 class TestBounds:
     """One student's files are not the whole class's trouble."""
 
+    @pytest.mark.slow
     def test_a_class_is_not_held_in_memory(self, tmp_path, layout):
         """Each notebook is read again when it is written."""
         large = json.dumps({**json.loads(GOOD), 'metadata': {'x': '.' * (4 << 20)}}).encode()

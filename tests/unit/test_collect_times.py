@@ -352,6 +352,7 @@ class TestDueDates:
 
         assert not [name for name in set(sys.modules) - before if name.startswith('nbgrader')]
 
+    @pytest.mark.slow
     @pytest.mark.nbgrader
     def test_a_gradebook_of_nbgrader_is_read(self, layout, gradebook, monkeypatch):
         """One that nbgrader itself made."""

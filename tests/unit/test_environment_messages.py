@@ -141,6 +141,7 @@ def set_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SetUp:
     return SetUp(tmp_path, monkeypatch)
 
 
+@pytest.mark.slow
 def test_named_packages_are_installed_and_others_removed(set_up):
     """The note has the version of each package and of the further ones that it uses."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
@@ -161,6 +162,7 @@ def test_named_packages_are_installed_and_others_removed(set_up):
     assert further_messages(set_up.places.venv).keys() == {'base_msgs'}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('text', 'said'),
     [
@@ -186,6 +188,7 @@ def test_refused_file_installs_nothing_and_has_no_stamp(set_up, text, said):
     assert stamps.read_stamp(set_up.places, 'messages') != set_up.plan.digest('messages')
 
 
+@pytest.mark.slow
 def test_stopped_installation_is_noted_and_removed_by_the_next(set_up, monkeypatch):
     """A wheel without a note would stay in the environment unseen."""
     set_up.wheel('ros-toy-msgs')

@@ -86,6 +86,7 @@ def test_signs_that_stand_for_others_stand_for_themselves_too():
         assert safe_name(one) != safe_name(two)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=40)
 @given(strategies.text(max_size=20), strategies.text(max_size=20))
 def test_names_of_files_are_safe_and_as_different_as_the_ids(one, two):

@@ -135,6 +135,7 @@ SMALL = {
 PLACES = list(places(SMALL))
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(PLACES), ODD), min_size=1, max_size=4))
 def test_no_damage_stops_the_grader_or_changes_a_locked_cell(damages):

@@ -39,6 +39,7 @@ def kind_of(text):
         return 'none'
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures('crowded')
 @pytest.mark.slow
 def test_threads_do_not_disturb_one_another():

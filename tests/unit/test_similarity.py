@@ -1,4 +1,4 @@
-"""Near copies: found in spite of other names, spacing, comments and order; others are not."""
+"""Similar submissions are found in spite of other names, spacing, comments and order."""
 
 from __future__ import annotations
 

@@ -265,7 +265,7 @@ def _walk(folder: Path, above: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...
 
 def _is_noise(parts: tuple[str, ...], marked: Collection[tuple[str, ...]]) -> bool:
     """
-    Tell whether a program has left it.
+    Return whether a program has left it.
 
     :param parts: a path; what is above it is none
     :param marked: folders with the mark of colcon

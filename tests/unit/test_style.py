@@ -1,0 +1,56 @@
+"""The words that docs/style.md keeps out are in no page, no Python file and no lesson."""
+
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+import re
+import subprocess
+import tokenize
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+STYLE = ROOT / 'docs' / 'style.md'
+WORDS = re.findall(
+    r'^\| ([A-Za-z ]+) \|', STYLE.read_text(encoding='utf-8').partition('| not | but |')[2], re.M
+)
+# A capital in the table is meant: "cannot tell whether" is good English.
+ANY_CASE = [word if word[0].isupper() else f'(?i:{word})' for word in WORDS]
+PHRASES = re.compile(rf'\b({"|".join(ANY_CASE)})\b'.replace(' ', r'\s+'))
+# Samples are what students might write, CHANGELOG.md is history, notebooks/ and the tables are
+# generated. A new word in what judges needs all recordings and tables again.
+LEFT_OUT = re.compile(
+    r'tests/(submissions|attacks/\w+)/|notebooks/|CHANGELOG\.md|docs/(style|agreement|attacks|causes'
+    r'|coverage|mutants)\.md|autograder/(judging|exams|exam|submission/code)/|tests/unit/test_style'
+)
+CODE = {tokenize.OP, tokenize.NAME, tokenize.NUMBER}
+
+
+def prose_of(path: Path) -> str:
+    """Return what people read in a file: all of a page, texts and comments of Python."""
+    text = path.read_text(encoding='utf-8')
+    if path.suffix == '.ipynb':
+        cells = json.loads(text)['cells']
+        return '\n'.join(''.join(one['source']) for one in cells if one['cell_type'] == 'markdown')
+    if path.suffix == '.py':
+        tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+        return '\n'.join(token.string.strip('# ') for token in tokens if token.type not in CODE)
+    return text
+
+
+@pytest.mark.skipif(not (ROOT / '.git').exists(), reason='asks git which files are tracked')
+def test_the_words_that_the_style_keeps_out_are_nowhere():
+    """A phrase may be broken over two lines."""
+    listed = ['git', 'ls-files', '*.md', '*.py', 'solutions/*.ipynb']
+    names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    found = {
+        f'{name}: {" ".join(match[0].split())}'
+        for name in names.splitlines()
+        if not LEFT_OUT.match(name) and (ROOT / name).is_file()
+        for match in PHRASES.finditer(prose_of(ROOT / name))
+    }
+
+    assert len(WORDS) > 9
+    assert sorted(found) == []
