@@ -103,7 +103,7 @@ class Watchdog:
 
     def _stands_still(self, recorded: int, begun: bool, passed_s: float, used_s: float) -> bool:
         """
-        Tell whether no process has computed for too long since virtual time last moved.
+        Return whether no process has computed for too long since virtual time last moved.
 
         What passes counts against the patience that is due meanwhile: a probe that somebody has
         stopped for a second leaves the program its own 0.3 s.
