@@ -24,12 +24,12 @@ from autograder.exam.exam import Check, Exam, Run
 from autograder.explaining.feedback import number, points_of, printable
 from autograder.explaining.live import live_line
 from autograder.grading.again import NothingRuns
-from autograder.grading.examine import files_digest
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
 from autograder.judging.deviation import Deviation, deviation
 from autograder.layout import Layout
 from autograder.recording import Event, Recording
 from autograder.results import CheckResult, ExamResult, shortened, SubmissionResult
+from autograder.runs.kept import files_digest
 from autograder.runs.version import ROS_PACKAGES
 from autograder.submission.extract import extract
 from autograder.submission.inbox import discover

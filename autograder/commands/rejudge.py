@@ -21,11 +21,12 @@ from autograder.errors import RecordingInvalid
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import number, printable
 from autograder.grading.again import NothingRuns
-from autograder.grading.examine import files_digest, judged, without_recording
+from autograder.grading.examine import judged, without_recording
 from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, SubmissionResult
+from autograder.runs.kept import files_digest
 from autograder.sandboxes.isolation import MODES
 from autograder.submission.extract import ExamFiles, extract, with_reasons
 from autograder.submission.inbox import discover

@@ -16,9 +16,10 @@ from typing import Any
 
 from autograder.errors import RecordingInvalid
 from autograder.exam.exam import Exam
-from autograder.grading.examine import examine, files_digest, judged
+from autograder.grading.examine import examine, judged
 from autograder.recording import Recording
 from autograder.results import ExamResult
+from autograder.runs.kept import files_digest
 from autograder.sandboxes.choose import strongest
 from tests.judgement.references import LAYOUT
 

@@ -6,7 +6,7 @@ from collections import Counter
 
 import pytest
 
-from autograder.grading.examine import worth_running
+from autograder.judging.judge import worth_running
 from tests.judgement import agreement, causes, kept, mutants
 from tests.judgement.derive import all_mutants, mutants_of, written
 from tests.judgement.references import exercises

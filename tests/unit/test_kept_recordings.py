@@ -10,9 +10,10 @@ import pytest
 from autograder.errors import TooBusy
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Scenario
-from autograder.grading import examine as module
-from autograder.grading.examine import _kept_or_run, examine
+from autograder.grading.examine import examine
 from autograder.recording import header, Recording
+from autograder.runs import kept as module
+from autograder.runs.kept import _kept_or_run
 
 WHOLE = Recording(
     {**header('talker', 'bwrap-user'), 'files': 'a'},

@@ -1,0 +1,180 @@
+"""
+The recording of some files in a scenario: the kept one, or one that is made now.
+
+A recording depends on the files, the scenario and the environment, and on nothing else.  It is
+kept under a digest of the three, so that equal files (an untouched stub handed in by half a class)
+run once, a rerun runs nothing, and a changed check is judged again in milliseconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+import hashlib
+import json
+from pathlib import Path
+import signal
+import threading
+from typing import Any
+
+from autograder.errors import ProbeFailed, RecordingInvalid, TooBusy
+from autograder.exam.exam import Exam
+from autograder.recording import Event, Recording
+from autograder.runs.observe import observe
+from autograder.runs.pool import outcome_of, Place, task_of
+from autograder.runs.version import environment_digest, made_with
+from autograder.sandboxes.sandbox import Sandbox
+
+Outcome = tuple[Recording, dict[str, float]]
+"""A recording, and times of the run [s]."""
+_running: dict[str, threading.Lock] = {}
+_running_guard = threading.Lock()
+
+
+@dataclass(frozen=True)
+class Kept:
+    """
+    A recording, and what is known of it.
+
+    :param timing: of the run [s], empty if it was made earlier
+    :param name: of its file; empty if it is not kept
+    """
+
+    recording: Recording
+    timing: Mapping[str, float]
+    name: str = ''
+
+
+def recorded(
+    exam: Exam,
+    files: Mapping[str, str],
+    sandbox: Sandbox,
+    recordings: Path | None = None,
+    *,
+    fresh: bool = False,
+    told: Callable[[Event], None] | None = None,
+    place: Place | None = None,
+) -> Kept:
+    """
+    Return the recording of some files in the scenario of an exam.
+
+    :param files: relative path to text
+    :param recordings: folder that keeps recordings; None keeps nothing
+    :param fresh: run even if a recording is kept
+    :param told: called with each event of a run as it happens, if it takes place here
+    :param place: where to run, None for this thread
+    :raises GraderError: for a fault of ours
+    """
+
+    def run() -> Outcome:
+        recording, timing = _once_or_twice(lambda: _run(exam, files, sandbox, told, place))
+        about = {
+            'scenario': exam.scenario_digest()[:32],
+            'files': files_digest(files),
+            'environment': _environment(exam, files, sandbox),
+        }
+        return Recording({**recording.header, **about}, recording.events), timing
+
+    if recordings is None:
+        return Kept(*run())
+    path = recordings / exam.name / f'{digest(exam, files, sandbox)}.jsonl'
+    with _one_at_a_time(str(path)):
+        recording, timing = _kept_or_run(path, fresh, run)
+    return Kept(recording, timing, path.name if path.exists() else '')
+
+
+def _run(
+    exam: Exam,
+    files: Mapping[str, str],
+    sandbox: Sandbox,
+    told: Callable[[Event], None] | None,
+    place: Place | None,
+) -> Outcome:
+    scenario = exam.scenario.to_json()
+    if place is None:
+        return observe(exam.name, scenario, files, sandbox, told)
+    return outcome_of(place.run(task_of(exam.name, scenario, files, sandbox.mode)))
+
+
+def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome:
+    # A file made by this process is as fresh as can be: equal files of a class run once.
+    if path.exists() and (not fresh or path in _made_now):
+        try:
+            kept = Recording.load(path)
+        except RecordingInvalid:
+            pass  # damaged or of an older format: it is made again
+        else:
+            return kept, {}
+    recording, timing = run()
+    recording = _for_people(recording, timing)
+    recording.save(path)
+    _made_now.add(path)
+    return recording, timing
+
+
+_made_now: set[Path] = set()
+
+
+def _for_people(recording: Recording, timing: Mapping[str, float]) -> Recording:
+    """Return a recording that also says how long it took and which versions made it."""
+    notes: dict[str, Any] = {'made_with': dict(made_with())}
+    notes |= {'run_s': timing['run_s']} if 'run_s' in timing else {}
+    notes |= {'repeated': True} if timing.get('repeated') else {}
+    return Recording({**recording.header, **notes}, recording.events)
+
+
+def _once_or_twice(once: Callable[[], Outcome]) -> Outcome:
+    """Run once; if our own infrastructure hit its limit, once more, and say so."""
+    try:
+        recording, timing = once()
+        again = _may_have_been_ended(recording)
+    except (ProbeFailed, TooBusy):
+        again = True
+    if not again:
+        return recording, timing
+    recording, timing = once()
+    return recording, {**timing, 'repeated': 1.0}
+
+
+ENDING = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
+"""What people and systems end a process with; a program's own mistakes send other signals."""
+
+
+def _may_have_been_ended(recording: Recording) -> bool:
+    """
+    Return whether something outside may have ended the program, or a compiler it called.
+
+    A program that does it to itself does it again, and then it is evidence.
+    """
+    process = recording.process
+    if process.get('killed') or not process.get('exit'):
+        return False
+    if process['exit'] in {sign for one in ENDING for sign in (-one, 128 + one)}:
+        return True
+    return 'Killed' in process.get('stderr', '') + process.get('stdout', '')
+
+
+def files_digest(files: Mapping[str, str]) -> str:
+    """Return a digest of a student's files, as it is written in a recording's header."""
+    return _digest(json.dumps(sorted(files.items())))
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode('utf-8', 'replace')).hexdigest()[:32]
+
+
+def _one_at_a_time(key: str) -> threading.Lock:
+    with _running_guard:
+        return _running.setdefault(key, threading.Lock())
+
+
+def digest(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> str:
+    """Return the name under which a run is kept."""
+    environment = _environment(exam, files, sandbox)
+    parts = (exam.name, exam.scenario_digest(), sandbox.mode, environment, files_digest(files))
+    return _digest('\0'.join(parts))
+
+
+def _environment(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> str:
+    texts = (*files.values(), json.dumps(exam.scenario.to_json()))
+    return environment_digest(sandbox.ros.python, texts)
