@@ -15,11 +15,15 @@ import select
 import sys
 
 from autograder.commands.check import describe, REFUSALS, refuse
+from autograder.commands.collect import add_collect
 from autograder.commands.exit_codes import FOR_REVIEW, OK, STOPPED, UNREAD, USAGE
+from autograder.commands.explain import add_explain
 from autograder.commands.export import add_class_commands
+from autograder.commands.forget import add_forget
 from autograder.commands.grade import add_grade, short
 from autograder.commands.new import add_new
-from autograder.commands.table import add_commands
+from autograder.commands.rejudge import add_rejudge
+from autograder.commands.run import add_run
 from autograder.grading.pipeline import end_runs
 from autograder.layout import CHOSEN, Layout
 
@@ -107,7 +111,8 @@ def _parser() -> argparse.ArgumentParser:
         'self-check', help='grade the reference solution and the bare release of every lesson'
     )
     proof.set_defaults(run=_self_check)
-    add_commands(commands)
+    for add in (add_run, add_collect, add_rejudge, add_forget, add_explain):
+        add(commands)
     add_class_commands(commands)
     add_new(commands)
     return parser

@@ -8,9 +8,11 @@ decides, who may show the student what of it helps.
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Mapping, Sequence
 import hashlib
 from importlib.metadata import PackageNotFoundError, version
+import json
 from pathlib import Path
 import platform
 from typing import Any
@@ -18,6 +20,7 @@ from typing import Any
 from autograder.classroom.pages import with_name
 from autograder.classroom.people import read_people, student_named
 from autograder.classroom.results_of_class import graded
+from autograder.commands.exit_codes import OK
 from autograder.commands.rejudge import again
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Check, Exam, Run
@@ -45,6 +48,39 @@ HOW = {
     'ended': 'the run ended early, and this is how',
     'end': 'only the whole run shows it',
 }
+
+
+def add_explain(commands: Any) -> None:
+    """
+    Describe the command.
+
+    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
+    """
+    explain = commands.add_parser('explain', help='show the evidence behind a verdict')
+    explain.add_argument('student', metavar='STUDENT', help='id or name')
+    explain.add_argument(
+        'check',
+        metavar='CHECK',
+        nargs='?',
+        help='its name, or EXAM/CHECK (default: list the checks of the student)',
+    )
+    explain.add_argument('--assignment', metavar='NAME', help='if the check is in several')
+    explain.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
+    explain.add_argument('--json', action='store_true', help='all of it, as JSON')
+    explain.set_defaults(run=_explain)
+
+
+def _explain(chosen: argparse.Namespace) -> int:
+    """Show the evidence."""
+    layout = Layout.here()
+    if chosen.check is None:
+        results = results_of(layout, chosen.student, chosen.assignment)
+        as_json = [result.to_json() for result in results]
+        print(json.dumps(as_json) if chosen.json else verdicts_text(layout, results))
+        return OK
+    found = evidence(layout, chosen.student, chosen.check, chosen.assignment, chosen.submitted)
+    print(json.dumps(found) if chosen.json else evidence_text(found))
+    return OK
 
 
 def evidence(

@@ -8,23 +8,60 @@ of several students share one.
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass
 from difflib import get_close_matches
 import json
 from pathlib import Path
 import shutil
 import time
+from typing import Any
 
+from autograder.classroom.course_lock import alone
 from autograder.classroom.not_collected import forget_not_collected, read_not_collected
 from autograder.classroom.people import namesake, read_people
 from autograder.classroom.results_of_class import last_results, results_file
+from autograder.commands.exit_codes import OK
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.files import keep
 from autograder.gradebook.forget import forget_made
 from autograder.layout import Layout
 from autograder.submission.inbox import students_in
+
+
+def add_forget(commands: Any) -> None:
+    """
+    Describe the command.
+
+    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
+    """
+    forget = commands.add_parser(
+        'forget', help='show what the course has of a student; with --yes, remove it'
+    )
+    forget.add_argument('students', nargs='+', metavar='STUDENT', help='id or name')
+    forget.add_argument('--yes', action='store_true', help='remove it')
+    forget.set_defaults(run=_forget)
+
+
+def _forget(chosen: argparse.Namespace) -> int:
+    """Show what the course has of students, and remove it if that is meant."""
+    layout, copies = Layout.here(), []
+    with alone(layout, 'forget') if chosen.yes else nullcontext():
+        found = [traces(layout, student) for student in chosen.students]
+        for one in found:
+            print('\n'.join(one.lines(layout)))
+        if chosen.yes:
+            copies = [forget(layout, one.student) for one in found]
+    if not chosen.yes:
+        print('Nothing was removed. Try: the same command with --yes')
+        return OK
+    print('Removed. Earlier exports and copies of the gradebook still have what was in them.')
+    if copies[0]:
+        print(f'The gradebook as it was: {copies[0]}')
+    return OK
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,20 @@ goes the way of a grading: nbgrader is given only what differs from what it has.
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass, replace
+import json
 from pathlib import Path
 import time
 from typing import Any, TYPE_CHECKING
 
+from autograder.classroom.course_lock import alone
 from autograder.classroom.results_of_class import graded, last_results
 from autograder.commands.exit_codes import FOR_REVIEW, OK
-from autograder.errors import RecordingInvalid
+from autograder.commands.grade import add_yes
+from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import number, printable
 from autograder.grading.again import NothingRuns
@@ -33,6 +38,42 @@ from autograder.submission.inbox import discover
 
 if TYPE_CHECKING:
     from autograder.gradebook.live_entry import Guard
+
+
+def add_rejudge(commands: Any) -> None:
+    """
+    Describe the command.
+
+    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
+    """
+    rejudge = commands.add_parser(
+        'rejudge', help='new verdicts from the kept recordings after an exam edit; runs nothing'
+    )
+    rejudge.add_argument('assignment', nargs='?', metavar='ASSIGNMENT', help='default: all')
+    rejudge.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
+    rejudge.add_argument(
+        '--write', action='store_true', help='enter the new points in gradebook and reports'
+    )
+    add_yes(rejudge)
+    rejudge.add_argument('--json', action='store_true', help='print the changes as JSON')
+    rejudge.set_defaults(run=_rejudge)
+
+
+def _rejudge(chosen: argparse.Namespace) -> int:
+    """Judge again."""
+    layout = Layout.here()
+    with alone(layout, 'rejudge --write') if chosen.write else nullcontext():
+        changes, code = rejudge_command(
+            layout, chosen.assignment, chosen.submitted, chosen.write, chosen.yes
+        )
+    if chosen.json:
+        print(json.dumps([change.to_json() for change in changes]))
+    else:
+        for change in changes:
+            print(change.text())
+    if refused := ' '.join(dict.fromkeys(one.refused for one in changes if one.refused)):
+        raise GraderError(refused)
+    return code
 
 
 @dataclass(frozen=True)

@@ -8,16 +8,20 @@ built, and run by its executables; other folders are laid out beside the node fi
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+import json
 from pathlib import Path
+import sys
 import tempfile
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
-from autograder.errors import GraderError
+from autograder.commands.exit_codes import OK
+from autograder.errors import GraderError, SandboxUnavailable
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import exam_text, number, printable
@@ -33,6 +37,73 @@ from autograder.submission.package import name_missing, what_is_there
 if TYPE_CHECKING:
     from autograder.recording import Event
     from autograder.sandboxes.sandbox import Sandbox
+
+
+def add_run(commands: Any) -> None:
+    """
+    Describe the command.
+
+    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
+    """
+    run = commands.add_parser('run', help='run exams on one script, package, zip or notebook')
+    run.add_argument('path', type=Path, metavar='PATH')
+    run.add_argument(
+        '--exam',
+        required=True,
+        metavar='NAME',
+        help='an exam (such as talker), or an assignment (topics)',
+    )
+    run.add_argument('--visible', action='store_true', help='only the visible checks')
+    run.add_argument('--live', action='store_true', help='show what happens while it happens')
+    run.add_argument('--fresh', action='store_true', help='run again what is recorded')
+    run.add_argument('--json', action='store_true', help='print the results as JSON')
+    run.set_defaults(run=_run)
+
+
+def _run(chosen: argparse.Namespace) -> int:
+    """Look at one submission."""
+    layout = Layout.here()
+    found = exams_named(chosen.exam, layout, hidden=not chosen.visible)
+    to_look_at = looks(chosen.path, found, layout)
+    sandbox = _sandbox(chosen.visible)
+    results = []
+    for look, result in quick_look(
+        to_look_at,
+        sandbox,
+        layout.recordings,
+        fresh=chosen.fresh,
+        told=_show if chosen.live else None,
+    ):
+        results.append(result)
+        if not chosen.json:
+            print(text_of(look, result))
+    if chosen.json:
+        print(json.dumps([result.to_json() for result in results]))
+    else:
+        print(summary(results, chosen.visible))
+    return OK
+
+
+def _show(event: Any) -> None:
+    """Print an event of a run as it happens; the results may go elsewhere as JSON."""
+    from autograder.explaining.live import live_line
+
+    line = live_line(event)
+    if line:
+        print(line, file=sys.stderr, flush=True)
+
+
+def _sandbox(visible: bool) -> Any:
+    """Return the strongest sandbox; only visible checks may do without."""
+    from autograder.sandboxes import choose
+
+    try:
+        return choose.strongest()
+    except SandboxUnavailable as error:
+        if not visible:
+            raise
+        print(f'No sandbox here, so this runs as a plain process: {error.what}', file=sys.stderr)
+        return choose.plain()
 
 
 @dataclass(frozen=True)
