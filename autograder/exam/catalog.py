@@ -1,5 +1,5 @@
 """
-Find the exams of a course: a package that ``course.toml`` names, one module an exam.
+Find the exams of a course: a package that ``course.toml`` names, one module per exam.
 
 ``visible`` in it is shipped to learners, ``hidden`` is what is graded.
 """

@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
     ],
 )
 def test_a_mistake_in_the_file_is_refused_with_its_place(tmp_path, text, said):
-    """The file is named, and what stands there."""
+    """The file is named, and what it says."""
     (tmp_path / FILE).write_text(text)
 
     with pytest.raises(GraderError) as caught:

@@ -39,7 +39,7 @@ def look(monkeypatch):
 
 
 def test_a_program_that_waits_outside_the_clock_has_a_third_of_a_second(look):
-    """Three looks are no more than that, a fourth is."""
+    """Three looks take less than that, the fourth takes more."""
     assert look(1, b'S', b'S') == ''  # the first look sees what has happened so far
     assert look(2, b'S', b'S') == ''
     assert look(2, b'S', b'S') == 'waits_outside'
