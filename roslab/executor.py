@@ -225,7 +225,8 @@ class BackgroundExecutor:
         running = self.running
         if running is not None and running[0] is node:
             self._break_callback()
-        if not self._do(lambda: None, patience_s):
+        # Again: the thread may only have been slow. To destroy a node twice does no harm.
+        if not self._do(go, patience_s):
             go()  # another node blocks the thread; no wait set is in use meanwhile
 
     def ask(self, request: Callable[[], None]) -> None:

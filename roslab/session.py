@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
 import time
+import traceback
 from typing import Any
 
 import rclpy
@@ -263,6 +264,10 @@ class Session:
         except BaseException as error:
             for half_made in making.made:  # or it would stay in the graph without a name
                 _destroy_quietly(half_made)
+            if not isinstance(error, Exception):
+                # An interrupt may fall between rclpy's making of a publisher and its noting it:
+                # then a frame has it, and it has the node.
+                traceback.clear_frames(error.__traceback__)
             if isinstance(error, Exception) and not isinstance(error, RoslabError):
                 said = f'start({called}) made no node, it raised an exception:'
                 shown_as(error, f'{said}\n{short_traceback(error)}{_what_to_do(error)}')

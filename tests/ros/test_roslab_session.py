@@ -11,6 +11,7 @@ import pytest
 rclpy = pytest.importorskip('rclpy')
 
 from rclpy.context import Context
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data, QoSProfile
 from std_msgs.msg import Int32, String
@@ -271,6 +272,25 @@ def test_endless_callback_is_named_and_ended_by_stop(session):
     assert wait_until_in(session, lambda: talker.count > count, SOON_S, 'the talker')
 
 
+def test_stop_destroys_the_node_of_a_slow_thread(session, monkeypatch):
+    """On a busy machine the thread may answer only when it is asked again."""
+    session.start(Talker)
+    other = session.start(Talker, name='other')
+    really, slow = BackgroundExecutor._do, [True]
+    monkeypatch.setattr(
+        BackgroundExecutor,
+        '_do',
+        lambda self, action, patience_s: (
+            not slow.pop() if slow else really(self, action, patience_s)
+        ),
+    )
+
+    session.stop('talker')
+
+    assert not slow
+    assert 'talker' not in other.get_node_names()
+
+
 def test_close_ends_even_an_endless_callback(session):
     """The end of a kernel is not held up by a callback."""
     endless = session.start(Endless)
@@ -298,6 +318,25 @@ def test_node_whose_constructor_fails_leaves_nothing_in_the_graph(session):
 
     assert kept.traceback
     assert sorted(talker.get_node_names()) == ['talker']
+
+
+def test_constructor_that_is_interrupted_in_rclpy_leaves_nothing_in_the_graph(session):
+    """A publisher that rclpy has made and not yet noted keeps its node while a frame has it."""
+
+    class Half(Node):
+        def __init__(self):
+            super().__init__('half')
+            qos = QoSProfile(depth=10).get_c_qos_profile()
+            with self.handle:
+                publisher = _rclpy.Publisher(self.handle, String, 'chatter', qos)
+            raise KeyboardInterrupt(publisher.get_topic_name())
+
+    other = session.start(Talker)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        session.start(Half)
+
+    assert caught.tb is not None  # as IPython keeps it
+    assert 'half' not in other.get_node_names()
 
 
 @pytest.mark.parametrize(
