@@ -41,7 +41,7 @@ if folders[0] != beside:  # this file is read often
 # who share this machine: docs/exchange.md.
 for folder in ('exchange', 'submitted'):
     (course.work / folder).mkdir(parents=True, exist_ok=True)
-exchange = exchange_root(root, os.environ, work)
+exchange = exchange_root(root, os.environ)
 protect(exchange)
 c.Exchange.root = str(exchange)
 c.ExchangeFactory.release_assignment = 'autograder.collect.exchange_plugin.ReleaseProtected'

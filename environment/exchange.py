@@ -13,25 +13,24 @@ import os
 from pathlib import Path
 import stat
 
+from environment.places import stated
+
 SETTING = 'COURSE_EXCHANGE'
 """The environment variable that replaces the course's own folder."""
 ROOT_MODE = 0o1777
 """Everybody may hand in; nbgrader asks for 0777."""
 
 
-def exchange_root(
-    project: Path, environ: Mapping[str, str], work: str = 'autograder/_work'
-) -> Path:
+def exchange_root(project: Path, environ: Mapping[str, str]) -> Path:
     """
     Return the root folder of the exchange.
 
     :param project: the folder of the course, from which a relative path is seen
-    :param work: the folder in it that holds the course's own exchange
     """
     chosen = environ.get(SETTING)
     if chosen:
         return project / Path(chosen).expanduser()
-    return project / work / 'exchange'
+    return project / stated(project, 'work') / 'exchange'
 
 
 def unprotected(root: Path) -> list[tuple[Path, int]]:

@@ -23,7 +23,7 @@ def stated(project: Path, name: str) -> str:
     files = (project / 'course.toml', PROJECT / 'course.toml')
     # Read so, as Python 3.10 has no tomllib.
     text = next(file for file in files if file.is_file()).read_text(encoding='utf-8')
-    found = re.search(rf"^{name} = '([\w.]+)'$", text, re.MULTILINE)
+    found = re.search(rf"^{name} = '([\w./]+)'$", text, re.MULTILINE)
     if not found:
         raise ValueError(f"{project / 'course.toml'}: expected a line {name} = 'NAME'")
     return found[1]
