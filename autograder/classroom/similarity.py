@@ -165,7 +165,7 @@ def finished(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
         for path in sorted((layout.root / package / package).glob('*.py'))
     }
     asked = {name for exam in lesson.exams for name in exam.requires if name in modules}
-    if not asked:
+    if not asked or not package:
         return {}
     nodes = {name: modules[name] for name in sorted(asked)}
     return {f'{package} (nodes)': nodes, f'{package} (all)': modules}

@@ -21,19 +21,13 @@ from autograder.errors import GraderError
 from autograder.exam.inputs import course_secret
 from autograder.exports.gradescope import VISIBILITIES
 from autograder.layout import Layout
+from environment.places import PROJECT
 
 HERE = Path(__file__).parent / 'gradescope_files'
 EXECUTABLE = ('setup.sh', 'run_autograder')
 SETTINGS = 'gradescope.json'
-TREES = (
-    'autograder',
-    'drawing',
-    'environment',
-    'notebooks',
-    'roslab',
-    'solutions',
-)
-FILES = ('course.toml', 'nbgrader_config.py', 'pyproject.toml')
+ENGINE = ('autograder', 'drawing', 'environment', 'roslab', 'pyproject.toml')
+"""What grades, of this project; beside it goes what is the course's own."""
 LEFT_OUT = {'_work', '__pycache__', '.ipynb_checkpoints', 'ros_ws', '.mypy_cache', '.ruff_cache'}
 MADE = (2024, 1, 1, 0, 0, 0)
 """Date of every entry: the same course gives the same bytes."""
@@ -77,14 +71,17 @@ def autograder_zip(
 
 def course_files(layout: Layout) -> Iterator[tuple[str, Path]]:
     """Yield what grading needs of the course: name in the zip, and file; sorted, no links."""
-    for tree in (*TREES, layout.facts.package):
-        for path in sorted((layout.root / tree).rglob('*')):
-            inside = path.relative_to(layout.root)
+    exams = layout.exams.relative_to(layout.root).parts[0]
+    own = {'course.toml', 'nbgrader_config.py', 'notebooks', 'solutions', exams}
+    own |= {layout.facts.package} - {''}
+    parts = {**dict.fromkeys(ENGINE, PROJECT), **dict.fromkeys(own, layout.root)}
+    for part, root in sorted(parts.items()):
+        start = root / part
+        for path in [start] if start.is_file() else sorted(start.rglob('*')):
+            inside = path.relative_to(root)
             hidden = any(part in LEFT_OUT or part.startswith('.') for part in inside.parts)
             if not hidden and path.is_file() and not path.is_symlink():
                 yield inside.as_posix(), path
-    for name in FILES:
-        yield name, layout.root / name
 
 
 def _add(
