@@ -15,12 +15,15 @@ from string import Template
 import tempfile
 from typing import Any
 
+from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
+
 from autograder.errors import GraderError
 from autograder.files import keep
 from autograder.layout import FILE, Layout
+from environment.install_files import KERNEL_NAME, KERNEL_TITLE
+from environment.places import PROJECT
 
 SKELETON = Path(__file__).parent / 'skeleton'
-PROJECT = Path(__file__).resolve().parents[2]
 NAME = re.compile(r'[a-z][a-z0-9_]{1,40}')
 LESSON = re.compile(r'\d\d_[a-z][a-z0-9_]{1,40}')
 
@@ -74,15 +77,15 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
         'name': name,
         'lesson': lesson,
         'package': layout.facts.package,
+        'exams': layout.facts.exams,
         'title': name.replace('_', ' ').capitalize(),
         'class_name': name.title().replace('_', ''),
     }
     exams = layout.exams.relative_to(layout.root)
-    hidden = _filled('hidden.txt', words).replace('exams.', f'{layout.facts.exams}.')
     files = {
         Path('solutions', lesson, f'{lesson[3:]}.ipynb'): _notebook(words),
         exams / 'visible' / f'{name}.py': _filled('visible.txt', words),
-        exams / 'hidden' / f'{name}.py': hidden,
+        exams / 'hidden' / f'{name}.py': _filled('hidden.txt', words),
     }
     for path in files:
         if (layout.root / path).exists():
@@ -99,33 +102,31 @@ def _filled(name: str, words: Mapping[str, str]) -> str:
 def _notebook(words: Mapping[str, str]) -> str:
     """Return a lesson: text, import of ``check``, the answer with its solution, the check."""
     name = words['name']
+    check = f'check_{name}'
     cells = [
-        _cell('text', _filled('lesson.txt', words), cell_type='markdown'),
-        _cell('start', 'from roslab import check'),
-        _cell(name, _filled('node.txt', words), grade=False),
-        _cell(f'check_{name}', f"check('{name}')", grade=True, points=6),
+        new_markdown_cell(_filled('lesson.txt', words).rstrip(), id='text'),
+        new_code_cell('from roslab import check', id='start'),
+        new_code_cell(
+            _filled('node.txt', words).rstrip(),
+            id=name.replace('_', '-'),
+            metadata=_marks(name, grade=False),
+        ),
+        new_code_cell(
+            f"check('{name}')",
+            id=check.replace('_', '-'),
+            metadata=_marks(check, grade=True, points=6),
+        ),
     ]
-    kernel = {'display_name': 'ROS 2 Jazzy', 'language': 'python', 'name': 'ros2_jazzy'}
-    whole = {'cells': cells, 'metadata': {'kernelspec': kernel}}
-    return json.dumps({**whole, 'nbformat': 4, 'nbformat_minor': 5}, indent=1) + '\n'
+    kernel = {'display_name': KERNEL_TITLE, 'language': 'python', 'name': KERNEL_NAME}
+    notebook = new_notebook(cells=cells, metadata={'kernelspec': kernel})
+    return json.dumps(notebook, indent=1) + '\n'
 
 
-def _cell(cell_id: str, source: str, cell_type: str = 'code', **marks: Any) -> dict[str, Any]:
+def _marks(grade_id: str, grade: bool, **more: Any) -> dict[str, Any]:
     """
-    Return a cell.
+    Return the metadata of an answer that is graded, or of the cell that grades it.
 
-    :param marks: ``grade`` for a cell that nbgrader knows, and its ``points``
+    :param more: the ``points`` of a cell that grades
     """
-    cell: dict[str, Any] = {
-        'cell_type': cell_type,
-        'id': cell_id.replace('_', '-'),
-        'metadata': {},
-        'source': source.rstrip('\n'),
-    }
-    if cell_type == 'code':
-        cell |= {'outputs': [], 'execution_count': None}
-    if marks:
-        graded = marks['grade']
-        more = {'solution': not graded, 'locked': graded, 'task': False, 'schema_version': 3}
-        cell['metadata'] = {'nbgrader': {'grade_id': cell_id, **more, **marks}}
-    return cell
+    marks = {'grade_id': grade_id, 'grade': grade, 'solution': not grade, 'locked': grade}
+    return {'nbgrader': {**marks, 'task': False, 'schema_version': 3, **more}}

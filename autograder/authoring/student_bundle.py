@@ -13,6 +13,7 @@ import zipfile
 from autograder.files import keep
 from autograder.layout import Layout
 from environment import packed_package
+from environment.places import PROJECT
 
 ALLOWED = (
     'LICENSE',
@@ -49,7 +50,6 @@ UNDER_ANOTHER_NAME = {'README.md': 'docs/students.md'}
 """What they receive besides: the page about the whole project would lead them astray."""
 NO_PARTS = {'hidden', '__pycache__', '.ipynb_checkpoints', 'ros_ws', 'build', 'install', 'log'}
 TOP = 'ros2-course'
-PROJECT = Path(__file__).resolve().parents[2]
 
 
 def bundled_files(layout: Layout) -> dict[str, Path]:
