@@ -30,24 +30,10 @@ from typing import Any
 from autograder.errors import ExamInvalid
 from autograder.exam.names import Names
 from autograder.exam.scenario import Advance, Feed, Scenario
+from autograder.exam.specification import Cause, Specification
 from autograder.recording import Recording
 
 __all__ = ['Advance', 'Cause', 'Check', 'Exam', 'Failed', 'Feed', 'Run', 'Scenario']
-
-
-@dataclass(frozen=True)
-class Cause:
-    """
-    Why a check probably failed.
-
-    :param cause_id: short stable name, for statistics and tests
-    :param text: the reason in the learner's words
-    :param try_this: the next thing to do
-    """
-
-    cause_id: str
-    text: str
-    try_this: str
 
 
 class Failed(Exception):
@@ -140,6 +126,7 @@ class Exam:
     :param scenario: what the probe does
     :param read: section of the lesson that explains the exercise
     :param facts: what the checks need to know about the scenario, kept out of the probe
+    :param asks: what it asks for as functions of its inputs, by name
     """
 
     def __init__(
@@ -154,6 +141,7 @@ class Exam:
         scenario: Scenario,
         read: str = '',
         facts: Mapping[str, Any] | None = None,
+        asks: Mapping[str, Specification] | None = None,
     ) -> None:
         """Start without checks; :meth:`check` adds them in order."""
         for mistake in scenario.mistakes():
@@ -167,7 +155,8 @@ class Exam:
         self.requires = tuple(requires)
         self.scenario = scenario
         self.read = read
-        self.facts = {'exam_names': Names.of(scenario), **(facts or {})}
+        self.asks = dict(asks or {})
+        self.facts = {'exam_names': Names.of(scenario), **(facts or {}), **self.asks}
         self.checks: list[Check] = []
 
     def check(

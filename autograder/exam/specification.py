@@ -1,0 +1,160 @@
+"""
+What an exercise asks for as a function of the inputs, and the same function with a mistake in it.
+
+An exam knows what it sends.  So what a right program answers can be computed, and so can what a
+program with a known mistake answers: that is a :class:`Slip`.  The cause of a failed check is the
+slip that gives the answers that came::
+
+    Specification(
+        inputs=(4.0, -8.0),
+        due=each(lambda number: number / 2),
+        slips=(Slip('sign_lost', 'The sign is lost.', 'Leave out abs().', each(half_of_abs)),),
+    )
+
+Nothing here decides points.  An exam whose inputs do not tell a slip from what is due is refused
+(:meth:`Specification.mistakes`): a program with that slip would pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+import math
+from typing import Any
+
+Rule = Callable[[Sequence[Any]], Sequence[Any]]
+"""From all inputs, in order, to the answer to each: a number, a text or a tuple."""
+
+
+def each(answer: Callable[[Any], Any]) -> Rule:
+    """Return the rule of a program without memory, which answers each input by itself."""
+    return lambda inputs: [answer(one) for one in inputs]
+
+
+def same(one: Any, other: Any) -> bool:
+    """Return whether two answers are the same; floats to nine digits, and NaN is NaN."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, float) and isinstance(other, float):
+        both_nan = math.isnan(one) and math.isnan(other)
+        return both_nan or math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-9)
+    return bool(one == other)
+
+
+@dataclass(frozen=True)
+class Cause:
+    """
+    Why a check probably failed.
+
+    :param cause_id: short stable name, for statistics and tests
+    :param text: the reason in the learner's words
+    :param try_this: the next thing to do
+    """
+
+    cause_id: str
+    text: str
+    try_this: str
+
+
+@dataclass(frozen=True)
+class Slip(Cause):
+    """
+    A specification with one mistake in it, which is the cause if a program answers so.
+
+    :param rule: what a program with this mistake answers
+    """
+
+    rule: Rule
+
+    @classmethod
+    def of(cls, cause: Cause, rule: Rule) -> Slip:
+        """Return the slip of a cause that is also named where no rule explains all answers."""
+        return cls(cause.cause_id, cause.text, cause.try_this, rule)
+
+
+@dataclass(frozen=True)
+class Specification:
+    """
+    One thing that an exercise asks for, with the inputs of one exam.
+
+    :param inputs: in the order in which they are sent
+    :param due: what a right program answers
+    :param slips: the likelier first; two of one name differ in what no text tells
+    :param burst: how many of the last inputs come at once.  They count as one: several threads
+        may answer them in any order
+    :param like: tells whether two answers are the same
+    """
+
+    inputs: Sequence[Any]
+    due: Rule
+    slips: Sequence[Slip] = ()
+    burst: int = 0
+    like: Callable[[Any, Any], bool] = same
+
+    def of(self, rule: Rule) -> list[Any]:
+        """Return what a rule answers, with the answers to a burst as one."""
+        found = list(rule(self.inputs))
+        if not self.burst:
+            return found
+        return [*found[: -self.burst], together(found[-self.burst :])]
+
+    def row(self, place: int) -> Sequence[Any]:
+        """Return the input in a place, or all of the burst."""
+        last = len(self.inputs) - self.burst
+        return (
+            self.inputs[last:] if self.burst and place == last else self.inputs[place : place + 1]
+        )
+
+    @cached_property
+    def answers(self) -> list[Any]:
+        """Return what is due."""
+        return self.of(self.due)
+
+    def wrong(self, came: Sequence[Any], part: Collection[int] | None = None) -> list[int]:
+        """
+        Return the places of the inputs that were not answered as they should be.
+
+        :param came: the answers, one for each input or burst; None where the run ended before
+        :param part: only these places
+        """
+        places = range(len(came)) if part is None else part
+        return [
+            place
+            for place in places
+            if came[place] is not None and not self.like(self.answers[place], came[place])
+        ]
+
+    def cause(self, came: Sequence[Any], place: int, *parts: Collection[int]) -> Slip | None:
+        """
+        Return the slip that explains all answers, or else all those of a part.
+
+        A part helps where a program has two mistakes; a small one is explained by too many slips.
+
+        :param came: see :meth:`wrong`
+        :param place: of a wrong answer; a part without it explains nothing
+        :param parts: places that belong together, the larger part first
+        """
+        for part in (range(len(came)), *parts):
+            seen = [one for one in part if came[one] is not None]
+            for slip in self.slips if place in seen else ():
+                slipped = self.of(slip.rule)
+                if all(self.like(slipped[one], came[one]) for one in seen):
+                    return slip
+        return None
+
+    def mistakes(self) -> Iterator[str]:
+        """Yield which slips these inputs do not tell from what is due, or from one another."""
+        rules = [('what is due', self.answers)]
+        rules += [(slip.cause_id, self.of(slip.rule)) for slip in self.slips]
+        for number, (name, answers) in enumerate(rules):
+            for other, others in rules[:number]:
+                if other != name and all(map(self.like, answers, others)):
+                    yield f'no input tells {name} from {other}'
+
+
+def together(answers: Sequence[Any]) -> Any:
+    """Return several answers as one: the sum of numbers, all parts of tuples in order."""
+    if all(isinstance(one, tuple) for one in answers):
+        return tuple(sorted(part for one in answers for part in one))
+    return sum(answers)
