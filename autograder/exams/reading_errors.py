@@ -8,6 +8,7 @@ ERROR.  Only the text tells the two apart.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 import re
 
 from autograder.exam.exam import Cause, Run
@@ -15,8 +16,8 @@ from autograder.exams.readings import Reading, Sent, sent, shown_in
 from autograder.judging.causes.ended import close_name
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.tracebacks import PUBLIC, Traceback
-from autograder.recording import ERROR, Event, INFO, WARN
-from autograder.submission.code.learners_code import calls, subscription_depths, texts_in
+from autograder.recording import ERROR, Event
+from autograder.submission.code.learners_code import texts_in
 
 NO_UNIT = Cause(
     'unit_text',
@@ -39,15 +40,34 @@ LOGGED_TWICE = Cause(
     'Each reading is in more than one INFO line with its value.',
     'Call self.get_logger().info(...) with the value once in the callback, and subscribe once.',
 )
-QUEUE_DEPTH = Cause(
-    'queue_depth',
-    'Readings that come at once are lost: the queue of your subscription is too short.',
-    'Pass the depth 10 as quality of service.',
+NOT_LOGGED = Cause(
+    'not_logged',
+    'A reading is sent to your node, and no INFO line follows it.',
+    'Call self.get_logger().info(...) first in the callback: before any if and any return.',
 )
-LONG_ENOUGH = 5
-"""The depth at which nothing of a burst is lost; the sensor-data profile has it."""
+NO_VALUE = Cause(
+    'no_value',
+    'There is an INFO line, but the value of the reading is not in it.',
+    "Put msg.temperature_value into the text: f'{msg.temperature_value:.2f}'.",
+)
+UNKNOWN_UNIT = Cause(
+    'unknown_unit',
+    'A number without a known unit cannot be compared with 30 °C.',
+    'For any unit that you do not know: self.get_logger().error(...), return.',
+)
+BURST_IS_CUT = Cause(
+    'burst_is_cut',
+    'Readings that come one by one are answered, and of those that come at once only some.',
+    'Is the depth of your subscription 10? If it is, your callback keeps only the newest: log and '
+    'compare in the callback itself.',
+)
+FAHRENHEIT_REFUSED = Cause(
+    'fahrenheit_refused',
+    'Readings in Fahrenheit are answered with an ERROR, as if their unit were unknown.',
+    "Add a branch for the whole word, letter by letter: if msg.unit == 'Fahrenheit', celsius = "
+    '(value - 32) / 1.8.',
+)
 MOST_QUOTED = 120
-SHORT_NAMES = ('F', 'f', '°F', 'degF')
 _ATTRIBUTE = re.compile(r"'\w{1,40}' object has no attribute '\w{1,60}'")
 _PYTHON = re.compile(
     r'has no attribute|is not defined|object is not|not supported between|unsupported operand|'
@@ -90,14 +110,11 @@ def why_refused(run: Run, groups: Sequence[Sent]) -> Cause | None:
 
 
 def _logged(run: Run, text: str) -> Cause:
-    code = '\n'.join(run.files.values())
     return Cause(
         'logged_error',
         f"Your node logs this error: '{quoted(run, text)}'.",
-        'An except that only logs it hides the place: take try and except out for a moment, and '
-        'the traceback names the line.'
-        if 'except' in code
-        else 'Find the line that logs it: which condition leads this reading there?',
+        'If an except logs it, take try and except out for a moment: the traceback names the '
+        'line. If not, which condition leads this reading to that line?',
     )
 
 
@@ -106,7 +123,7 @@ def quoted(run: Run, text: str) -> str:
     text = ' '.join(text.split())
     if run.secret:
         sent: Sequence[Reading] = (*run.facts['singles'], *run.facts['burst'])
-        for unit in {one.unit for one in sent} - set(PUBLIC):
+        for unit in {one.unit for one in sent} - {*PUBLIC, ''}:
             text = re.sub(re.escape(unit), '…', text, flags=re.IGNORECASE)
         text = re.sub(r'\d+(?:[.,]\d+)?', '…', text)
     return text if len(text) <= MOST_QUOTED else f'{text[:MOST_QUOTED]}…'
@@ -130,76 +147,8 @@ def why_fahrenheit_is_refused(run: Run, group: Sent) -> Cause | None:
     errors: list[Event] = [entry for entry in group.logs if entry['level'] == ERROR]
     if any(_PYTHON.search(str(entry['text'])) for entry in errors):
         return why_refused(run, [group])
-    texts = {text for text in texts_in(run.files) if len(text) <= len('Fahrenheit') * 2}
-    slip = close_name('Fahrenheit', texts) or next(
-        (one for one in SHORT_NAMES if one in texts), ''
-    )
-    if 'Fahrenheit' in texts:
-        hint = 'Which condition leads it to the line with error()? Put msg.unit into its text.'
-    elif slip:
-        hint = f"Your code has '{slip}'; the unit is 'Fahrenheit', letter by letter."
-    else:
-        hint = "Add a branch: if msg.unit == 'Fahrenheit', celsius = (value - 32) / 1.8."
-    return Cause(
-        'fahrenheit_refused',
-        'Readings in Fahrenheit are answered with an ERROR, as if their unit were unknown.',
-        hint,
-    )
-
-
-def why_conversion(run: Run, group: Sent) -> Cause | None:
-    """
-    Explain a warm reading in Fahrenheit without a warning, if all in Celsius are judged rightly.
-
-    Then it is not the comparison that is wrong.
-
-    :param group: of the reading, which has nothing but INFO lines
-    """
-    singles = [(one, *one.readings) for one in sent(run) if len(one.readings) == 1]
-    right = all(
-        one.count(WARN) == reading.hot
-        for one, reading in singles
-        if reading.unit == 'Celsius' and not reading.odd
-    )
-    if not (right and run.recording.logs(level=WARN)) or len(group.logs) > group.count(INFO):
-        return None
-    return Cause(
-        'wrong_conversion',
-        'Warm readings in Celsius are warned about, a warm one in Fahrenheit is not: it is not '
-        'compared, or its conversion gives too small a number.',
-        'celsius = (value - 32) / 1.8. Try yours: 86 °F must give 30, and 212 °F 100.',
-    )
-
-
-def why_nan(run: Run) -> Cause:
-    """Explain a warning that comes for a reading that is not a number."""
-    if calls(run.files, 'isnan') or calls(run.files, 'isfinite'):
-        return Cause(
-            'warns_of_nan',
-            'A WARN line comes for NaN: WARN is for readings above 30 °C only.',
-            'Use self.get_logger().info(...) there, as for every reading, or log nothing.',
-        )
-    return Cause(
-        'nan',
-        'NaN is not above 30, nor below: every comparison with it is false.',
-        'Ask value > 30.0, not not (value <= 30.0); or test math.isnan(value).',
-    )
-
-
-def why_burst_is_cut(run: Run) -> Cause:
-    """
-    Explain readings that are answered one by one, and not all of them where they come at once.
-
-    The queue is blamed only where the code says that it is too short.
-    """
-    depths = subscription_depths(run.files)
-    if depths and all(depth is not None and depth < LONG_ENOUGH for depth in depths):
-        return QUEUE_DEPTH
-    known = depths and None not in depths
-    return Cause(
-        'burst_is_cut',
-        'Readings that come one by one are answered, and of those that come at once only some.',
-        f'{"" if known else "Is the depth of your subscription 10? "}'
-        f'{"Perhaps" if known else "Or"} your callback keeps only the newest: log and compare in '
-        'the callback itself.',
-    )
+    written = close_name('Fahrenheit', texts_in(run.files))
+    if written in ('', 'Fahrenheit'):
+        return FAHRENHEIT_REFUSED
+    hint = f"Your code has '{written}'; the unit is 'Fahrenheit', letter by letter."
+    return replace(FAHRENHEIT_REFUSED, try_this=hint)

@@ -13,6 +13,7 @@ import re
 from typing import Any
 
 from autograder.exam.exam import Run
+from autograder.judging.claims import Row, rows
 from autograder.recording import Event, INFO, WARN
 
 THRESHOLD_C = 30.0
@@ -76,44 +77,35 @@ class Sent:
         """Return how many lines have a level."""
         return sum(entry['level'] == level for entry in self.logs)
 
+    @property
+    def due(self) -> int:
+        """Return how many warnings are due."""
+        return sum(one.hot for one in self.readings)
+
+    def all_in(self, unit: str) -> bool:
+        """Return whether all are proper readings in a unit."""
+        return all(one.unit == unit and not one.odd for one in self.readings)
+
+
+def followed(run: Run) -> list[Row | None]:
+    """Return the log lines after each reading, those after the burst as one row."""
+    singles, burst = len(run.facts['singles']), len(run.facts['burst'])
+    return rows(run, run.recording.logs(), singles + burst, burst)
+
 
 def sent(run: Run) -> list[Sent]:
     """Pair every reading of the exam, sent or not, with what was logged after it."""
     singles: Sequence[Reading] = run.facts['singles']
     burst: Sequence[Reading] = run.facts['burst']
-    inputs = len(run.recording.of('input'))
-    groups = [
-        Sent((reading,), tuple(run.recording.logs(after_input=number)), number < inputs)
-        for number, reading in enumerate(singles)
+    groups = [*((one,) for one in singles), *([tuple(burst)] if burst else [])]
+    return [
+        Sent(group, tuple(row or ()), row is not None) for group, row in zip(groups, followed(run))
     ]
-    if burst:
-        logs: list[Event] = []
-        for number in range(len(singles), len(singles) + len(burst)):
-            logs += run.recording.logs(after_input=number)
-        groups.append(Sent(tuple(burst), tuple(logs), inputs == len(singles) + len(burst)))
-    return groups
 
 
 def cool_groups(run: Run) -> list[Sent]:
     """Return the groups of proper readings in Celsius that deserve no warning."""
-    return [
-        group
-        for group in sent(run)
-        if all(one.unit == 'Celsius' and not one.odd and not one.hot for one in group.readings)
-    ]
-
-
-def share_of(run: Run, right: int, all_of_them: int) -> float:
-    """
-    Return the part of the points for what was right before a program ended in mid-run.
-
-    How far a program came until the limit of processor time is the machine's doing: no part of it.
-    """
-    if run.recording.end_reason == 'cpu_limit':
-        return 0.0
-    if all(group.sent for group in sent(run)) or not all_of_them:
-        return 0.0
-    return round(right / all_of_them, 2)
+    return [group for group in sent(run) if group.all_in('Celsius') and not group.due]
 
 
 def shown_in(reading: Reading, logs: Sequence[Event], level: int | None) -> bool:
@@ -151,9 +143,7 @@ def each_shown_twice(groups: Sequence[Sent]) -> bool:
     plain = [
         (group.readings[0], group.logs)
         for group in groups
-        if len(group.readings) == 1
-        and group.readings[0].unit == 'Celsius'
-        and not group.readings[0].odd
+        if len(group.readings) == 1 and group.all_in('Celsius')
     ]
     return bool(plain) and all(times_shown(reading, logs, INFO) > 1 for reading, logs in plain)
 
@@ -164,6 +154,6 @@ def is_right(group: Sent) -> bool:
 
     Where they are not, that is told, and an ERROR in its place is not told again.
     """
-    return group.count(WARN) == sum(one.hot for one in group.readings) and all(
+    return group.count(WARN) == group.due and all(
         not one.odd and shown_in(one, group.logs, INFO) for one in group.readings
     )

@@ -394,7 +394,7 @@ class TestRunningMean:
             ([2.0, 4.0, 9.5 / 4, 4.1], 'wrong_count'),
             ([4.0, 6.0, 3.17, 5.12], 'rounded'),
             ([4.0, 6.0, 3.0, 5.0], 'cut_off'),
-            ([4.0, 6.0, 2.75, 4.25], 'last_two'),
+            ([4.0, 6.0, 2.75, 4.25], 'last_few'),
             ([0.0, 4.0, 6.0, 9.5 / 3], 'one_behind'),
             ([1.0, 2.0, 3.0, 4.0], None),
         ],
@@ -402,8 +402,17 @@ class TestRunningMean:
     def test_wrong_mean_is_explained(self, answers, cause_id):
         """Only what fits each answer is named."""
         events = [
-            {'event': 'message', 'topic': '/mean', 'after_input': place, 'data': {'data': answer}}
+            event
             for place, answer in enumerate(answers)
+            for event in (
+                {'event': 'input', 'index': place},
+                {
+                    'event': 'message',
+                    'topic': '/mean',
+                    'after_input': place,
+                    'data': {'data': answer},
+                },
+            )
         ]
         run = Run({}, Recording({}, (*events, *RUNS)), running_mean.exam.facts)
 

@@ -6,25 +6,35 @@ from autograder.exam.inputs import generator
 from autograder.exams.visible.managed_pressure import build, Inputs
 
 _draw = generator('managed_pressure', 'limits and pressures')
-_first = round(_draw.uniform(3.1, 3.9), 2)
+# Rounded or cut off, a pressure just above it is below it.
+_first = round(_draw.uniform(3.1, 3.4), 2)
 _second = round(_draw.uniform(0.1, 0.4), 2)
-_active = [
+_edges = [
     _first,
     round(_first + 0.01, 2),
     round(_first - 0.01, 2),
     round(-_first - _draw.uniform(1.0, 3.0), 2),  # of a size above the limit
-    *(round(_draw.uniform(4.5, 20.0), 2) for _ in range(2)),
     round(_draw.uniform(0.5, 1.9), 2),
+    0.0,
 ]
-_draw.shuffle(_active)
+_draw.shuffle(_edges)
+_high = [round(_draw.uniform(4.5, 20.0), 2) for _ in range(2)]
+# The same value again, and another one: each is above by itself.
+_active = [*_edges, _high[0], _high[0], _high[1], round(_draw.uniform(0.5, 1.9), 2)]
 exam = build(
     Inputs(
         refused=(-1.0, 0.0, round(_draw.uniform(-5.0, -0.2), 2)),
         limits=(_first, _second),
-        inactive=(9.5, 1.5),
-        active=tuple(_active),
-        paused=(9.75, 20.5),
-        still=(round(_draw.uniform(8.5, 12.0), 2), round(_draw.uniform(0.5, 1.9), 2)),
-        again=(round(_draw.uniform(0.5, 1.9), 2), _second, round(_draw.uniform(8.5, 12.0), 2)),
+        pressures={
+            'accepted': (9.5, 1.5),
+            'active': tuple(_active),
+            'paused': (9.75, 20.5),
+            'still': (round(_draw.uniform(8.5, 12.0), 2), round(_draw.uniform(0.5, 1.9), 2)),
+            'again': (
+                round(_draw.uniform(0.5, 1.9), 2),
+                _second,
+                round(_draw.uniform(8.5, 12.0), 2),
+            ),
+        },
     )
 )

@@ -6,4 +6,4 @@ from autograder.exam.inputs import generator
 from autograder.exams.visible.night_watch import build
 
 _draw = generator('night_watch', 'time and place')
-exam = build(seconds=26, namespace='/' + ''.join(_draw.choices('bcdfghklmnprst', k=6)))
+exam = build(seconds=61, namespace='/' + ''.join(_draw.choices('bcdfghklmnprst', k=6)))

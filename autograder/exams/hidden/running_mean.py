@@ -14,7 +14,8 @@ def _numbers(count: int) -> list[float]:
     return [round(_draw.uniform(-900.0, 900.0), 3) for _ in range(count)]
 
 
+_first = _numbers(5)
 exam = build(
-    [*_numbers(5), math.nan, *_numbers(2), 0.0, math.nan, *_numbers(1)],
+    [*_first, math.nan, *_numbers(2), 0.0, _first[0], math.nan, *_numbers(4)],
     burst=_numbers(4),
 )

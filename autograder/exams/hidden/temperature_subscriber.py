@@ -11,47 +11,59 @@ from autograder.exams.visible.temperature_subscriber import build
 
 
 def edges(draw: random.Random) -> list[Reading]:
-    """
-    Return the readings at and beside the threshold, in an order nobody can know.
-
-    What a program may die of comes last, so that what it loses by that is no matter of luck.
-    """
-    unknown = ''.join(draw.choices('BDGHJLQRTVWXZ', k=6))
+    """Return the readings at and beside the threshold, in an order nobody can know."""
     readings = [
         Reading(30.0, 'a reading of exactly 30.0 °C'),
         Reading(30.01, 'a reading just above 30 °C'),
         Reading(29.99, 'a reading just below 30 °C'),
+        Reading(0.0, 'a reading of 0 °C'),
         Reading(round(draw.uniform(-60.0, -31.0), 2), 'a reading far below zero'),
         Reading(round(draw.uniform(86.1, 86.4), 2), 'a warm reading in °F', 'Fahrenheit'),
         Reading(round(draw.uniform(85.5, 85.9), 2), 'a cool reading in °F', 'Fahrenheit'),
     ]
     draw.shuffle(readings)
-    odd = round(draw.uniform(200.0, 400.0), 2)
-    return [
-        *readings,
-        Reading(odd, 'a reading in an unknown unit', unknown),
-        Reading(math.nan, 'a reading that is not a number'),
+    return readings
+
+
+def odd(draw: random.Random) -> list[Reading]:
+    """Return what a program may die of: last, so that what it loses by that is no luck."""
+    rest = ''.join(draw.choices('bdghjlqrtvwxz', k=5))
+    units = [f'C{rest}', f'F{rest[::-1]}', '']
+    draw.shuffle(units)
+    values = [round(draw.uniform(200.0, 400.0), 2) for _ in units]
+    unknown = [
+        Reading(
+            value, 'a reading in an unknown unit' if unit else 'a reading without a unit', unit
+        )
+        for value, unit in zip(values, units)
     ]
+    return [*unknown, Reading(math.nan, 'a reading that is not a number')]
 
 
-def usual(draw: random.Random, count: int) -> list[Reading]:
-    """Return random readings in Celsius, half of them above the threshold."""
-    found = []
-    for number in range(count):
-        hot = number % 2 == 0
-        value = round(draw.uniform(31.0, 80.0) if hot else draw.uniform(-20.0, 29.0), 2)
-        found.append(Reading(value, 'a reading above 30 °C' if hot else 'a reading below 30 °C'))
-    draw.shuffle(found)
-    return found
+def hot(draw: random.Random) -> Reading:
+    """Return a reading in Celsius above the threshold."""
+    return Reading(round(draw.uniform(31.0, 80.0), 2), 'a reading above 30 °C')
+
+
+def cool(draw: random.Random) -> Reading:
+    """Return a reading in Celsius below the threshold."""
+    return Reading(round(draw.uniform(1.0, 29.0), 2), 'a reading below 30 °C')
 
 
 _draw = generator('temperature_subscriber', 'readings')
+_again = hot(_draw)
+_burst = [hot(_draw), hot(_draw), cool(_draw), cool(_draw)]
+_draw.shuffle(_burst)
 exam = build(
     [
-        Reading(18.25, 'a reading below 30 °C'),
-        *usual(_draw, 4),
+        cool(_draw),
+        # The same value again, and another one: each is above by itself.
+        *(_again, _again, hot(_draw)),
+        *(cool(_draw), cool(_draw)),
         *edges(_draw),
-        Reading(21.5, 'a reading below 30 °C'),
+        *odd(_draw),
+        hot(_draw),
+        cool(_draw),
     ],
-    burst=[Reading(45.0, 'a reading above 30 °C'), *usual(_draw, 4)],
+    burst=[hot(_draw), *_burst],
 )

@@ -10,8 +10,10 @@ The limit that counts is the one of the last configuration, whatever the paramet
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
+import operator
 import re
 from typing import Any
 
@@ -29,18 +31,16 @@ from autograder.exam.scenario import (
     Step,
     transition,
 )
+from autograder.exam.slips import above_limit, Compare, with_memory
+from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.lifecycle import (
     died_in_vain,
-    EARLY_LIMIT,
     ERROR_NOT_FAILURE,
     NO_PARAMETER,
-    NOT_MANAGED,
     READ_ONCE,
     SILENT_REFUSAL,
-    STALE_LIMIT,
     why_accepted,
-    why_compared_wrongly,
     why_ended,
     why_refused,
     without_its_end,
@@ -48,6 +48,7 @@ from autograder.judging.causes.lifecycle import (
 )
 from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import field_of, own_logs, require_answers, require_node
+from autograder.judging.claims import require_warnings
 from autograder.recording import ERROR, Event, Recording, WARN
 
 NODE, TOPIC = '/pressure_monitor', '/pressure'
@@ -67,20 +68,109 @@ class Inputs:
 
     :param refused: limits that make no sense, the first one the parameter's default [bar]
     :param limits: of the first and of the second configuration [bar]
-    :param inactive: pressures before activation, above the first limit
-    :param active: pressures under the first limit's watch
-    :param paused: pressures after deactivation, above both limits
-    :param still: after the parameter was set; one between the limits and one above both
-    :param again: pressures under the second limit's watch
+    :param pressures: by phase: ``accepted`` and ``paused``, in which the node is not active,
+        ``active`` under the first limit, ``still`` after the parameter was set, and ``again``
+        under the second limit [bar]
     """
 
     refused: Sequence[float]
     limits: tuple[float, float]
-    inactive: Sequence[float]
-    active: Sequence[float]
-    paused: Sequence[float]
-    still: Sequence[float]
-    again: Sequence[float]
+    pressures: Mapping[str, Sequence[float]]
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """
+    One pressure that is sent.
+
+    :param limit: the one that counts; ``parameter`` is what the parameter says then, and ``first``
+        the limit of the first configuration
+    """
+
+    value: float
+    phase: str
+    limit: float
+    parameter: float
+    first: float
+
+    @property
+    def active(self) -> bool:
+        """Return whether the node is active then."""
+        return self.phase not in INACTIVE
+
+    @property
+    def kind(self) -> str:
+        """Return what it tries, in words that may be shown."""
+        if self.value == self.limit:
+            return 'a pressure of exactly the limit'
+        return f'a pressure {"above" if self.value > self.limit else "below"} the limit'
+
+
+INACTIVE = ('accepted', 'paused')
+
+
+def pressures_of(numbers: Inputs) -> list[Pressure]:
+    """Return all pressures in the order in which they are sent."""
+    first, second = numbers.limits
+    return [
+        Pressure(
+            value,
+            phase,
+            second if phase == 'again' else first,
+            second if phase in ('still', 'again') else first,
+            first,
+        )
+        for phase, values in numbers.pressures.items()
+        for value in values
+    ]
+
+
+def warns(
+    hot: Compare = operator.gt,
+    limit: Callable[[Pressure], float] = lambda one: one.limit,
+    active: Callable[[Pressure], bool] = lambda one: one.active,
+    times: Callable[[Pressure], int] = lambda one: 1,
+) -> Rule:
+    """Return the warnings of a monitor with these parts, by default the right ones."""
+    return each(lambda one: times(one) if active(one) and hot(one.value, limit(one)) else 0)
+
+
+NOT_MANAGED = Cause(
+    'subscription_not_managed',
+    'A subscription hears messages in every state; rclpy manages publishers only.',
+    'Remember in on_activate() and on_deactivate() whether you are active, and look at it in the '
+    'callback.',
+)
+SLIPS = (
+    Slip(
+        'never_warns',
+        'The pressure arrives while the node is active, and no warning follows.',
+        'Does on_activate() remember it, with self. in front? Is it value > self.limit?',
+        warns(active=lambda one: False),
+    ),
+    Slip(
+        'early_limit',
+        'A new value of the parameter counts before the node is configured again.',
+        'Compare with self.limit, and set that in on_configure() alone: neither judge() nor '
+        'on_activate() reads the parameter.',
+        warns(limit=lambda one: one.parameter),
+    ),
+    Slip(
+        'stale_limit',
+        'The limit of the first configuration is still in use.',
+        'Read the parameter in on_configure(), each time.',
+        warns(limit=lambda one: one.first),
+    ),
+    Slip(
+        'subscribed_twice',
+        'After the second configuration each warning comes twice.',
+        'Create the subscription once, or destroy it in on_cleanup().',
+        warns(times=lambda one: 2 if one.phase == 'again' else 1),
+    ),
+    Slip.of(NOT_MANAGED, warns(active=lambda one: True)),
+    *above_limit(warns, 'self.limit'),
+    *with_memory(warns()),
+)
 
 
 def inputs(run: Run) -> Inputs:
@@ -213,78 +303,7 @@ def _why_still_refused(run: Run, part: Recording) -> Cause:
 
 def warns_above_the_limit(run: Run) -> None:
     """Active, it logs exactly one WARN for each pressure strictly above the limit."""
-    first, _ = inputs(run).limits
-    _warns(run, 'active', inputs(run).active, first)
-
-
-def _warns(run: Run, phase: str, pressures: Sequence[float], limit: float) -> None:
-    part = run.recording.phase(phase)
-    sent = part.of('input')
-    if part.of('not_connected') or not sent:
-        raise Failed(
-            expected=f'a subscription on {TOPIC} of type {TYPE} while it is active',
-            observed='nobody listens',
-            why=why_silent(run) or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
-        )
-    followed = [_after(part, sent, number) for number in range(len(pressures))]
-    warned = _warned(run, part, followed)
-    for pressure, logs, found in zip(pressures, followed, warned, strict=True):
-        due = int(pressure > limit)
-        if found != due:
-            compared = why_compared_wrongly(list(zip(pressures, warned, strict=True)), limit)
-            raise Failed(
-                expected=f'{due or "no"} WARN line after {_what(pressure, limit)}',
-                observed=f'{found or "none"}',
-                why=why_silent(run) or compared or _why_wrong(run, pressure == limit, found, logs),
-            )
-
-
-def _warned(run: Run, part: Recording, followed: Sequence[Sequence[Event]]) -> list[int]:
-    """Return how many warnings of the node are among the lines that followed each input."""
-    own = own_logs(Run(run.files, part, run.facts), NODE, WARN)
-    return [sum(log in own for log in logs) for logs in followed]
-
-
-def _after(part: Recording, sent: Sequence[Event], number: int) -> list[Event]:
-    """Return the log lines that followed one of the inputs of a phase, none if it was not sent."""
-    if number >= len(sent):
-        return []
-    return [log for log in part.logs() if log['after_input'] == sent[number]['index']]
-
-
-def _what(pressure: float, limit: float) -> str:
-    if pressure == limit:
-        return 'a pressure of exactly the limit'
-    return f'a pressure {"above" if pressure > limit else "below"} the limit'
-
-
-def _why_wrong(run: Run, at_limit: bool, found: int, logs: Sequence[Event]) -> Cause:
-    """Explain a warning that is missing, or one too many; none is below the limit."""
-    if at_limit:
-        return Cause(
-            'warns_at_threshold',
-            'The comparison includes the limit itself.',
-            'Above means strictly greater: value > limit, not >=.',
-        )
-    if found > 1:
-        return Cause(
-            'repeated_warning',
-            'The same pressure is warned about more than once.',
-            'Log once in the callback, and nowhere else. Create the subscription once, or destroy '
-            'it in on_cleanup().',
-        )
-    if own_logs(run, NODE, WARN):
-        return why_not_logged(run, logs, WARN) or Cause(
-            'missed_warning',
-            'Other pressures are warned about, this one is not.',
-            'Compare each one by itself: value > self.limit, without int(), round(), once= and '
-            'without memory.',
-        )
-    return why_not_logged(run, logs, WARN) or Cause(
-        'never_warns',
-        'The pressure arrives while the node is active, and no warning follows.',
-        'Does on_activate() remember it, with self. in front? Is it value > self.limit?',
-    )
+    _require_warnings(run, 'active')
 
 
 def ignores_while_not_active(run: Run) -> None:
@@ -301,33 +320,45 @@ def ignores_while_not_active(run: Run) -> None:
 
 def takes_the_new_limit(run: Run) -> None:
     """Configured again, it watches the new limit, and not before."""
-    first, second = inputs(run).limits
     _require(run, 'still', CHANGE, [{'success': True}] * 2, 'activate and deactivate')
-    _warns_by(run, 'still', inputs(run).still, (first, second), EARLY_LIMIT)
+    _require_warnings(run, 'still')
     wanted = [{'success': True}] * 3
     _require(run, 'again', CHANGE, wanted, 'cleanup, configure and activate')
-    _warns_by(run, 'again', inputs(run).again, (second, first), STALE_LIMIT)
+    _require_warnings(run, 'again')
 
 
-def _warns_by(
-    run: Run, phase: str, pressures: Sequence[float], limits: tuple[float, float], slip: Cause
-) -> None:
-    """
-    Fail unless it warns of the pressures above one of two limits.
+def _require_warnings(run: Run, phase: str) -> None:
+    """Fail unless each pressure of a phase has as many warnings as it should have."""
+    part = run.recording.phase(phase)
+    if part.of('not_connected') or not part.of('input'):
+        raise Failed(
+            expected=f'a subscription on {TOPIC} of type {TYPE} while it is active',
+            observed='nobody listens',
+            why=why_silent(run) or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
+        )
+    asked: Specification = run.facts['warnings']
+    places = [place for place, one in enumerate(asked.inputs) if one.phase == phase]
+    found = _followed(run)
+    require_warnings(
+        run,
+        asked,
+        found,
+        places,
+        lambda place: why_not_logged(run, found[place] or [], WARN),
+        places,
+    )
 
-    :param limits: the one that counts, and the other one
-    :param slip: what explains warnings by the other one
-    """
-    right, other = limits
-    try:
-        _warns(run, phase, pressures, right)
-    except Failed as failed:
+
+def _followed(run: Run) -> list[list[Event] | None]:
+    """Return the node's lines after each pressure, None where it was not sent."""
+    found: list[list[Event] | None] = []
+    for phase, pressures in inputs(run).pressures.items():
         part = run.recording.phase(phase)
-        followed = [_after(part, part.of('input'), number) for number in range(len(pressures))]
-        by_other = [int(pressure > other) for pressure in pressures]
-        if _warned(run, part, followed) == by_other:
-            failed.why = slip
-        raise
+        lines = own_logs(Run(run.files, part, run.facts), NODE)
+        for _, sent in zip_longest(pressures, part.of('input')):
+            after = [one for one in lines if sent and one['after_input'] == sent['index']]
+            found.append(after if sent else None)
+    return found
 
 
 def build(numbers: Inputs) -> Exam:
@@ -339,19 +370,20 @@ def build(numbers: Inputs) -> Exam:
     configure = transition(NODE, 'configure')
     activate, deactivate = transition(NODE, 'activate'), transition(NODE, 'deactivate')
     first, second = numbers.limits
+    feeds = {phase: _feed(values) for phase, values in numbers.pressures.items()}
     steps: list[Step] = [Mark('refused')]
     for number, limit in enumerate(numbers.refused):
         if number:
             steps.append(_limit(limit))
         steps += [configure, Advance(ANSWER_S)]
     steps += [state(NODE), Mark('accepted'), _limit(first), configure]
-    steps += [_feed(numbers.inactive)]
-    steps += [Mark('active'), activate, _feed(numbers.active)]
-    steps += [Mark('paused'), deactivate, _feed(numbers.paused)]
+    steps += [feeds['accepted']]
+    steps += [Mark('active'), activate, feeds['active']]
+    steps += [Mark('paused'), deactivate, feeds['paused']]
     # A node may refuse to be set before the cleanup; then it is set after it.
-    steps += [Mark('still'), _limit(second), activate, _feed(numbers.still), deactivate]
+    steps += [Mark('still'), _limit(second), activate, feeds['still'], deactivate]
     steps += [Mark('again'), transition(NODE, 'cleanup'), _limit(second), configure, activate]
-    steps += [_feed(numbers.again)]
+    steps += [feeds['again']]
     exam = Exam(
         'managed_pressure',
         title='The managed pressure monitor',
@@ -367,6 +399,7 @@ def build(numbers: Inputs) -> Exam:
         ),
         read='Part 3: When a transition goes wrong',
         facts={'inputs': numbers},
+        asks={'warnings': Specification(pressures_of(numbers), warns(), SLIPS)},
     )
     exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(points=2, needs=['starts_its_node'])(refuses_a_senseless_limit)
@@ -391,10 +424,12 @@ exam = build(
     Inputs(
         refused=(-1.0,),
         limits=(2.5, 6.0),
-        inactive=(3.0,),
-        active=(2.4, 2.5, 2.6, 9.0, 1.0),
-        paused=(8.0,),
-        still=(4.0, 9.0),
-        again=(5.0, 7.0),
+        pressures={
+            'accepted': (3.0,),
+            'active': (2.4, 2.5, 2.6, 9.0, 1.0),
+            'paused': (8.0,),
+            'still': (4.0, 9.0),
+            'again': (5.0, 7.0),
+        },
     )
 )

@@ -9,30 +9,35 @@ answers any other unit with one ERROR and no warning; does not warn for NaN; use
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 import math
+import operator
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, Scenario
+from autograder.exam.slips import above_limit, Compare, NO_WARNING, of_nan, REPEATED, with_memory
+from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.exams.reading_errors import (
+    BURST_IS_CUT,
     LOGGED_TWICE,
     NEEDLESS_ERROR,
+    NO_VALUE,
+    NOT_LOGGED,
     ONE_LINE,
     refuses_fahrenheit,
-    why_burst_is_cut,
-    why_conversion,
+    UNKNOWN_UNIT,
     why_fahrenheit_is_refused,
-    why_nan,
     why_refused,
 )
 from autograder.exams.readings import (
     cool_groups,
     each_shown_twice,
+    followed,
     is_right,
     Reading,
     Sent,
     sent,
-    share_of,
     shown_in,
     THRESHOLD_C,
 )
@@ -46,23 +51,69 @@ from autograder.judging.causes.missing_logs import (
 )
 from autograder.judging.causes.not_answering import nobody_answers
 from autograder.judging.checks import require_endpoint, require_node, require_partner
+from autograder.judging.claims import require_warnings, share
 from autograder.recording import ERROR, INFO, WARN
 
 NODE = '/temperature_subscriber'
 TOPIC = '/temperature_topic'
 TYPE = 'temp_monitor_pkg/msg/Temperature'
-REPEATED = Cause(
-    'repeated_warning',
-    'The same reading is warned about more than once.',
-    'One call of self.get_logger().warning(...) in the callback, one subscription, and no timer '
-    'or thread for it.',
-)
-NOT_LOGGED = Cause(
-    'not_logged',
-    'A reading is sent to your node, and no INFO line follows it.',
-    'Call self.get_logger().info(...) first in the callback: before any if and any return.',
-)
 EXERCISE = 'Exercise 3: the subscriber node'
+
+
+def warns(
+    hot: Compare = operator.gt,
+    celsius: Callable[[Reading], float | None] = lambda one: one.celsius,
+) -> Rule:
+    """Return how many warnings a monitor with these parts gives; by default those that are due."""
+
+    def warnings(reading: Reading) -> int:
+        value = celsius(reading)
+        return int(value is not None and hot(value, THRESHOLD_C))
+
+    return each(warnings)
+
+
+def by_first_letter(reading: Reading) -> float | None:
+    """Convert a reading by the first letter of its unit."""
+    units = {unit[0]: unit for unit in ('Celsius', 'Fahrenheit')}
+    return replace(reading, unit=units.get(reading.unit[:1], '')).celsius
+
+
+SLIPS = (
+    *above_limit(warns, '30.0'),
+    of_nan(warns, '30.0'),
+    *(
+        Slip(
+            'ignores_unit',
+            'The number is compared without conversion, or the conversion gives another number.',
+            'Look at msg.unit first: celsius = (value - 32) / 1.8 for Fahrenheit.',
+            warns(celsius=celsius),
+        )
+        for celsius in (
+            lambda one: None if one.celsius is None else one.value,
+            lambda one: one.value,
+        )
+    ),
+    Slip(
+        'wrong_conversion',
+        'Warm readings in Celsius are warned about, a warm one in Fahrenheit is not: it is not '
+        'compared, or its conversion gives too small a number.',
+        'celsius = (value - 32) / 1.8. Try yours: 86 °F must give 30, and 212 °F 100.',
+        warns(celsius=lambda one: one.value if one.unit == 'Celsius' else None),
+    ),
+    Slip(
+        'first_letter',
+        'A unit that only begins like Celsius or Fahrenheit is taken for it.',
+        "Compare the whole word: msg.unit == 'Celsius'.",
+        warns(celsius=by_first_letter),
+    ),
+    Slip.of(
+        UNKNOWN_UNIT,
+        warns(celsius=lambda one: one.value if one.celsius is None else one.celsius),
+    ),
+    *with_memory(warns()),
+    Slip.of(NO_WARNING, each(lambda one: 0)),
+)
 
 
 def starts_its_node(run: Run) -> None:
@@ -95,99 +146,108 @@ def logs_every_reading(run: Run) -> None:
         (reading, group) for group in groups for reading in group.readings if not reading.odd
     ]
     missing = [pair for pair in proper if not shown_in(pair[0], pair[1].logs, INFO)]
-    if not missing and groups:
-        if not each_shown_twice(groups):
-            return
-        raise Failed(
-            expected='one INFO line with the value for each reading',
-            observed='more than one such line for each of them',
-            why=LOGGED_TWICE,
-        )
-    reading, group = missing[0] if missing else (None, None)
+    if not missing:
+        if each_shown_twice(groups):
+            raise Failed(
+                expected='one INFO line with the value for each reading',
+                observed='more than one such line for each of them',
+                why=LOGGED_TWICE,
+            )
+        return
     found = len(proper) - len(missing)
     raise Failed(
         expected=f'{len(proper)} readings sent, each in one INFO line with its value',
-        observed=f'{found} of them' + (f'; missing: {reading.kind}' if reading else ''),
-        why=_why_not_logged(run, reading, group),
-        share=share_of(run, found, len(proper)),
+        observed=f'{found} of them; missing: {missing[0][0].kind}',
+        why=_why_not_logged(run, *missing[0]),
+        share=share(run, followed(run), found, len(proper)),
     )
 
 
-def _why_not_logged(run: Run, reading: Reading | None, group: Sent | None) -> Cause | None:
-    everything: Sequence[Reading] = (*run.facts['singles'], *run.facts['burst'])
-    due = [reading] if reading else [one for one in everything if not one.odd]
+def _why_not_logged(run: Run, reading: Reading, group: Sent) -> Cause | None:
     # With an INFO line after it, the line is not elsewhere: it lacks the value, or a burst is cut.
-    why = (
-        why_silent(run)
-        if group is not None and group.count(INFO)
-        else why_elsewhere(
-            run, INFO, lambda text: any(shown_in(one, [{'text': text}], None) for one in due)
-        )
-    )
-    if why or (group is not None and not group.sent):
+    if why := why_silent(run) if group.count(INFO) else _why_all_elsewhere(run, [reading]):
         return why
-    if group is not None and len(group.readings) > 1:
-        return why_burst_is_cut(run)
-    if reading is not None and group is not None:
-        if refuses_fahrenheit(run, group):
-            return why_fahrenheit_is_refused(run, group)
-        if not group.count(INFO) and (refused := why_refused(run, [group])):
-            return refused
-        levels = [entry['level'] for entry in group.logs if shown_in(reading, [entry], None)]
-        if levels:
-            return Cause(
-                'wrong_level',
-                f'That reading is logged at level {LEVELS.get(levels[0], levels[0])} only.',
-                'Log every reading with self.get_logger().info(...), the warm ones too.',
-            )
-        if any(entry['level'] == INFO for entry in group.logs):
-            return Cause(
-                'no_value',
-                'There is an INFO line, but the value of the reading is not in it.',
-                "Put msg.temperature_value into the text: f'{msg.temperature_value:.2f}'.",
-            )
-    return why_dropped(run, INFO) or NOT_LOGGED
+    if not group.sent:
+        return None
+    if len(group.readings) > 1:
+        return BURST_IS_CUT
+    if refuses_fahrenheit(run, group):
+        return why_fahrenheit_is_refused(run, group)
+    if not group.count(INFO) and (refused := why_refused(run, [group])):
+        return refused
+    levels = [entry['level'] for entry in group.logs if shown_in(reading, [entry], None)]
+    if levels:
+        return Cause(
+            'wrong_level',
+            f'That reading is logged at level {LEVELS.get(levels[0], levels[0])} only.',
+            'Log every reading with self.get_logger().info(...), the warm ones too.',
+        )
+    return NO_VALUE if group.count(INFO) else why_dropped(run, INFO) or NOT_LOGGED
+
+
+def _why_all_elsewhere(run: Run, readings: Sequence[Reading]) -> Cause | None:
+    """Explain INFO lines of readings that come on standard output only, or not at all."""
+    return why_elsewhere(
+        run, INFO, lambda text: any(shown_in(one, [{'text': text}], None) for one in readings)
+    )
 
 
 def warns_when_too_hot(run: Run) -> None:
     """It logs exactly one WARN for each reading above 30 °C."""
-    short, long = None, None
-    groups = [group for group in sent(run) if any(one.hot for one in group.readings)]
-    groups = [group for group in groups if all(one.unit == 'Celsius' for one in group.readings)]
-    for group in groups:
-        due, found = sum(one.hot for one in group.readings), group.count(WARN)
-        short = short or (group if found < due else None)
-        long = long or (group if found > due else None)
-    worst = short or long
-    if worst is None and groups:
-        return
-    if worst is None:
+    _require_warnings(run, lambda group: group.all_in('Celsius') and group.due > 0, shared=True)
+
+
+def stays_quiet_otherwise(run: Run) -> None:
+    """It logs no warning for any other reading: 30.0 °C exactly is not above 30 °C."""
+    groups = cool_groups(run)
+    _require_warnings(run, groups.__contains__)
+    handled = [group for group in groups if group.logs]
+    if len(handled) < len(groups):
         raise Failed(
-            expected='a warning for each reading above 30 °C',
-            observed='the run ended before one was sent',
-            why=why_silent(run),
+            expected='INFO lines for cool readings and no warning',
+            observed=f'{len(handled)} of {len(groups)} cool readings were handled: silence alone '
+            'proves nothing',
+            why=_why_deaf(run),
+            share=share(run, followed(run), len(handled), len(groups)),
         )
-    due, found = sum(one.hot for one in worst.readings), worst.count(WARN)
-    right = [group for group in groups if group.count(WARN) == sum(g.hot for g in group.readings)]
-    raise Failed(
-        expected=f'{_lines(due, "WARN")} after {_what(worst)}',
-        observed=_lines(found, 'WARN') if worst.sent else 'the run ended before it was sent',
-        share=share_of(run, len(right), len(groups)),
-        why=_why_no_warning(run, worst, found > due),
+    _can_warn(run)
+
+
+def converts_fahrenheit(run: Run) -> None:
+    """It understands readings in Fahrenheit: 86 °F is 30 °C."""
+    _require_warnings(run, lambda group: group.all_in('Fahrenheit'))
+    _goes_on(run, lambda group: group.all_in('Fahrenheit'))
+
+
+def _require_warnings(run: Run, picked: Callable[[Sent], bool], shared: bool = False) -> None:
+    """
+    Fail unless readings have as many warnings as they should have.
+
+    :param picked: tells which readings the check is about
+    :param shared: whether what is right earns a part of the points
+    """
+    groups = sent(run)
+    places = [place for place, group in enumerate(groups) if picked(group)]
+    celsius = [place for place, group in enumerate(groups) if group.all_in('Celsius')]
+    require_warnings(
+        run,
+        run.facts['warnings'],
+        followed(run),
+        places,
+        lambda place: _why_no_warning(run, groups[place]),
+        celsius,
+        shared,
     )
 
 
-def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
-    why = why_silent(run)
-    if why:
-        return why
-    if too_many and group.count(WARN) <= len(group.readings):
-        return _why_false_alarm(run, group)
-    shown = all(shown_in(one, group.logs, INFO) for one in group.readings)
-    if not too_many and len(group.readings) > 1 and not shown:
-        return why_burst_is_cut(run)
-    if too_many:
-        return REPEATED
+def _why_no_warning(run: Run, group: Sent) -> Cause | None:
+    """Explain a warning that is due and that comes in another form, or nowhere at all."""
+    if refuses_fahrenheit(run, group):
+        return why_fahrenheit_is_refused(run, group)
+    if len(group.readings) > 1 and not all(
+        shown_in(one, group.logs, INFO) for one in group.readings
+    ):
+        return BURST_IS_CUT
     levels = {entry['level'] for entry in group.logs} - {INFO, WARN}
     if ERROR in levels and (refused := why_refused(run, cool_groups(run))):
         return refused
@@ -197,42 +257,19 @@ def _why_no_warning(run: Run, group: Sent, too_many: bool) -> Cause | None:
             f'A line at level {LEVELS.get(min(levels), min(levels))} comes instead.',
             'Use self.get_logger().warning(...).',
         )
-    if run.recording.logs(level=WARN):
-        return Cause(
-            'missed_warning',
-            'Other readings are warned about, this one is not.',
-            'Compare each reading by itself: value > 30.0, without int(), round(), once= and '
-            'without memory.',
-        )
+    return None if run.recording.logs(level=WARN) else _why_never(run)
+
+
+def _why_never(run: Run) -> Cause | None:
+    """Explain that no warning is logged at all."""
     logged = ''.join(entry['text'] for entry in run.recording.logs()).upper()
     printed = why_printed(run, WARN, lambda text: 'WARN' in text.upper())
     return (
         why_other_logger(run, WARN)
         or (printed if 'WARN' not in logged else None)
-        or _never_warns(run)
+        or why_refused(run, cool_groups(run))
+        or why_dropped(run, WARN)
     )
-
-
-def stays_quiet_otherwise(run: Run) -> None:
-    """It logs no warning for any other reading: 30.0 °C exactly is not above 30 °C."""
-    groups = cool_groups(run)
-    for group in groups:
-        if group.count(WARN):
-            raise Failed(
-                expected=f'no WARN line after {_what(group)}',
-                observed=_lines(group.count(WARN), 'WARN'),
-                why=_why_false_alarm(run, group),
-            )
-    handled = [group for group in groups if group.logs]
-    if len(handled) < len(groups):
-        raise Failed(
-            expected='INFO lines for cool readings and no warning',
-            observed=f'{len(handled)} of {len(groups)} cool readings were handled: silence alone '
-            'proves nothing',
-            why=_why_not_logged(run, None, None),
-            share=share_of(run, len(handled), len(groups)),
-        )
-    _can_warn(run)
 
 
 def _can_warn(run: Run) -> None:
@@ -241,78 +278,8 @@ def _can_warn(run: Run) -> None:
         raise Failed(
             expected='warnings for hot readings and none for this',
             observed='no warning at all',
-            why=why_silent(run) or _never_warns(run),
+            why=why_silent(run) or _why_never(run) or NO_WARNING,
         )
-
-
-def _never_warns(run: Run) -> Cause:
-    return (
-        why_refused(run, cool_groups(run))
-        or why_dropped(run, WARN)
-        or Cause(
-            'no_warning',
-            'No warning is ever logged.',
-            'In the callback: if the value is above 30.0, call self.get_logger().warning(...).',
-        )
-    )
-
-
-def _goes_on_warning(run: Run) -> bool:
-    """Tell whether warnings go on in the end, when no reading is left to warn about."""
-    last = sent(run)[-1]
-    return last.count(WARN) > len(last.readings)
-
-
-def _at_limit(group: Sent) -> bool:
-    return any(one.value == THRESHOLD_C for one in group.readings)
-
-
-def _why_false_alarm(run: Run, group: Sent) -> Cause | None:
-    if _goes_on_warning(run):
-        return REPEATED
-    if _at_limit(group):
-        return Cause(
-            'warns_at_threshold',
-            'The comparison includes 30.0 itself.',
-            'Above means strictly greater: value > 30.0, not >=.',
-        )
-    return Cause(
-        'false_alarm',
-        'A reading that is not above 30 °C is warned about.',
-        'Compare the value of this message with 30.0, without abs() and without memory.',
-    )
-
-
-def converts_fahrenheit(run: Run) -> None:
-    """It understands readings in Fahrenheit: 86 °F is 30 °C."""
-    groups = [
-        group for group in sent(run) if any(one.unit == 'Fahrenheit' for one in group.readings)
-    ]
-    for group in groups:
-        due, found = sum(one.hot for one in group.readings), group.count(WARN)
-        if due != found:
-            raise Failed(
-                expected=f'{_lines(due, "WARN")} after {_what(group)}',
-                observed=_lines(found, 'WARN'),
-                why=_why_not_converted(run, group, found > due),
-            )
-    _was_listening(run, groups)
-
-
-def _why_not_converted(run: Run, group: Sent, too_many: bool) -> Cause | None:
-    if not too_many and refuses_fahrenheit(run, group):
-        return why_silent(run) or why_fahrenheit_is_refused(run, group)
-    # Without a conversion the usual Fahrenheit numbers are all above 30: too many warnings.
-    if not too_many or group.count(WARN) > len(group.readings):
-        converted = None if too_many else why_silent(run) or why_conversion(run, group)
-        return converted or _why_no_warning(run, group, too_many)
-    if alarms := [one for one in cool_groups(run) if one.count(WARN) and not _at_limit(one)]:
-        return why_silent(run) or _why_false_alarm(run, alarms[0])
-    return why_silent(run) or Cause(
-        'ignores_unit',
-        'The number is compared without conversion, or the conversion gives another number.',
-        'Look at msg.unit first: celsius = (value - 32) / 1.8 for Fahrenheit.',
-    )
 
 
 def reports_an_unknown_unit(run: Run) -> None:
@@ -332,56 +299,48 @@ def reports_an_unknown_unit(run: Run) -> None:
     for group in right:
         if group.count(ERROR) and group.readings[0].unit in known:
             raise Failed(
-                expected=f'no ERROR line after {_what(group)}',
+                expected=f'no ERROR line after {group.readings[0].kind}',
                 observed=_lines(group.count(ERROR), 'ERROR'),
                 why=NEEDLESS_ERROR,
             )
-    _was_listening(run, groups)
+    _goes_on(run, groups.__contains__)
 
 
 def _why_unknown_unit(run: Run, group: Sent) -> Cause | None:
     if group.count(ERROR) and not group.count(WARN):
         return ONE_LINE
-    if _goes_on_warning(run):
+    if sent(run)[-1].count(WARN) > len(sent(run)[-1].readings):
         return REPEATED
-    return (why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR)) or Cause(
-        'unknown_unit',
-        'A number without a known unit cannot be compared with 30 °C.',
-        'For any unit that you do not know: self.get_logger().error(...), return.',
-    )
+    return (why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR)) or UNKNOWN_UNIT
 
 
 def does_not_warn_about_nan(run: Run) -> None:
     """A reading that is not a number (NaN) brings no warning, and the node goes on."""
-    groups = [group for group in sent(run) if math.isnan(group.readings[0].value)]
-    for group in groups:
-        if group.count(WARN):
-            raise Failed(
-                expected='no WARN line after NaN',
-                observed=_lines(group.count(WARN), 'WARN'),
-                why=REPEATED if _goes_on_warning(run) else why_nan(run),
-            )
-    _was_listening(run, groups)
+    _require_warnings(run, _is_nan)
+    _goes_on(run, _is_nan)
     _can_warn(run)
 
 
-def _was_listening(run: Run, groups: Sequence[Sent]) -> None:
+def _is_nan(group: Sent) -> bool:
+    return math.isnan(group.readings[0].value)
+
+
+def _goes_on(run: Run, picked: Callable[[Sent], bool]) -> None:
     """Fail unless the odd reading was sent and a later, proper one was still handled."""
-    everything = sent(run)
-    goes_on = bool(everything[-1].logs) and not nobody_answers(run)
-    if groups and everything[-1] not in groups and goes_on:
+    last = sent(run)[-1]
+    if last.logs and not nobody_answers(run) and not picked(last):
         return
     raise Failed(
         expected='a node that goes on after every reading',
         observed='no sign of life afterwards',
-        why=_why_not_logged(run, None, None),
+        why=_why_deaf(run),
     )
 
 
-def _what(group: Sent) -> str:
-    if len(group.readings) > 1:
-        return f'a burst of {len(group.readings)} readings'
-    return group.readings[0].kind
+def _why_deaf(run: Run) -> Cause | None:
+    """Explain a node that does not log what it is sent."""
+    everything = [one for group in sent(run) for one in group.readings if not one.odd]
+    return _why_all_elsewhere(run, everything) or why_dropped(run, INFO) or NOT_LOGGED
 
 
 def _lines(count: int, level: str) -> str:
@@ -410,6 +369,7 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
         scenario=Scenario(file='temp_subscriber.py', feed={TOPIC: TYPE}, steps=tuple(steps)),
         read='Part 3: The subscriber',
         facts={'singles': tuple(singles), 'burst': tuple(burst)},
+        asks={'warnings': Specification((*singles, *burst), warns(), SLIPS, len(burst))},
     )
     exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(points=1)(subscribes_to_readings)
@@ -429,9 +389,9 @@ exam = build(
     [
         Reading(21.5, 'a reading of 21.5 °C'),
         Reading(99.0, 'a reading of 99.0 °C'),
-        Reading(30.0, 'a reading of exactly 30.0 °C'),
         Reading(30.5, 'a reading of 30.5 °C'),
-        Reading(-12.25, 'a reading of -12.25 °C'),
+        Reading(30.0, 'a reading of exactly 30.0 °C'),
+        Reading(-42.25, 'a reading of -42.25 °C'),
         Reading(70.0, 'a reading of 70.0 °F', 'Fahrenheit'),
         Reading(95.0, 'a reading of 95.0 °F', 'Fahrenheit'),
         Reading(300.0, 'a reading of 300 in the unknown unit Kelvinn', 'Kelvinn'),

@@ -8,7 +8,6 @@ explains, they decide no verdict.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 import re
 
@@ -55,23 +54,6 @@ ERROR_NOT_FAILURE = Cause(
     'word.',
     'Return TransitionCallbackReturn.FAILURE. If you do: put the lines before it into try/except '
     'Exception as error, and log error.',
-)
-NOT_MANAGED = Cause(
-    'subscription_not_managed',
-    'A subscription hears messages in every state; rclpy manages publishers only.',
-    'Remember in on_activate() and on_deactivate() whether you are active, and look at it in the '
-    'callback.',
-)
-STALE_LIMIT = Cause(
-    'stale_limit',
-    'The limit of the first configuration is still in use.',
-    'Read the parameter in on_configure(), each time.',
-)
-EARLY_LIMIT = Cause(
-    'early_limit',
-    'A new value of the parameter counts before the node is configured again.',
-    'Compare with self.limit, and set that in on_configure() alone: neither judge() nor '
-    'on_activate() reads the parameter.',
 )
 
 
@@ -205,35 +187,6 @@ def why_mute(run: Run) -> Cause:
         'Does the timer run, and does its callback publish? Log a line in it. An on_activate() of '
         'your own ends with return super().on_activate(state).',
     )
-
-
-def why_compared_wrongly(warned: Sequence[tuple[float, int]], limit: float) -> Cause | None:
-    """
-    Explain a comparison that is wrong in itself.
-
-    :param warned: values and how many warnings each has brought
-    :param limit: only values above it deserve one
-    """
-    alarms = [value for value, found in warned if found and value < limit]
-    if alarms and all(bool(found) == (value < limit) for value, found in warned if value != limit):
-        return Cause(
-            'comparison_reversed',
-            'It warns below the limit and not above it.',
-            'Above the limit is value > self.limit.',
-        )
-    if alarms and all(-value > limit for value in alarms):
-        return Cause(
-            'sign_ignored',
-            'It warns of a pressure far below zero: its size is compared, not its value.',
-            'Compare without abs(): value > self.limit.',
-        )
-    if alarms:
-        return Cause(
-            'warns_below',
-            'It warns although the pressure is below the limit.',
-            'Compare with the limit of the last configuration: value > self.limit.',
-        )
-    return None
 
 
 def why_no_publisher(run: Run, topic: str) -> Cause:
