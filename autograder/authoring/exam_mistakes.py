@@ -18,10 +18,13 @@ import re
 from typing import TYPE_CHECKING
 
 from autograder.authoring.exam_values import value_mistakes
+from autograder.exam import catalog
 
 if TYPE_CHECKING:
     from autograder.exam.exam import Exam
 
+SECRETS = 200
+"""With so many secrets an exam is drawn to see that its inputs do, whatever they are."""
 _ELSEWHERE = re.compile(r'^lesson (\d\d), (.+)$')
 
 
@@ -93,6 +96,22 @@ def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:
                 f'exam {exam.name}: expected the same {what} as in the visible exam, '
                 f'{getattr(visible, what)!r}, got {getattr(exam, what)!r}'
             )
+
+
+def inseparable_slips(exam: Exam) -> Iterator[str]:
+    """
+    Yield slips that the inputs of some course do not tell from what is due, or from one another.
+
+    A program with such a slip would get full marks there, or be told another one.
+    """
+    seen: dict[str, str] = {}
+    for number in range(SECRETS if exam.asks else 0):
+        other = catalog.drawn(exam.name, f'secret {number}')
+        for name, asked in other.asks.items():
+            for mistake in asked.mistakes():
+                seen.setdefault(f'{name}: {mistake}', f'secret {number}')
+    for mistake, secret in seen.items():
+        yield f'exam {exam.name}, {mistake}; first with {secret!r} of {SECRETS} secrets'
 
 
 # -- with the lessons -----------------------------------------------------------------------
@@ -176,13 +195,12 @@ def mistakes_of(exam: Exam, prefixes: Sequence[Path], notebooks: Path) -> list[s
     :param exam: a hidden exam of the course
     :param notebooks: folder of the released notebooks
     """
-    from autograder.exam import catalog
-
     file = exam.scenario.file
     needless = exam.scenario.program != 'node' or file in exam.requires
     return [
         *([] if needless else [f'exam {exam.name}: runs {file!r}, which it does not require']),
         *type_mistakes(exam, prefixes),
         *read_mistakes(exam, lesson_headings(notebooks)),
+        *inseparable_slips(exam),
         *differs_from_visible(exam, catalog.load(exam.name, hidden=False)),
     ]

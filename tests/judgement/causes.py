@@ -16,6 +16,7 @@ import re
 import sys
 from typing import Any
 
+from autograder.exam import catalog
 from autograder.exam.names import Names
 from autograder.exams.visible import check_your_understanding as questions
 from autograder.judging.causes import builds, ended, exception_table
@@ -68,13 +69,13 @@ def in_the_code() -> tuple[Written, ...]:
 
 
 def _in_file(path: Path) -> Iterator[Written]:
-    """Yield the causes that a file names and creates with ``Cause(...)`` or ``cause_id=``."""
+    """Yield the causes that a file names and creates: ``Cause``, ``Slip``, ``cause_id=``."""
     for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
         if not isinstance(node, ast.Call):
             continue
         named = {one.arg: one.value for one in node.keywords}
-        if getattr(node.func, 'id', '') == 'Cause' and len(node.args) == 3:
-            parts = node.args
+        if getattr(node.func, 'id', '') in ('Cause', 'Slip') and len(node.args) in (3, 4):
+            parts = node.args[:3]
         elif 'cause_id' in named:
             parts = [named[name] for name in ('cause_id', 'cause', 'try_this')]
         else:
@@ -124,7 +125,7 @@ def _in_tables() -> Iterator[Written]:
 
 @cache
 def proofs() -> Mapping[str, tuple[str, str, str]]:
-    """Return text, repair and proof of each cause that a kept result or a unit test shows."""
+    """Return text, repair and proof of each cause that a kept result, a test or a rule shows."""
     found: dict[str, tuple[str, str, str]] = {}
     for name, what in (('agreement', 'submission'), ('mutants', 'mutant')):
         for exam, result in load(name).items():
@@ -135,6 +136,10 @@ def proofs() -> Mapping[str, tuple[str, str, str]]:
         if one.cause_id not in found and one.cause_id in quoted:
             text, try_this = map(Names().fill, (one.text, one.try_this))
             found[one.cause_id] = text, try_this, f'test {quoted[one.cause_id]}'
+    # A slip is a program of its own: its rule gives the answers that it explains.
+    for name in catalog.names():
+        for slip in (slip for asked in catalog.load(name).asks.values() for slip in asked.slips):
+            found.setdefault(slip.cause_id, (slip.text, slip.try_this, f'slip of {name}'))
     return found
 
 
