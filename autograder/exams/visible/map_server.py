@@ -9,14 +9,17 @@ two listeners of ours join, one at the start and one after the surveys: both ask
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import groupby
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, FeedTopic, Join, Qos, Scenario
+from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import require_endpoint, require_node, require_qos, SECOND
+from autograder.judging.claims import Row, rows
+from autograder.recording import Event
 
 TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'
@@ -39,6 +42,59 @@ ASKS_TOO_MUCH = Cause(
     'publisher offers.',
     "Subscribe with the plain number: create_subscription(String, 'survey', self.take, 10).",
 )
+REPEATS = Cause('repeats', 'Maps are published more than once.', 'Publish once per survey.')
+TEXT_CHANGED = Cause(
+    'text_changed',
+    'A text comes with other letters or spaces than its survey, and both count.',
+    'Publish String(data=survey.data) as it is, without strip(), lower() or upper().',
+)
+EACH = 'Publish String(data=survey.data) for each one, without a look at the last ones.'
+Maps = tuple[str, ...]
+"""What is published after one survey."""
+
+
+def once_each(skips: Callable[[str, Sequence[str]], bool]) -> Rule:
+    """
+    Return the rule of a server that leaves surveys out.
+
+    :param skips: tells by a survey and those before it whether it does
+    """
+    return lambda texts: [
+        () if skips(text, texts[:place]) else (text,) for place, text in enumerate(texts)
+    ]
+
+
+SLIPS = (
+    Slip(
+        'no_answer',
+        'Nothing is published when a survey arrives.',
+        'Publish String(data=survey.data) in its callback.',
+        each(lambda text: ()),
+    ),
+    Slip.of(REPEATS, each(lambda text: (text, text))),
+    Slip(
+        'skips_equal',
+        'A survey with the same text as the one before it gives no map.',
+        EACH,
+        once_each(lambda text, before: text in before[-1:]),
+    ),
+    Slip(
+        'skips_known',
+        'A survey with the text of an earlier one gives no map.',
+        EACH,
+        once_each(lambda text, before: text in before),
+    ),
+    Slip(
+        'skips_empty',
+        'A survey with an empty text gives no map, and it is a text like any other.',
+        'Publish String(data=survey.data) for each one, without a look at its text.',
+        once_each(lambda text, before: not text),
+    ),
+    *(
+        Slip.of(TEXT_CHANGED, each(lambda text, change=change: (change(text),)))  # type: ignore[misc]
+        for change in (str.strip, str.lower, str.upper, str.title)
+    ),
+)
 AGAIN = 'again and again'
 FIRST_AGAIN = Cause(
     'repeats',
@@ -57,22 +113,31 @@ def maps_of(run: Run, listener: str | None = None) -> list[str]:
     ]
 
 
-def new_maps(run: Run) -> list[str]:
+def new_maps(run: Run) -> list[Maps | None]:
     """
-    Return what was published after the first survey, in order.
+    Return the maps that came after each survey, without the first one.
 
     A publisher that was made a moment ago is not yet connected to our volatile listener, and the
     early one, for which it keeps its map, hears it all the same.
     """
-    heard = [
-        [
-            str(event['data']['data'])
-            for event in run.recording.messages('/map', listener)
-            if 'data' in event and event['after_input'] is not None
-        ]
-        for listener in (None, 'early')
-    ]
-    return [text for text in max(heard, key=len) if text != FIRST]
+    count = len(asked(run).inputs)
+    heard = [rows(run, run.recording.messages('/map', one), count) for one in (None, 'early')]
+    return [row if row is None else _texts(row) for row in max(heard, key=_how_many)]
+
+
+def _how_many(found: Sequence[Row | None]) -> int:
+    return sum(len(_texts(row or ())) for row in found)
+
+
+def _texts(row: Sequence[Event]) -> Maps:
+    texts = (str(event['data']['data']) for event in row if 'data' in event)
+    return tuple(text for text in texts if text != FIRST)
+
+
+def asked(run: Run) -> Specification:
+    """Return what is due after each survey."""
+    found: Specification = run.facts['maps']
+    return found
 
 
 def publishers_of_maps(run: Run) -> int:
@@ -102,7 +167,7 @@ def has_a_map_from_the_start(run: Run) -> None:
         return
     raise Failed(
         expected=f'one map, {FIRST!r}, before any survey',
-        observed=_shown(run, [text for text in found if text not in run.facts['surveys']]),
+        observed=_shown(run, [text for text in found if text not in asked(run).inputs]),
         why=_why_no_first_map(run, found),
     )
 
@@ -116,7 +181,7 @@ def _why_no_first_map(run: Run, found: Sequence[str]) -> Cause | None:
             'The first map is published again and again.',
             'Publish it once, at the end of __init__; transient local does the rest.',
         )
-    before = [text for text in found if text not in run.facts['surveys']]
+    before = [text for text in found if text not in asked(run).inputs]
     if before and before[0].strip().lower() == FIRST:
         return Cause('wrong_text', 'Upper and lower case and spaces count.', f'Write {FIRST!r}.')
     if before:
@@ -143,48 +208,41 @@ def _why_unmatched(run: Run, listener: str) -> Cause | None:
 
 def publishes_each_survey(run: Run) -> None:
     """Each survey becomes the new map, unchanged and once."""
-    surveys = list(run.facts['surveys'])
-    found = new_maps(run)
-    if found != surveys:
+    surveys = asked(run).inputs
+    found = _in_order(run)
+    if found != list(surveys):
         raise Failed(
             expected='a map for each survey, in their order'
             if run.secret
             else f'the maps {_shown(run, surveys)} after the surveys of the same texts',
             observed=_shown(run, found),
-            why=_why_other_maps(run, found, surveys),
+            why=_why_other_maps(run),
         )
 
 
-def _why_other_maps(run: Run, found: Sequence[str], surveys: Sequence[str]) -> Cause | None:
+def _in_order(run: Run) -> list[str]:
+    """Return all new maps, one after the other."""
+    return [text for row in new_maps(run) for text in row or ()]
+
+
+def _why_other_maps(run: Run) -> Cause | None:
     if why := why_silent(run):
         return why
     if run.recording.of('not_connected'):
         return _why_unreached(run)
-    if not found:
-        if not run.recording.endpoints('publisher', '/map'):
-            return why_no_endpoint(run, 'publisher', '/map', TYPE)
-        slip = 'Nothing is published when a survey arrives.'
-        return Cause('no_answer', slip, 'Publish String(data=survey.data) in its callback.')
-    if len(found) > len(surveys) and set(found) == set(surveys):
-        return Cause('repeats', 'Maps are published more than once.', 'Publish once per survey.')
-    if found == [text for text, _ in groupby(surveys)]:
-        return Cause(
-            'skips_equal',
-            'A survey with the same text as the one before it gives no map.',
-            'Publish String(data=survey.data) for each one, without a look at the last.',
-        )
-    others = [text for text in found if text not in surveys]
+    found = new_maps(run)
+    if not any(found) and not run.recording.endpoints('publisher', '/map'):
+        return why_no_endpoint(run, 'publisher', '/map', TYPE)
+    surveys = asked(run).inputs
+    if slip := next((asked(run).cause(found, place) for place in asked(run).wrong(found)), None):
+        return slip
+    others = [text for text in _in_order(run) if text not in surveys]
     if others and _bare(others[0]) in map(_bare, surveys):
-        slip = 'A text comes with other letters or spaces than its survey, and both count.'
-        return Cause(
-            'text_changed',
-            slip,
-            'Publish String(data=survey.data) as it is, without strip(), lower() or upper().',
-        )
+        return TEXT_CHANGED
     if others:
-        slip = f'{own_words(run, others[0][:40], "What is published")} is no text of a survey.'
-        return Cause('wrong_text', slip, 'Publish String(data=survey.data), unchanged.')
-    return None
+        text = f'{own_words(run, others[0][:40], "What is published")} is no text of a survey.'
+        return Cause('wrong_text', text, 'Publish String(data=survey.data), unchanged.')
+    return REPEATS if any(len(row or ()) > 1 for row in found) else None
 
 
 def _bare(text: str) -> str:
@@ -214,9 +272,9 @@ def keeps_only_the_newest(run: Run) -> None:
             ),
         )
     # Of its own maps: what they say is another check's business.
-    newest = [*run.facts['surveys'], *new_maps(run)][-1]
+    newest = [*asked(run).inputs, *_in_order(run)][-1]
     # What several publishers keep arrives in any order.
-    order = {text: place for place, text in enumerate((FIRST, *run.facts['surveys']))}
+    order = {text: place for place, text in enumerate((FIRST, *asked(run).inputs))}
     found = sorted(maps_of(run, 'late'), key=lambda text: (order.get(text, len(order)), text))
     if set(found) != {newest}:
         raise Failed(
@@ -226,8 +284,8 @@ def keeps_only_the_newest(run: Run) -> None:
             why=why_silent(run)
             or _why_unmatched(run, 'late')
             or _why_many(run, found)
-            or (FIRST_AGAIN if set(found) == {FIRST} and new_maps(run) else None)
-            or _why_other_maps(run, new_maps(run), run.facts['surveys']),
+            or (FIRST_AGAIN if set(found) == {FIRST} and _in_order(run) else None)
+            or _why_other_maps(run),
         )
 
 
@@ -252,14 +310,14 @@ def _why_many(run: Run, found: Sequence[str]) -> Cause | None:
 
 def _named(run: Run, text: str) -> str:
     """Name a map: by its text, or where the surveys are secret by the number of its survey."""
-    surveys: Sequence[str] = run.facts['surveys']
+    surveys = asked(run).inputs
     if run.secret and text in surveys:
         return f'survey {list(dict.fromkeys(surveys)).index(text) + 1}'
     return repr(text) if text == FIRST else own_words(run, text[:40], 'another text')
 
 
 def _shown(run: Run, texts: Sequence[str]) -> str:
-    surveys: Sequence[str] = run.facts['surveys']
+    surveys = asked(run).inputs
     shown = []
     for text, same in groupby(texts):
         count = len(list(same))
@@ -300,7 +358,7 @@ def build(surveys: Sequence[str]) -> Exam:
             ),
         ),
         read='Part 4: Those who come late',
-        facts={'surveys': list(surveys)},
+        asks={'maps': Specification(surveys, each(lambda text: (text,)), SLIPS)},
     )
     exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(points=2)(offers_a_latched_map)
