@@ -80,7 +80,7 @@ def above_limit(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]
                 f'{each_itself}, without int(), // and round().',
                 rule(_whole(cut)),
             )
-            for cut in (math.trunc, round)
+            for cut in (math.trunc, round, lambda one: round(one, 1), lambda one: round(one, 2))
         ),
     )
 

@@ -17,7 +17,7 @@ from autograder.recording import Recording
 
 def run_of(events) -> Run:
     """Return a run of two numbers."""
-    facts = {'numbers': (1234, 5678), 'names': ('oven', 'fridge')}
+    facts = {'numbers': (1234, 5678), 'names': ('oven', 'fridge'), 'burst': 2}
     return Run({}, Recording({}, tuple(events)), facts)
 
 

@@ -6,12 +6,13 @@ from autograder.exam.inputs import generator
 from autograder.exams.visible.managed_pressure import build, Inputs
 
 _draw = generator('managed_pressure', 'limits and pressures')
-# Rounded or cut off, a pressure just above it is below it.
-_first = round(_draw.uniform(3.1, 3.4), 2)
+# Rounded to any digit or cut off, a pressure just above it is not above it.
+_first = _draw.choice((3.11, 3.12, 3.13, 3.21, 3.22, 3.23, 3.31, 3.32, 3.33))
 _second = round(_draw.uniform(0.1, 0.4), 2)
 _edges = [
     _first,
     round(_first + 0.01, 2),
+    round(_first + 0.004, 3),
     round(_first - 0.01, 2),
     round(-_first - _draw.uniform(1.0, 3.0), 2),  # of a size above the limit
     round(_draw.uniform(0.5, 1.9), 2),

@@ -6,12 +6,28 @@ from autograder.exam.inputs import generator
 from autograder.exams.visible.milli_reader import build
 
 _draw = generator('milli_reader', 'numbers')
+
+
+def _number(rest: int) -> int:
+    """Return a number: a small rest shows digits that were put together, a large one rounding."""
+    return int(_draw.choice((-1, 1)) * (1000 * _draw.randrange(1, 10**6) + rest))
+
+
+def _name() -> str:
+    return f'sensor_{_draw.randrange(10**6)}'
+
+
+_same = _number(457), _name()
 exam = build(
-    # A small fraction shows digits that were put together, a large one what was rounded.
+    # The same again, zero, and no name: each is a number like any other.
     [
-        _draw.choice((-1, 1)) * (1000 * _draw.randrange(1, 10**6) + rest)
-        for rest in (7, 457, 7, 682, 7, 457, 138, 7)
+        _number(7),
+        _same[0],
+        _same[0],
+        0,
+        *map(_number, (682, 7, 138)),
+        *map(_number, (457, 138, 7)),
     ],
-    [f'sensor_{_draw.randrange(10**6)}' for _ in range(8)],
+    [_name(), _same[1], _same[1], *(_name() for _ in range(3)), '', *(_name() for _ in range(3))],
     burst=3,
 )

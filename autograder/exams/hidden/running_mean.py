@@ -14,8 +14,9 @@ def _numbers(count: int) -> list[float]:
     return [round(_draw.uniform(-900.0, 900.0), 3) for _ in range(count)]
 
 
-_first = _numbers(5)
+_first = _numbers(4)
 exam = build(
-    [*_first, math.nan, *_numbers(2), 0.0, _first[0], math.nan, *_numbers(4)],
+    # Where the same number comes first twice, the mean does not change.
+    [_first[0], *_first, math.nan, *_numbers(2), 0.0, _first[0], math.nan, *_numbers(4)],
     burst=_numbers(4),
 )

@@ -9,12 +9,15 @@ from autograder.exam.inputs import generator
 from autograder.exams.readings import Reading
 from autograder.exams.visible.temperature_subscriber import build
 
+UNKNOWN = 'a reading in an unknown unit'
+
 
 def edges(draw: random.Random) -> list[Reading]:
     """Return the readings at and beside the threshold, in an order nobody can know."""
     readings = [
         Reading(30.0, 'a reading of exactly 30.0 °C'),
         Reading(30.01, 'a reading just above 30 °C'),
+        Reading(30.004, 'a reading of 30.004 °C'),
         Reading(29.99, 'a reading just below 30 °C'),
         Reading(0.0, 'a reading of 0 °C'),
         Reading(round(draw.uniform(-60.0, -31.0), 2), 'a reading far below zero'),
@@ -28,16 +31,15 @@ def edges(draw: random.Random) -> list[Reading]:
 def odd(draw: random.Random) -> list[Reading]:
     """Return what a program may die of: last, so that what it loses by that is no luck."""
     rest = ''.join(draw.choices('bdghjlqrtvwxz', k=5))
-    units = [f'C{rest}', f'F{rest[::-1]}', '']
-    draw.shuffle(units)
-    values = [round(draw.uniform(200.0, 400.0), 2) for _ in units]
-    unknown = [
-        Reading(
-            value, 'a reading in an unknown unit' if unit else 'a reading without a unit', unit
-        )
-        for value, unit in zip(values, units)
+    units = [
+        (f'C{rest}', UNKNOWN),
+        (f'F{rest[::-1]}', UNKNOWN),
+        ('celsius', 'a reading in celsius, in small letters'),
+        ('', 'a reading without a unit'),
     ]
-    return [*unknown, Reading(math.nan, 'a reading that is not a number')]
+    draw.shuffle(units)
+    readings = [Reading(round(draw.uniform(200.0, 400.0), 2), kind, unit) for unit, kind in units]
+    return [*readings, Reading(math.nan, 'a reading that is not a number')]
 
 
 def hot(draw: random.Random) -> Reading:

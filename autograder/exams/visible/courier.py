@@ -32,7 +32,7 @@ TEXT = 'for you'
 AFTER_S = 4.0  # for a node that looks around with a timer [s]
 QUIET_S = 6.0  # nothing is due, and a node that repeats itself is heard [s]
 ALONE_S = 2.0  # for a node that notices that everybody has left [s]
-LATEST_S = 2.5  # a node that looks around every two seconds is not late yet [s]
+LATEST_S = 2.05  # a node that looks around every two seconds is not late yet [s]
 EXERCISE = 'Exercise 2: the courier who waits'
 REMEMBER = 'Remember that it was delivered: cancel the timer, or set a flag and look at it.'
 
@@ -223,6 +223,9 @@ def build(alone_s: float, between_s: float = 1.0) -> Exam:
     """
     steps: tuple[Step, ...] = (
         Advance(alone_s),
+        # Of another type, so it is there and not connected.
+        Join('stranger', TOPIC, 'std_msgs/msg/Int32'),
+        Leave('stranger'),
         Mark('first'),
         Join('first', TOPIC, TYPE),
         Advance(AFTER_S),

@@ -12,7 +12,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Look, Mark, Scenario, state, Step, transition
+from autograder.exam.scenario import (
+    Advance,
+    Join,
+    Leave,
+    Look,
+    Mark,
+    Qos,
+    Scenario,
+    state,
+    Step,
+    transition,
+)
 from autograder.judging.causes.ended import why_no_endpoint, why_no_verdict
 from autograder.judging.causes.lifecycle import (
     why_ended,
@@ -210,6 +221,19 @@ def is_silent_otherwise(run: Run) -> None:
                 ),
             )
 
+    kept = run.recording.messages(topic_of(run), 'latecomer')
+    if kept:
+        raise Failed(
+            expected='no message for who comes while it is inactive',
+            observed=f'{len(kept)}, sent while it was active',
+            why=Cause(
+                'keeps_old',
+                'The publisher keeps its messages for those who come later: its durability is '
+                'transient local.',
+                'Pass the depth 10 as quality of service.',
+            ),
+        )
+
 
 def cleans_up(run: Run) -> None:
     """Cleaning up takes the publisher away, and the next configuration makes one again."""
@@ -245,6 +269,7 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
         *(Mark('configured'), configure, pause, Look('configured')),
         *(Mark('active'), activate, work),
         *(Mark('paused'), deactivate, pause),
+        *(Join('latecomer', topic, TYPE, Qos(durability='TRANSIENT_LOCAL')), Leave('latecomer')),
         *(Mark('active again'), activate, work),
         *(Mark('cleaned'), deactivate, cleanup, pause, Look('cleaned')),
         *(Mark('configured again'), configure, pause, Look('configured again')),

@@ -25,6 +25,7 @@ TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'
 HISTORY = Qos(durability='TRANSIENT_LOCAL', depth=50)
 LISTEN_S = 2.0  # for each listener, in which a timer would publish again
+FIRST_S = 0.2  # the first map is there before anybody comes, and arrives at once [s]
 REST_S = 5.0  # after the last survey, likewise
 LATCH = Cause(
     'not_latched',
@@ -161,15 +162,26 @@ def offers_a_latched_map(run: Run) -> None:
 
 
 def has_a_map_from_the_start(run: Run) -> None:
-    """Who comes before the first survey gets the map unknown, once."""
+    """Who comes before the first survey gets the map unknown, once and at once."""
     found = maps_of(run, 'early')
-    if found[:1] == [FIRST] and found.count(FIRST) == 1:
-        return
-    raise Failed(
-        expected=f'one map, {FIRST!r}, before any survey',
-        observed=_shown(run, [text for text in found if text not in asked(run).inputs]),
-        why=_why_no_first_map(run, found),
-    )
+    if found[:1] != [FIRST] or found.count(FIRST) != 1:
+        raise Failed(
+            expected=f'one map, {FIRST!r}, before any survey',
+            observed=_shown(run, [text for text in found if text not in asked(run).inputs]),
+            why=_why_no_first_map(run, found),
+        )
+    joined = run.recording.of('joined', listener='early')[0]
+    late_s = (run.recording.messages('/map', 'early')[0]['clock_ns'] - joined['clock_ns']) / SECOND
+    if late_s > FIRST_S:
+        raise Failed(
+            expected=f'the map {FIRST!r} as soon as the node exists',
+            observed=f'it comes {late_s:.2g} s after a listener',
+            why=Cause(
+                'first_map_late',
+                'The first map is published some time after the start.',
+                'Publish it at the end of __init__, and not in a timer.',
+            ),
+        )
 
 
 def _why_no_first_map(run: Run, found: Sequence[str]) -> Cause | None:

@@ -37,12 +37,15 @@ EXERCISE = 'Exercise 4.2: from one type to another'
 
 
 def readings(run: Run) -> list[Event]:
-    """Return what came on the target topic, in the order of the numbers if each has one."""
+    """Return what came on the target topic, that of a burst in the order of its numbers."""
     found = [event for event in run.recording.messages(TARGET) if 'data' in event]
-    names, by_name = run.facts['names'], {field_of(event, 'sensor_id'): event for event in found}
-    if len(found) != len(names) or set(by_name) != set(names):
+    names, burst = run.facts['names'], run.facts['burst']
+    by_name = {field_of(event, 'sensor_id'): event for event in found[len(found) - burst :]}
+    last = names[len(names) - burst :]
+    # Several threads may answer it in any order.
+    if len(found) != len(names) or set(by_name) != set(last):
         return found
-    return [by_name[name] for name in names]
+    return [*found[: len(found) - burst], *(by_name[name] for name in last)]
 
 
 def starts_its_node(run: Run) -> None:
@@ -141,7 +144,9 @@ def _why_value(numbers: Sequence[int], values: Sequence[float]) -> Cause | None:
             'Assign a float: number.num / 1000.0.',
         )
     ratios = [number / value for number, value in pairs if value]
-    if len(ratios) == len(pairs) and math.isclose(min(ratios), max(ratios), rel_tol=1e-9):
+    if len(ratios) == len([number for number in numbers if number]) and math.isclose(
+        min(ratios), max(ratios), rel_tol=1e-9
+    ):
         return Cause(
             'wrong_factor',
             f'The number is divided by {ratios[0]:g}.',
@@ -221,8 +226,8 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
     """
     Return the exam for some numbers.
 
-    :param numbers: thousandths of a degree; none of them is a multiple of 1000
-    :param names: the description of each
+    :param numbers: thousandths of a degree; but for zero, none is a multiple of 1000
+    :param names: the description of each, those of the burst different
     :param burst: how many of them are sent at once at the end, at most five
     """
     sent = [
@@ -247,7 +252,7 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
             ros_clock=CLOCK,
         ),
         read='Part 5: The choice',
-        facts={'numbers': tuple(numbers), 'names': tuple(names)},
+        facts={'numbers': tuple(numbers), 'names': tuple(names), 'burst': burst},
     )
     exam.check(points=1, read=EXERCISE)(starts_its_node)
     exam.check(
@@ -263,4 +268,4 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
     return exam
 
 
-exam = build([21500, -40, 100001], ['oven', 'fridge', 'kettle'])
+exam = build([21500, -40, 0, 100001], ['oven', 'fridge', '', 'kettle'])

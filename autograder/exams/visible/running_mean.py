@@ -52,6 +52,16 @@ def stops(numbers: Sequence[float]) -> list[Means]:
     return [*averaging()(numbers[:first]), *(() for _ in numbers[first:])]
 
 
+def changes_only(numbers: Sequence[float]) -> list[Means]:
+    """Answer where the mean differs from the last one."""
+    found: list[Means] = []
+    last: Means = ()
+    for mean in averaging()(numbers):
+        found.append(() if mean == last else mean)
+        last = mean or last
+    return found
+
+
 def forgets(numbers: Sequence[float]) -> list[Means]:
     """Begin anew after each NaN."""
     found: list[Means] = []
@@ -159,6 +169,12 @@ SLIPS = (
         averaging(lambda seen: fmean(set(seen))),
     ),
     Slip(
+        'changes_only',
+        'No answer comes where the mean is the same as the one before.',
+        'Publish for each number that is not NaN, whatever the mean was before.',
+        changes_only,
+    ),
+    Slip(
         'stops_at_nan',
         'Numbers are answered until NaN comes, and then no more.',
         'Leave the callback when NaN comes, and keep nothing of it.',
@@ -254,6 +270,7 @@ def answers_every_number(run: Run) -> None:
                 expected=f'1 message on {TARGET} after number {place + 1}',
                 observed=f'{count or "none"}',
                 why=why_silent(run)
+                or asked(run).cause(found, place)
                 or (REPEATS if count else LEAVES_OUT if any(found) else NO_ANSWER),
             )
 

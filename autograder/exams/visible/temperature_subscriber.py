@@ -107,6 +107,12 @@ SLIPS = (
         "Compare the whole word: msg.unit == 'Celsius'.",
         warns(celsius=by_first_letter),
     ),
+    Slip(
+        'any_case',
+        'A unit in other letters, such as celsius, is taken for a known one.',
+        "Compare it as it came, without lower() and upper(): msg.unit == 'Celsius'.",
+        warns(celsius=lambda one: replace(one, unit=one.unit.capitalize()).celsius),
+    ),
     Slip.of(
         UNKNOWN_UNIT,
         warns(celsius=lambda one: one.value if one.celsius is None else one.celsius),
@@ -311,7 +317,14 @@ def _why_unknown_unit(run: Run, group: Sent) -> Cause | None:
         return ONE_LINE
     if sent(run)[-1].count(WARN) > len(sent(run)[-1].readings):
         return REPEATED
-    return (why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR)) or UNKNOWN_UNIT
+    asked: Specification = run.facts['warnings']
+    groups = sent(run)
+    came = [one.count(WARN) if one.sent else None for one in groups]
+    return (
+        (why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR))
+        or (asked.cause(came, groups.index(group)) if group.count(WARN) else None)
+        or UNKNOWN_UNIT
+    )
 
 
 def does_not_warn_about_nan(run: Run) -> None:
