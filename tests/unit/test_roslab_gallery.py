@@ -131,7 +131,7 @@ def test_explain_says_cause_repair_and_place(capsys: pytest.CaptureFixture[str])
     explain('No executable found')
 
     said = capsys.readouterr().out
-    assert said.startswith('What happened: Nothing of that name was installed')
+    assert said.startswith('What happened: The package has installed no program')
     assert 'Repair: Declare it in `entry_points`' in said
     assert f'More: lesson {LESSON}, "No executable found"' in said
 
@@ -249,4 +249,4 @@ def test_module_that_nothing_resembles_may_be_misspelt_or_not_built(
     """No module is suggested that has little to do with the name."""
     explain(f"ModuleNotFoundError: No module named '{name}'")
 
-    assert 'it is misspelt, not built or not installed' in capsys.readouterr().out
+    assert 'it is misspelt, not built, not installed' in capsys.readouterr().out
