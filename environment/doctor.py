@@ -273,6 +273,8 @@ def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
 def check_workspace(places: Places) -> Finding:
     """Judge the built course package: there, and built from the sources as they are."""
     name = places.package_name
+    if not name:
+        return Finding('ROS package', OK, 'the course has none')
     programs = places.prefix / 'lib' / name
     if not programs.is_dir():
         return Finding(name, MISSING, 'not built', PREPARE)

@@ -14,7 +14,8 @@ from types import ModuleType
 
 from autograder.errors import ExamInvalid, GraderError, line_in
 from autograder.exam.exam import Exam
-from autograder.layout import FILE, Layout
+from autograder.layout import Layout
+from environment.places import FILE
 
 
 @cache

@@ -28,6 +28,7 @@ def test_line_missing_names_the_fix():
 
 def test_findings_nothing_prepared_names_every_requirement(tmp_path):
     """In a fresh clone every line is there, and what is missing has a fix."""
+    (tmp_path / 'course.toml').write_text("package = 'temp_monitor_pkg'\n")
     found = list(doctor.findings(Places.of('.venv', tmp_path), os.environ))
 
     names = {finding.name for finding in found}

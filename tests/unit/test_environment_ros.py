@@ -143,7 +143,7 @@ PANELS = [f'@jupyter/nbgrader:{name}' for name in install_files.INSTRUCTORS_PANE
 def test_students_see_nothing_of_nbgrader_that_is_for_instructors(places, students):
     """A copy without hidden exams is a student's."""
     if not students:
-        (places.project / 'autograder' / 'exams' / 'hidden').mkdir(parents=True)
+        (places.project / 'exams' / 'hidden').mkdir(parents=True)
     install_files.write_jupyter_settings(places)
 
     folder = places.venv / 'etc' / 'jupyter'
