@@ -275,12 +275,12 @@ def check_workspace(places: Places) -> Finding:
     name = places.package_name
     if not name:
         return Finding('ROS package', OK, 'the course has none')
-    programs = places.prefix / 'lib' / name
-    if not programs.is_dir():
+    if not places.prefix.is_dir():
         return Finding(name, MISSING, 'not built', PREPARE)
     if not stamps.read_stamp(places, 'workspace'):
         return Finding(name, MISSING, 'its build did not finish', PREPARE)
-    return Finding(name, OK, f'programs: {", ".join(sorted(p.name for p in programs.iterdir()))}')
+    programs = sorted(path.name for path in (places.prefix / 'lib' / name).glob('*'))
+    return Finding(name, OK, f'programs: {", ".join(programs) or "none"}')
 
 
 def check_kernel(places: Places, ros: RosEnvironment | None) -> Finding:
