@@ -91,7 +91,10 @@ class Layout:
         for folder in folders:
             if (folder / FILE).is_file():
                 return cls(folder)
-        raise GraderError(f'{folders[0]}: expected a course, found no {FILE}.')
+        raise GraderError(
+            f'{folders[0]}: expected a course, found no {FILE}.',
+            'Try: cd to a course, or begin one with new-course.',
+        )
 
     @cached_property
     def facts(self) -> Facts:
