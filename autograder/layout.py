@@ -16,13 +16,13 @@ from pathlib import Path
 import sys
 
 from autograder.errors import GraderError
+from environment.places import FILE, PROJECT, UNSTATED
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
 
-FILE = 'course.toml'
 CHOSEN = 'COURSE_DIR'
 """The environment variable that names the folder of the course; ``--course`` sets it."""
 
@@ -42,9 +42,9 @@ class Facts:
     """
 
     name: str = 'course'
-    exams: str = 'exams'
-    package: str = ''
-    work: str = 'autograder/_work'
+    exams: str = UNSTATED['exams']
+    package: str = UNSTATED['package']
+    work: str = UNSTATED['work']
     messages: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -84,17 +84,17 @@ class Layout:
         """
         Return the course that is meant.
 
-        :raises GraderError: if ``COURSE_DIR`` names a folder without a course
+        :raises GraderError: if ``COURSE_DIR`` names a folder without a course, or none is found
         """
-        if chosen := os.environ.get(CHOSEN):
-            if not (root := Path(chosen).resolve()).joinpath(FILE).is_file():
-                raise GraderError(f'{root}: expected a course, found no {FILE}.')
-            return cls(root)
-        started = Path.cwd()
-        for folder in (started, *started.parents):
+        chosen, started = os.environ.get(CHOSEN), Path.cwd()
+        folders = [Path(chosen).resolve()] if chosen else [started, *started.parents, PROJECT]
+        for folder in folders:
             if (folder / FILE).is_file():
                 return cls(folder)
-        return cls(Path(__file__).resolve().parent.parent)
+        raise GraderError(
+            f'{folders[0]}: expected a course, found no {FILE}.',
+            'Try: cd to a course, or begin one with new-course.',
+        )
 
     @cached_property
     def facts(self) -> Facts:

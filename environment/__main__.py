@@ -17,13 +17,17 @@ import os
 from pathlib import Path
 import sys
 
-from environment.places import Places, PROJECT
+from environment.places import FILE, Places, PROJECT
 
 
 def main(arguments: Sequence[str], environ: Mapping[str, str]) -> int:
     """Run one command and return its exit code."""
     command, rest = (arguments[0] if arguments else ''), list(arguments[1:])
-    course = Path.cwd() if Path('course.toml').is_file() else PROJECT
+    here = Path.cwd()
+    course = here if (here / FILE).is_file() else PROJECT
+    if not (course / FILE).is_file():
+        print(f'{here}: expected a course, found no {FILE}. Try: cd COURSE', file=sys.stderr)
+        return 2
     places = Places.of(environ.get('VENV') or '.venv', course)
     # Imported where they are used: `ready` runs before every make goal and has to be quick.
     if command == 'ready':

@@ -117,7 +117,13 @@ def _describe(
 
 
 def trial_of_messages(package: str) -> str:
-    """Return a Python program that loads every message of a built package."""
+    """
+    Return a Python program that loads ROS and every message of a built package.
+
+    :param package: empty for none
+    """
+    if not package:
+        return 'import rclpy'
     return f"""
 import rclpy
 import {package}.msg as messages

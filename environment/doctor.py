@@ -273,12 +273,14 @@ def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
 def check_workspace(places: Places) -> Finding:
     """Judge the built course package: there, and built from the sources as they are."""
     name = places.package_name
-    programs = places.prefix / 'lib' / name
-    if not programs.is_dir():
+    if not name:
+        return Finding('ROS package', OK, 'the course has none')
+    if not places.prefix.is_dir():
         return Finding(name, MISSING, 'not built', PREPARE)
     if not stamps.read_stamp(places, 'workspace'):
         return Finding(name, MISSING, 'its build did not finish', PREPARE)
-    return Finding(name, OK, f'programs: {", ".join(sorted(p.name for p in programs.iterdir()))}')
+    programs = sorted(path.name for path in (places.prefix / 'lib' / name).glob('*'))
+    return Finding(name, OK, f'programs: {", ".join(programs) or "none"}')
 
 
 def check_kernel(places: Places, ros: RosEnvironment | None) -> Finding:

@@ -12,21 +12,31 @@ PROJECT = Path(__file__).resolve().parent.parent
 LOCK_FILE = PROJECT / 'environment' / 'requirements.lock'
 MESSAGES_FILE = PROJECT / 'environment' / 'messages.txt'
 CLOCK_SOURCES = PROJECT / 'autograder' / 'clock'
+FILE = 'course.toml'
+UNSTATED = {'exams': 'exams', 'package': '', 'work': 'autograder/_work'}
+"""What counts where a ``course.toml`` is without one of these lines."""
+NO_PACKAGE = '-'
+"""Name of the prefix where the course has no ROS package; no package can have it."""
 
 
 def stated(project: Path, name: str) -> str:
     """
     Return what ``course.toml`` says: the text of the line ``name = '...'``.
 
-    :param project: the folder of a course; without a ``course.toml``, that of the set-up counts
+    :param project: the folder of a course
+    :param name: one of :data:`UNSTATED`
+    :raises ValueError: if the line is of another form
     """
-    files = (project / 'course.toml', PROJECT / 'course.toml')
-    # Read so, as Python 3.10 has no tomllib.
-    text = next(file for file in files if file.is_file()).read_text(encoding='utf-8')
-    found = re.search(rf"^{name} = '([\w./]+)'$", text, re.MULTILINE)
+    file = project / FILE
+    text = file.read_text(encoding='utf-8') if file.is_file() else ''
+    # Python 3.10 has no tomllib.
+    line = re.search(rf'^{name}\s*=(.*)$', text, re.MULTILINE)
+    if not line:
+        return UNSTATED[name]
+    found = re.fullmatch(r"""\s*(['"])([\w./-]*)\1\s*(#.*)?""", line[1])
     if not found:
-        raise ValueError(f"{project / 'course.toml'}: expected a line {name} = 'NAME'")
-    return found[1]
+        raise ValueError(f"{file}: expected a line {name} = 'NAME', got {line[0]}")
+    return found[2]
 
 
 @dataclass(frozen=True)
@@ -93,13 +103,13 @@ class Places:
 
     @property
     def package_name(self) -> str:
-        """Name of the course's own ROS package."""
+        """Name of the course's own ROS package; empty if it has none."""
         return stated(self.project, 'package')
 
     @property
     def prefix(self) -> Path:
         """Install prefix of the course's own ROS package."""
-        return self.workspace / 'install' / self.package_name
+        return self.workspace / 'install' / (self.package_name or NO_PACKAGE)
 
     @property
     def package(self) -> Path:

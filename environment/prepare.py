@@ -107,7 +107,7 @@ def steps_of(plan: Plan) -> list[Step]:
         ),
         Step(
             'workspace',
-            f'ROS package {plan.places.package_name}',
+            f'ROS package {plan.places.package_name or "(the course has none)"}',
             lambda: unstamped('workspace'),
             lambda job: build_workspace(plan, job),
             about='ten to thirty seconds',
@@ -256,6 +256,14 @@ def build_workspace(plan: Plan, job: Job) -> None:
     if places.workspace.exists():
         shutil.rmtree(places.workspace)
     places.workspace.mkdir(parents=True)
+    if places.package_name:
+        build_package(plan, job)
+    stamps.write_stamp(places, 'workspace', digest)
+
+
+def build_package(plan: Plan, job: Job) -> None:
+    """Build the course's ROS package in the empty workspace."""
+    places = plan.places
     sources = package_sources(plan, job)
     env = {
         **plan.clean_environ(),
@@ -281,7 +289,6 @@ def build_workspace(plan: Plan, job: Job) -> None:
         print(
             'CMake has notes of another form here: builds look for all themselves.', file=job.log
         )
-    stamps.write_stamp(places, 'workspace', digest)
 
 
 def package_sources(plan: Plan, job: Job) -> Path:

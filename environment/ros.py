@@ -13,6 +13,8 @@ import json
 from pathlib import Path
 import sys
 
+from environment.places import NO_PACKAGE
+
 FILE_NAME = 'ros_environment.json'
 MESSAGES_NAME = 'ros_messages.json'
 """Beside it: the packages of environment/messages.txt that are installed."""
@@ -44,8 +46,8 @@ class RosEnvironment:
 
     @property
     def package(self) -> str:
-        """Return the name of the course's own ROS package."""
-        return Path(self.workspace).name
+        """Return the name of the course's own ROS package; empty if it has none."""
+        return Path(self.workspace).name.removeprefix(NO_PACKAGE)
 
     def to_json(self) -> str:
         """Return the description as the text of `ros_environment.json`."""

@@ -65,9 +65,10 @@ def digest_of_files(paths: Iterable[Path], root: Path) -> str:
 def package_digest(places: Places) -> str:
     """Return the digest of the sources of the course's ROS package, and of what builds it."""
     environment = PROJECT / 'environment'
+    own = files_below(places.package) if places.package_name else []
     builds = [*files_below(environment / 'cmake'), environment / 'cmake_notes.py', STAND_IN]
     return digest_of(
-        digest_of_files(files_below(places.package), places.project),
+        digest_of_files(own, places.project),
         digest_of_files(builds, PROJECT),
     )
 

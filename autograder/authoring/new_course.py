@@ -19,9 +19,9 @@ from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
 from autograder.errors import GraderError
 from autograder.files import keep
-from autograder.layout import FILE, Layout
+from autograder.layout import Layout
 from environment.install_files import KERNEL_NAME, KERNEL_TITLE
-from environment.places import PROJECT
+from environment.places import FILE
 
 SKELETON = Path(__file__).parent / 'skeleton'
 NAME = re.compile(r'[a-z][a-z0-9_]{1,40}')
@@ -50,7 +50,7 @@ def new_course(folder: Path) -> list[Path]:
         files[f'{package}/{inside.relative_to("package")}'] = _filled(str(inside), words)
     for part in ('', 'visible/', 'hidden/'):
         files[f'exams/{part}__init__.py'] = ''
-    files['nbgrader_config.py'] = (PROJECT / 'nbgrader_config.py').read_text(encoding='utf-8')
+    files['nbgrader_config.py'] = _filled('nbgrader_config.txt', {})
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix='.new_course_') as aside:
         Path(aside).chmod(0o755)  # the sandbox's user reads it

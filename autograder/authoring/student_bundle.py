@@ -16,12 +16,10 @@ from environment import packed_package
 from environment.places import PROJECT
 
 ALLOWED = (
-    'LICENSE',
-    'Makefile',
-    'environment.md',
     'drawing/',
     'environment/',
     'roslab/',
+    'roslab/ros2/LICENSE',
     # What check(...) runs: the visible exams, their judge, and the sandbox.
     'autograder/__init__.py',
     'autograder/clock/',
@@ -46,6 +44,8 @@ ALLOWED = (
     'autograder/submission/',
 )
 """What students receive beside the course: files, and folders with a slash at their end."""
+AT_THE_TOP = Path(__file__).parent / 'for_students'
+"""Files that they receive at the top of their copy."""
 UNDER_ANOTHER_NAME = {'README.md': 'docs/students.md'}
 """What they receive besides: the page about the whole project would lead them astray."""
 NO_PARTS = {'hidden', '__pycache__', '.ipynb_checkpoints', 'ros_ws', 'build', 'install', 'log'}
@@ -58,12 +58,14 @@ def bundled_files(layout: Layout) -> dict[str, Path]:
     own = ['course.toml', 'notebooks/', f'{layout.exams.relative_to(layout.root)}/']
     own += [f'{package}/{folder}/' for folder in ('config', 'launch') if package]
     parts = [*((layout.root, one) for one in own), *((PROJECT, one) for one in ALLOWED)]
+    parts += [(AT_THE_TOP, path.name) for path in AT_THE_TOP.iterdir()]
     found = {name: layout.root / source for name, source in UNDER_ANOTHER_NAME.items()}
     for root, part in parts:
         start = root / part
         for path in start.rglob('*') if part.endswith('/') else [start]:
             inside = path.relative_to(root)
-            if not path.is_symlink() and not NO_PARTS & set(inside.parts):
+            linked = path.is_symlink() and path != start
+            if not linked and not NO_PARTS & set(inside.parts):
                 found[inside.as_posix()] = path
     return {name: path for name, path in found.items() if path.is_file()}
 

@@ -16,7 +16,8 @@ from types import ModuleType
 from autograder.errors import ExamInvalid, GraderError, line_in
 from autograder.exam.exam import Exam
 from autograder.exam.inputs import another_secret
-from autograder.layout import FILE, Layout
+from autograder.layout import Layout
+from environment.places import FILE
 
 
 @cache

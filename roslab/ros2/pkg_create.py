@@ -25,7 +25,7 @@ _LICENSES = (
     'MIT-0',
 )
 _FILES = {'ament_cmake': ament_cmake_files, 'ament_python': ament_python_files}
-_LICENSE_FILE = Path(__file__).resolve().parents[2] / 'LICENSE'
+_LICENSE_FILE = Path(__file__).with_name('LICENSE')
 """The course's own license is the one whose text is at hand: Apache-2.0."""
 
 

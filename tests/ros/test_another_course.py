@@ -1,11 +1,19 @@
-"""A course of one's own: made, prepared with its own message package, released and graded."""
+"""
+A course of one's own: made from the wheel, prepared with its own message package, and graded.
+
+ROS 2 and the packages of the lock come from the running environment: pip downloads nothing here.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 import json
 import os
 from pathlib import Path
+import shutil
 import subprocess
+import sys
+import zipfile
 
 from nbclient import NotebookClient
 import nbformat
@@ -14,26 +22,82 @@ import pytest
 from autograder.authoring.new_course import new_course, new_exam
 from autograder.errors import GraderError
 from autograder.layout import Layout
-from environment.places import Places
-from environment.plan import make_plan
-from tests.ros.stand_in import go, install_colcon_only, sourced_shell
+from tests.ros import stand_in
 
+ROOT = Path(__file__).resolve().parents[2]
+OURS = ('autograder', 'drawing', 'environment', 'roslab')
+STAY = {'exams', '_work', '__pycache__'}
+"""Folders of them that are this course's or a machine's."""
 RIGHT = 'math.hypot(point.x, point.y, point.z)'
 WRONG = 'point.x**2 + point.y**2 + point.z**2'
 
 
+VENV = """
+import os, pathlib, runpy, sys
+from environment.places import Places
+from environment.plan import make_plan
+stand_in = runpy.run_path(sys.argv[1])
+plan = make_plan(Places.of('.venv', pathlib.Path.cwd()), os.environ)
+stand_in['go'](plan, 'venv')
+stand_in['install_colcon_only'](plan)
+"""
+"""What ``environment prepare`` does with the network: make the venv and run pip in it."""
+WHERE = """
+import sys, autograder, drawing, environment, roslab
+print(*sys.path, sep='\\n')
+print(autograder.__file__, drawing.__file__, environment.__file__, roslab.__file__, sep='\\n')
+"""
+
+
 @pytest.fixture(scope='module')
-def course(tmp_path_factory) -> Path:
+def source(tmp_path_factory) -> Path:
+    """Return a copy of the project in which a class was graded."""
+    folder = tmp_path_factory.mktemp('project') / 'source'
+    left = shutil.ignore_patterns('.*', '__pycache__', '_work', 'ros_ws', 'build', '*.egg-info')
+    shutil.copytree(ROOT, folder, symlinks=True, ignore=left)
+    (folder / 'autograder' / '_work').mkdir()
+    (folder / 'autograder' / '_work' / 'gradebook.db').touch()
+    return folder
+
+
+@pytest.fixture(scope='module')
+def wheel(source) -> Path:
+    """Return the built wheel."""
+    options = ['--no-deps', '--no-index', '--no-build-isolation', '--wheel-dir', '..']
+    finished([sys.executable, '-m', 'pip', 'wheel', *options, '.'], source, os.environ)
+    return next(source.parent.glob('*.whl'))
+
+
+@pytest.fixture(scope='module')
+def engine(wheel) -> Path:
+    """Return the interpreter of a virtual environment with nothing but the wheel."""
+    shell = stand_in.sourced_shell()
+    folder = wheel.parent / 'engine'
+    finished([shell['PYTHON'], '-m', 'venv', '--without-pip', str(folder)], folder.parent, shell)
+    python = folder / 'bin' / 'python'
+    pip = [sys.executable, '-m', 'pip', '--python', str(python), 'install', '--no-index']
+    finished([*pip, '--no-deps', str(wheel)], folder, os.environ)
+    return python
+
+
+@pytest.fixture(scope='module')
+def course(tmp_path_factory, engine) -> Path:
     """Return the folder of a prepared course with one exercise."""
-    root = tmp_path_factory.mktemp('courses') / 'points'
-    new_course(root)
-    new_exam(Layout(root), 'far_points', '01_points')
-    plan = make_plan(Places.of('.venv', root), sourced_shell())
-    go(plan, 'venv')
-    install_colcon_only(plan)
-    go(plan, 'workspace', 'clock', 'files', 'trial')
+    root, shell = tmp_path_factory.mktemp('courses') / 'points', stand_in.sourced_shell()
+    grader = [str(engine), '-m', 'autograder']
+    finished([*grader, 'new-course', 'points'], root.parent, shell)
+    finished([*grader, 'new-exam', 'far_points', '--lesson', '01_points'], root, shell)
+    finished([str(engine), '-c', VENV, stand_in.__file__], root, shell)
+    finished([str(engine), '-m', 'environment', 'prepare'], root, shell)
     assert run(root, 'autograder.authoring.release', 'release').returncode == 0
     return root
+
+
+def finished(command: list[str], folder: Path, env: Mapping[str, str]) -> str:
+    """Run a command to its good end; return what it printed."""
+    done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout + done.stderr
 
 
 def run(course: Path, *words: str) -> subprocess.CompletedProcess[str]:
@@ -49,10 +113,36 @@ def run(course: Path, *words: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
+class TestWheel:
+    """What it holds."""
+
+    def test_it_holds_engine_and_toolkit_and_nothing_of_the_course(self, source, wheel):
+        """Each file of the four packages, without exams and what grading wrote."""
+        kept = (path for name in OURS for path in (source / name).rglob('*') if path.is_file())
+        names = {path.relative_to(source).as_posix() for path in kept}
+        mine = {name for name in names if not STAY & set(Path(name).parts)}
+        with zipfile.ZipFile(wheel) as archive:
+            held = {name for name in archive.namelist() if '.dist-info/' not in name}
+
+        assert held == mine
+        assert not [name for name in held if '/hidden/' in name or 'solutions' in name]
+
+
 @pytest.mark.ros
 @pytest.mark.slow
 class TestGrading:
     """The commands of an instructor, in a folder without anything of this course."""
+
+    def test_all_of_it_comes_from_the_wheel(self, course, engine):
+        """The clone is not on the module path."""
+        python = str(course / '.venv' / 'bin' / 'python')
+        said = finished([python, '-m', 'environment', 'run', 'python', '-c', WHERE], course, {})
+        *path, grader, pictures, set_up, toolkit = said.splitlines()
+
+        assert str(ROOT) not in path
+        for file in (grader, pictures, set_up, toolkit):
+            assert Path(file).is_relative_to(engine.parents[1])
 
     def test_it_fits_together_and_the_grader_proves_itself(self, course):
         """The exam sends a message of geometry_msgs and hears one of the course's own."""

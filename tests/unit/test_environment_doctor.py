@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from environment import doctor, interpreters, system
+from environment import doctor, interpreters, stamps, system
 from environment import pins as pins_module
 from environment.places import LOCK_FILE, Places
 
@@ -28,6 +28,7 @@ def test_line_missing_names_the_fix():
 
 def test_findings_nothing_prepared_names_every_requirement(tmp_path):
     """In a fresh clone every line is there, and what is missing has a fix."""
+    (tmp_path / 'course.toml').write_text("package = 'temp_monitor_pkg'\n")
     found = list(doctor.findings(Places.of('.venv', tmp_path), os.environ))
 
     names = {finding.name for finding in found}
@@ -36,6 +37,21 @@ def test_findings_nothing_prepared_names_every_requirement(tmp_path):
     assert all(finding.fix for finding in found if finding.state != doctor.OK)
     assert [f.state for f in found if f.name in ('venv', 'rclpy')] == [doctor.MISSING] * 2
     assert all('\n' not in finding.line() for finding in found)
+
+
+@pytest.mark.parametrize(
+    ('package', 'detail'),
+    [('doors_msgs', 'programs: none'), ('', 'the course has none')],
+)
+def test_package_of_messages_only_is_complete(tmp_path, package, detail):
+    """A course need not have programs of its own, nor a package."""
+    (tmp_path / 'course.toml').write_text(f"package = '{package}'\n")
+    places = Places.of('.venv', tmp_path)
+    places.prefix.mkdir(parents=True)
+    stamps.write_stamp(places, 'workspace', 'done')
+
+    found = doctor.check_workspace(places)
+    assert (found.state, found.detail) == (doctor.OK, detail)
 
 
 def test_check_python_none_found_says_what_to_install():

@@ -30,6 +30,14 @@ def test_ros_environment_round_trip_is_equal(places):
     assert ros_environment(places.venv) == ros
 
 
+def test_course_without_a_package_is_described_without_one(places):
+    """Its trial loads ROS alone."""
+    ros = describe.describe_wheels(places, '/usr')
+
+    assert ros.package == ''
+    assert describe.trial_of_messages(ros.package) == 'import rclpy'
+
+
 def test_ros_environment_missing_names_doctor(tmp_path):
     """Without a description the error says which file and what to type."""
     with pytest.raises(EnvironmentError_, match='make doctor') as caught:
@@ -143,7 +151,7 @@ PANELS = [f'@jupyter/nbgrader:{name}' for name in install_files.INSTRUCTORS_PANE
 def test_students_see_nothing_of_nbgrader_that_is_for_instructors(places, students):
     """A copy without hidden exams is a student's."""
     if not students:
-        (places.project / 'autograder' / 'exams' / 'hidden').mkdir(parents=True)
+        (places.project / 'exams' / 'hidden').mkdir(parents=True)
     install_files.write_jupyter_settings(places)
 
     folder = places.venv / 'etc' / 'jupyter'

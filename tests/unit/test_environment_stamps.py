@@ -13,6 +13,7 @@ def places(tmp_path):
     (package / 'msg').mkdir(parents=True)
     (package / 'test').mkdir()
     (package / 'msg' / 'Num.msg').write_text('int64 num\n')
+    (tmp_path / 'course.toml').write_text("package = 'temp_monitor_pkg'\n")
     return Places.of('.venv', tmp_path)
 
 

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from autograder import layout
 from autograder.errors import GraderError
-from autograder.layout import CHOSEN, FILE, Layout, read_facts
+from autograder.layout import CHOSEN, Layout, read_facts
+from environment.places import FILE, stated
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -39,6 +41,31 @@ def test_what_the_file_leaves_out_is_usual(tmp_path):
     assert course.exams == tmp_path / 'exams'
 
 
+@pytest.mark.parametrize(
+    ('text', 'facts'),
+    [
+        ('', ('exams', '', 'autograder/_work')),
+        ("package = 'doors_msgs'\nwork = '_work'", ('exams', 'doors_msgs', '_work')),
+        ('exams = "a.b" # ours\nwork="w"\n[messages]', ('a.b', '', 'w')),
+    ],
+)
+def test_the_set_up_reads_the_same_facts(tmp_path, text, facts):
+    """With the same defaults, without a reader of TOML."""
+    (tmp_path / FILE).write_text(text)
+
+    found = Layout(tmp_path).facts
+    assert (found.exams, found.package, found.work) == facts
+    assert tuple(stated(tmp_path, name) for name in ('exams', 'package', 'work')) == facts
+
+
+def test_a_line_that_the_set_up_cannot_read_is_refused(tmp_path):
+    """Taking the default for it would prepare another course."""
+    (tmp_path / FILE).write_text("package = '''doors_msgs'''")
+
+    with pytest.raises(ValueError, match="expected a line package = 'NAME', got package"):
+        stated(tmp_path, 'package')
+
+
 class TestHere:
     """The course that is meant where nobody names one."""
 
@@ -61,5 +88,8 @@ class TestHere:
         monkeypatch.delenv(CHOSEN, raising=False)
         monkeypatch.chdir(inside)
         assert Layout.here().root == ROOT
+        monkeypatch.setattr(layout, 'PROJECT', tmp_path)
+        with pytest.raises(GraderError, match=f'{inside}: expected a course, found no {FILE}'):
+            Layout.here()
         (tmp_path / FILE).touch()
         assert Layout.here().root == tmp_path

@@ -92,10 +92,13 @@ class TestPacking:
     def test_only_what_is_named_goes(self, layout):
         """A new part stays until the list names it."""
         assert sorted(student_bundle.bundled_files(layout)) == [
+            'LICENSE',
+            'Makefile',
             'README.md',
             'autograder/exams/visible/talker.py',
             'autograder/judging/judge.py',
             'course.toml',
+            'environment.md',
             'notebooks/01/a.ipynb',
             'roslab/api.py',
             'temp_monitor_pkg/launch/x.launch.py',
@@ -105,7 +108,7 @@ class TestPacking:
         """A new bundle means a new course."""
         first, second = tmp_path / 'a.zip', tmp_path / 'b.zip'
 
-        assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 8
+        assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 11
         assert first.read_bytes() == second.read_bytes()
         assert zipfile.ZipFile(first).testzip() is None
 
