@@ -13,10 +13,11 @@ from autograder.collect.kinds.kind import EXCHANGE, Found, handed_in
 from autograder.collect.namesakes import in_doubt, keep_namesakes, Namesakes, read_namesakes
 from autograder.collect.owners import owner_rule, with_owners_checked
 from autograder.collect.source.course import Course
-from autograder.collect.source.tree import opened, Tree, UnreadableError
+from autograder.collect.source.tree import opened
 from autograder.collect.table import LEFT, Row
 from autograder.collect.write_copy import lay
 from autograder.layout import Layout
+from autograder.submission.tree import Tree, UnreadableError
 
 
 def collect(

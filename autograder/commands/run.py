@@ -31,8 +31,9 @@ from autograder.grading.pipeline import THREADS
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import ExamResult, Problem
-from autograder.submission.intake import NotTakenInError, read_handed_in, with_node_files
+from autograder.submission.intake import read_handed_in, with_node_files
 from autograder.submission.package import name_missing, what_is_there
+from autograder.submission.tree import NotTakenInError
 
 if TYPE_CHECKING:
     from autograder.recording import Event

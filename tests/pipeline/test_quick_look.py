@@ -15,7 +15,7 @@ from autograder.commands import run as quick_look
 from autograder.errors import GraderError
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
-from autograder.submission.intake import NotTakenInError
+from autograder.submission.tree import NotTakenInError
 
 ROOT = Path(__file__).resolve().parents[2]
 LAYOUT = Layout.here()

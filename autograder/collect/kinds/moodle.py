@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import re
 
 from autograder.collect.source.deliveries import Handed, in_folder, Level, Piece
-from autograder.collect.source.tree import File
+from autograder.submission.tree import File
 
 EXPECTED = 'folders or files named NAME_NUMBER_assignsubmission_file_'
 _WHO = r'(?P<name>.+?)_(?P<number>\d+)_assignsubmission_(?P<kind>[a-z0-9]+)'
