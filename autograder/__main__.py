@@ -14,19 +14,75 @@ from pathlib import Path
 import select
 import sys
 
-from autograder.commands.check import describe, REFUSALS, refuse
-from autograder.commands.collect import add_collect
-from autograder.commands.exit_codes import FOR_REVIEW, OK, STOPPED, UNREAD, USAGE
-from autograder.commands.explain import add_explain
-from autograder.commands.export import add_class_commands
-from autograder.commands.forget import add_forget
-from autograder.commands.grade import add_grade, short
-from autograder.commands.new import add_new
-from autograder.commands.rejudge import add_rejudge
-from autograder.commands.run import add_run
+from autograder.commands import (
+    authoring,
+    check,
+    collect,
+    explain,
+    export,
+    forget,
+    grade,
+    rejudge,
+    run,
+    similar,
+    stats,
+    STOPPED,
+    UNREAD,
+    USAGE,
+)
 from autograder.grading.pipeline import end_runs
-from autograder.layout import CHOSEN, Layout
+from autograder.layout import CHOSEN
 
+COMMANDS = {
+    'grade': ('grade a class and write reports', grade.options, grade.run),
+    'check': ('run one exam on the files of a package', check.options, check.run),
+    'sample-class': (
+        'write the bundled example submissions',
+        authoring.sample_options,
+        authoring.sample_class,
+    ),
+    'self-check': (
+        'grade the reference solution and the bare release of every lesson',
+        lambda parser: None,
+        authoring.self_check,
+    ),
+    'run': ('run exams on one script, package, zip or notebook', run.options, run.run),
+    'collect': (
+        'take in a class from a folder, a zip of an LMS or an exchange',
+        collect.options,
+        collect.run,
+    ),
+    'rejudge': (
+        'new verdicts from the kept recordings after an exam edit; runs nothing',
+        rejudge.options,
+        rejudge.run,
+    ),
+    'forget': (
+        'show what the course has of a student; with --yes, remove it',
+        forget.options,
+        forget.run,
+    ),
+    'explain': ('show the evidence behind a verdict', explain.options, explain.run),
+    'report': (
+        'write the page of a class in numbers again',
+        stats.report_options,
+        stats.report,
+    ),
+    'stats': ('the last grading in numbers: marks, checks, causes', stats.options, stats.run),
+    'similar': ('list similar submissions to look at', similar.options, similar.run),
+    'export': ('the last grading for other programs', export.options, export.run),
+    'new-course': (
+        'begin another course in a folder of its own',
+        authoring.course_options,
+        authoring.new_course,
+    ),
+    'new-exam': (
+        'begin an exercise: its lesson and its two exams',
+        authoring.exam_options,
+        authoring.new_exam,
+    ),
+}
+"""By name: the line of help, what describes the options, and what runs."""
 GOES_ON = {
     'grade': 'Finished runs are kept; the same command goes on.',
     'collect': 'What was taken stays; the same command goes on.',
@@ -48,13 +104,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         code: int = chosen.run(chosen)
         sys.stdout.flush()
-    except REFUSALS as error:
+    except check.REFUSALS as error:
         if isinstance(error, BrokenPipeError) and _nobody_reads():
             end_runs()
             return UNREAD
         if isinstance(error, ModuleNotFoundError) and str(error.name).partition('.')[0] in OURS:
             raise  # a defect of ours, not of the Python in use
-        refuse(error, chosen.command == 'check' and chosen.json)
+        check.refuse(error, chosen.command == 'check' and chosen.json)
         return USAGE
     except KeyboardInterrupt:
         print(f'\nStopped. {_how_to_go_on(chosen)}', file=sys.stderr)
@@ -100,49 +156,11 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--course', type=Path, metavar='DIR', help='folder with a course.toml')
     commands = parser.add_subparsers(required=True, metavar='COMMAND', dest='command')
 
-    add_grade(commands)
-    describe(commands.add_parser('check', help='run one exam on the files of a package'))
-
-    sample = commands.add_parser('sample-class', help='write the bundled example submissions')
-    sample.add_argument('--to', type=Path, metavar='DIR', help='default: the submitted folder')
-    sample.set_defaults(run=_sample_class)
-
-    proof = commands.add_parser(
-        'self-check', help='grade the reference solution and the bare release of every lesson'
-    )
-    proof.set_defaults(run=_self_check)
-    for add in (add_run, add_collect, add_rejudge, add_forget, add_explain):
-        add(commands)
-    add_class_commands(commands)
-    add_new(commands)
+    for name, (text, options, run_it) in COMMANDS.items():
+        command = commands.add_parser(name, help=text)
+        options(command)
+        command.set_defaults(run=run_it)
     return parser
-
-
-def _self_check(chosen: argparse.Namespace) -> int:
-    """Show that the reference passes every exam here and that the bare release does not."""
-    from autograder.authoring.self_check import self_check
-    from autograder.grading.pipeline import grading_engine
-
-    layout = Layout.here()
-    code = OK
-    for right, line in self_check(layout, grading_engine(layout)):
-        print(line, flush=True)
-        code = code if right else FOR_REVIEW
-    return code
-
-
-# -- sample-class ---------------------------------------------------------------------------
-
-
-def _sample_class(chosen: argparse.Namespace) -> int:
-    """Write the bundled class."""
-    from autograder.authoring.sample_class import write_sample_class
-
-    layout = Layout.here()
-    folder = (chosen.to or layout.submitted).resolve()
-    count = write_sample_class(layout, folder)
-    print(f'{count} submissions are in {short(folder, layout)}.')
-    return OK
 
 
 if __name__ == '__main__':

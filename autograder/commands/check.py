@@ -18,7 +18,7 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from autograder.commands.exit_codes import OK, USAGE
+from autograder.commands import OK, USAGE
 from autograder.errors import GraderError, of_system, SandboxUnavailable, UsageError
 from autograder.layout import Layout
 from environment.ros import EnvironmentError_
@@ -37,25 +37,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :returns: the exit code
     """
     parser = argparse.ArgumentParser(prog='python -m autograder.commands.check')
-    describe(parser)
+    options(parser)
     chosen = parser.parse_args(arguments)
     try:
-        return check(chosen)
+        return run(chosen)
     except REFUSALS as error:
         refuse(error, chosen.json)
         return USAGE
 
 
-def describe(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
     parser.add_argument('exam', metavar='EXAM')
     parser.add_argument('--files', type=Path, required=True, metavar='DIR', help='the package')
     parser.add_argument('--visible', action='store_true', help='only the visible checks')
     parser.add_argument('--json', action='store_true', help='print the result as JSON')
-    parser.set_defaults(run=check)
 
 
-def check(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Run one exam on a package; the visible one also runs where nothing isolates."""
     from autograder.exam import catalog
     from autograder.grading.examine import examine

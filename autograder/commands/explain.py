@@ -20,7 +20,7 @@ from typing import Any
 from autograder.classroom.pages import with_name
 from autograder.classroom.people import read_people, student_named
 from autograder.classroom.results_of_class import graded
-from autograder.commands.exit_codes import OK
+from autograder.commands import OK
 from autograder.commands.rejudge import again
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Check, Exam, Run
@@ -50,27 +50,21 @@ HOW = {
 }
 
 
-def add_explain(commands: Any) -> None:
-    """
-    Describe the command.
-
-    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
-    """
-    explain = commands.add_parser('explain', help='show the evidence behind a verdict')
-    explain.add_argument('student', metavar='STUDENT', help='id or name')
-    explain.add_argument(
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument('student', metavar='STUDENT', help='id or name')
+    parser.add_argument(
         'check',
         metavar='CHECK',
         nargs='?',
         help='its name, or EXAM/CHECK (default: list the checks of the student)',
     )
-    explain.add_argument('--assignment', metavar='NAME', help='if the check is in several')
-    explain.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
-    explain.add_argument('--json', action='store_true', help='all of it, as JSON')
-    explain.set_defaults(run=_explain)
+    parser.add_argument('--assignment', metavar='NAME', help='if the check is in several')
+    parser.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
+    parser.add_argument('--json', action='store_true', help='all of it, as JSON')
 
 
-def _explain(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Show the evidence."""
     layout = Layout.here()
     if chosen.check is None:

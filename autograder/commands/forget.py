@@ -17,13 +17,12 @@ import json
 from pathlib import Path
 import shutil
 import time
-from typing import Any
 
 from autograder.classroom.course_lock import alone
 from autograder.classroom.not_collected import forget_not_collected, read_not_collected
 from autograder.classroom.people import namesake, read_people
 from autograder.classroom.results_of_class import last_results, results_file
-from autograder.commands.exit_codes import OK
+from autograder.commands import OK
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.files import keep
@@ -32,21 +31,13 @@ from autograder.layout import Layout
 from autograder.submission.inbox import students_in
 
 
-def add_forget(commands: Any) -> None:
-    """
-    Describe the command.
-
-    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
-    """
-    forget = commands.add_parser(
-        'forget', help='show what the course has of a student; with --yes, remove it'
-    )
-    forget.add_argument('students', nargs='+', metavar='STUDENT', help='id or name')
-    forget.add_argument('--yes', action='store_true', help='remove it')
-    forget.set_defaults(run=_forget)
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument('students', nargs='+', metavar='STUDENT', help='id or name')
+    parser.add_argument('--yes', action='store_true', help='remove it')
 
 
-def _forget(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Show what the course has of students, and remove it if that is meant."""
     layout, copies = Layout.here(), []
     with alone(layout, 'forget') if chosen.yes else nullcontext():

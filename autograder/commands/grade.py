@@ -19,7 +19,7 @@ import time
 from typing import TYPE_CHECKING
 
 from autograder.classroom.course_lock import alone
-from autograder.commands.exit_codes import FOR_REVIEW, OK
+from autograder.commands import FOR_REVIEW, OK
 from autograder.commands.progress import progress, Totals
 from autograder.errors import GraderError, of_system, UsageError
 from autograder.explaining.feedback import printable
@@ -51,39 +51,34 @@ class NotEnteredError(GraderError):
         self.results = tuple(results)
 
 
-def add_grade(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """
-    Describe the command.
-
-    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
-    """
-    grade = commands.add_parser('grade', help='grade a class and write reports')
-    grade.add_argument(
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument(
         '--submitted',
         type=Path,
         metavar='DIR',
         help='folder of STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: autograder/_work/submitted); '
         'students who are only in the default one keep their results and pages',
     )
-    grade.add_argument('--assignment', metavar='NAME', help='only this one (default: all)')
-    grade.add_argument(
+    parser.add_argument('--assignment', metavar='NAME', help='only this one (default: all)')
+    parser.add_argument(
         '--jobs',
         type=_positive,
         default=0,
         metavar='N',
         help=f'runs at a time on this machine (default: one a processor, here {processors()})',
     )
-    grade.add_argument(
+    parser.add_argument(
         '--cluster',
         default='',
         metavar='ADDRESS',
         help='run on the workers of a Dask scheduler, such as tcp://10.0.0.5:8786 '
         '(see docs/cluster.md)',
     )
-    grade.add_argument('--fresh', action='store_true', help='repeat runs that are recorded')
-    grade.add_argument('--json', action='store_true', help='print the results as JSON')
-    add_yes(grade)
-    grade.add_argument(
+    parser.add_argument('--fresh', action='store_true', help='repeat runs that are recorded')
+    parser.add_argument('--json', action='store_true', help='print the results as JSON')
+    add_yes(parser)
+    parser.add_argument(
         '--allow-weak',
         choices=WEAK,
         default='',
@@ -91,7 +86,6 @@ def add_grade(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         help='accept isolation down to this where none of the better works: '
         f'{", ".join(WEAK)} (see docs/threat-model.md)',
     )
-    grade.set_defaults(run=_grade)
 
 
 def add_yes(command: argparse.ArgumentParser) -> None:
@@ -110,7 +104,7 @@ def _positive(text: str) -> int:
     return int(text)
 
 
-def _grade(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Grade a class."""
     from rich.console import Console
 

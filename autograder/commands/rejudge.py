@@ -20,7 +20,7 @@ from typing import Any, TYPE_CHECKING
 
 from autograder.classroom.course_lock import alone
 from autograder.classroom.results_of_class import graded, last_results
-from autograder.commands.exit_codes import FOR_REVIEW, OK
+from autograder.commands import FOR_REVIEW, OK
 from autograder.commands.grade import add_yes
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Exam
@@ -40,26 +40,18 @@ if TYPE_CHECKING:
     from autograder.gradebook.live_entry import Guard
 
 
-def add_rejudge(commands: Any) -> None:
-    """
-    Describe the command.
-
-    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
-    """
-    rejudge = commands.add_parser(
-        'rejudge', help='new verdicts from the kept recordings after an exam edit; runs nothing'
-    )
-    rejudge.add_argument('assignment', nargs='?', metavar='ASSIGNMENT', help='default: all')
-    rejudge.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
-    rejudge.add_argument(
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument('assignment', nargs='?', metavar='ASSIGNMENT', help='default: all')
+    parser.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
+    parser.add_argument(
         '--write', action='store_true', help='enter the new points in gradebook and reports'
     )
-    add_yes(rejudge)
-    rejudge.add_argument('--json', action='store_true', help='print the changes as JSON')
-    rejudge.set_defaults(run=_rejudge)
+    add_yes(parser)
+    parser.add_argument('--json', action='store_true', help='print the changes as JSON')
 
 
-def _rejudge(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Judge again."""
     layout = Layout.here()
     with alone(layout, 'rejudge --write') if chosen.write else nullcontext():

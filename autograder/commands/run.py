@@ -20,7 +20,7 @@ import sys
 import tempfile
 from typing import Any, TYPE_CHECKING
 
-from autograder.commands.exit_codes import OK
+from autograder.commands import OK
 from autograder.errors import GraderError, SandboxUnavailable
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
@@ -40,28 +40,22 @@ if TYPE_CHECKING:
     from autograder.sandboxes.sandbox import Sandbox
 
 
-def add_run(commands: Any) -> None:
-    """
-    Describe the command.
-
-    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
-    """
-    run = commands.add_parser('run', help='run exams on one script, package, zip or notebook')
-    run.add_argument('path', type=Path, metavar='PATH')
-    run.add_argument(
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument('path', type=Path, metavar='PATH')
+    parser.add_argument(
         '--exam',
         required=True,
         metavar='NAME',
         help='an exam (such as talker), or an assignment (topics)',
     )
-    run.add_argument('--visible', action='store_true', help='only the visible checks')
-    run.add_argument('--live', action='store_true', help='show what happens while it happens')
-    run.add_argument('--fresh', action='store_true', help='run again what is recorded')
-    run.add_argument('--json', action='store_true', help='print the results as JSON')
-    run.set_defaults(run=_run)
+    parser.add_argument('--visible', action='store_true', help='only the visible checks')
+    parser.add_argument('--live', action='store_true', help='show what happens while it happens')
+    parser.add_argument('--fresh', action='store_true', help='run again what is recorded')
+    parser.add_argument('--json', action='store_true', help='print the results as JSON')
 
 
-def _run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Look at one submission."""
     layout = Layout.here()
     found = exams_named(chosen.exam, layout, hidden=not chosen.visible)

@@ -34,6 +34,7 @@ from autograder.collect.kinds.kind import kind_of
 from autograder.collect.source import tree
 from autograder.collect.source.tree import opened
 from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
+from autograder.commands import FOR_REVIEW, OK
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.submission.ids import student_id
@@ -319,7 +320,7 @@ class TestCommand:
         """1 if something was left."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/x.txt': b''})
 
-        assert command.main(['collect', str(source)]) == command.FOR_REVIEW
+        assert command.main(['collect', str(source)]) == FOR_REVIEW
         said = capsys.readouterr().out
         assert 'no notebook, only x.txt' in said
         assert '1 not taken, 1 taken.' in said
@@ -328,7 +329,7 @@ class TestCommand:
         """And says the same, as JSON if asked."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
 
-        assert command.main(['collect', str(source), '--dry-run', '--json']) == command.OK
+        assert command.main(['collect', str(source), '--dry-run', '--json']) == OK
         (row,) = json.loads(capsys.readouterr().out)
         assert (row['student'], row['done']) == ('ann', TAKEN)
         assert not layout.submitted.exists()
@@ -362,15 +363,15 @@ class TestCommand:
         with alone(layout, 'a grading'):
             assert command.main(['collect', source]) == command.USAGE
             assert 'got: a grading since' in capsys.readouterr().err
-            assert command.main(['collect', source, '--dry-run']) == command.OK
+            assert command.main(['collect', source, '--dry-run']) == OK
         assert not layout.submitted.exists()
-        assert command.main(['collect', source]) == command.OK
+        assert command.main(['collect', source]) == OK
 
     def test_a_prefix_is_taken_off(self, tmp_path, layout, capsys):
         """The one that was named, and the table says so."""
         source = laid(tmp_path / 's', {'hw1-ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
 
-        assert command.main(['collect', str(source), '--prefix', 'hw1-', '--json']) == command.OK
+        assert command.main(['collect', str(source), '--prefix', 'hw1-', '--json']) == OK
         rows = json.loads(capsys.readouterr().out)
         assert [(row['student'], row['notes']) for row in rows] == [
             ('ann', ["'hw1-' was taken off the name"]),
