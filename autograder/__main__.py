@@ -11,78 +11,42 @@ import argparse
 from collections.abc import Sequence
 import os
 from pathlib import Path
+from pkgutil import resolve_name
 import select
 import sys
 
-from autograder.commands import (
-    authoring,
-    check,
-    collect,
-    explain,
-    export,
-    forget,
-    grade,
-    rejudge,
-    run,
-    similar,
-    stats,
-    STOPPED,
-    UNREAD,
-    USAGE,
-)
+from autograder.commands import STOPPED, UNREAD, USAGE
+from autograder.commands.check import REFUSALS, refuse
 from autograder.grading.pipeline import end_runs
 from autograder.layout import CHOSEN
 
 COMMANDS = {
-    'grade': ('grade a class and write reports', grade.options, grade.run),
-    'check': ('run one exam on the files of a package', check.options, check.run),
-    'sample-class': (
-        'write the bundled example submissions',
-        authoring.sample_options,
-        authoring.sample_class,
-    ),
+    'grade': ('grade:options', 'grade a class and write reports'),
+    'check': ('check:options', 'run one exam on the files of a package'),
+    'sample-class': ('authoring:sample_class_options', 'write the bundled example submissions'),
     'self-check': (
+        'authoring:self_check_options',
         'grade the reference solution and the bare release of every lesson',
-        lambda parser: None,
-        authoring.self_check,
     ),
-    'run': ('run exams on one script, package, zip or notebook', run.options, run.run),
+    'run': ('run:options', 'run exams on one script, package, zip or notebook'),
     'collect': (
+        'collect:options',
         'take in a class from a folder, a zip of an LMS or an exchange',
-        collect.options,
-        collect.run,
     ),
     'rejudge': (
+        'rejudge:options',
         'new verdicts from the kept recordings after an exam edit; runs nothing',
-        rejudge.options,
-        rejudge.run,
     ),
-    'forget': (
-        'show what the course has of a student; with --yes, remove it',
-        forget.options,
-        forget.run,
-    ),
-    'explain': ('show the evidence behind a verdict', explain.options, explain.run),
-    'report': (
-        'write the page of a class in numbers again',
-        stats.report_options,
-        stats.report,
-    ),
-    'stats': ('the last grading in numbers: marks, checks, causes', stats.options, stats.run),
-    'similar': ('list similar submissions to look at', similar.options, similar.run),
-    'export': ('the last grading for other programs', export.options, export.run),
-    'new-course': (
-        'begin another course in a folder of its own',
-        authoring.course_options,
-        authoring.new_course,
-    ),
-    'new-exam': (
-        'begin an exercise: its lesson and its two exams',
-        authoring.exam_options,
-        authoring.new_exam,
-    ),
+    'forget': ('forget:options', 'show what the course has of a student; with --yes, remove it'),
+    'explain': ('explain:options', 'show the evidence behind a verdict'),
+    'report': ('stats:report_options', 'write the page of a class in numbers again'),
+    'stats': ('stats:options', 'the last grading in numbers: marks, checks, causes'),
+    'similar': ('similar:options', 'list similar submissions to look at'),
+    'export': ('export:options', 'the last grading for other programs'),
+    'new-course': ('authoring:new_course_options', 'begin another course in a folder of its own'),
+    'new-exam': ('authoring:new_exam_options', 'begin an exercise: its lesson and its two exams'),
 }
-"""By name: the line of help, what describes the options, and what runs."""
+"""By name: the function in ``commands`` that describes its options, and its line of help."""
 GOES_ON = {
     'grade': 'Finished runs are kept; the same command goes on.',
     'collect': 'What was taken stays; the same command goes on.',
@@ -98,19 +62,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :param arguments: the command line without the program
     :returns: the exit code
     """
-    chosen = _parser().parse_args(arguments)
-    if chosen.course:
-        os.environ[CHOSEN] = str(chosen.course.resolve())
+    arguments = sys.argv[1:] if arguments is None else arguments
+    chosen = argparse.Namespace(command='')
     try:
+        chosen = _parser(arguments).parse_args(arguments)
+        if chosen.course:
+            os.environ[CHOSEN] = str(chosen.course.resolve())
         code: int = chosen.run(chosen)
         sys.stdout.flush()
-    except check.REFUSALS as error:
+    except REFUSALS as error:
         if isinstance(error, BrokenPipeError) and _nobody_reads():
             end_runs()
             return UNREAD
         if isinstance(error, ModuleNotFoundError) and str(error.name).partition('.')[0] in OURS:
             raise  # a defect of ours, not of the Python in use
-        check.refuse(error, chosen.command == 'check' and chosen.json)
+        refuse(error, chosen.command == 'check' and chosen.json)
         return USAGE
     except KeyboardInterrupt:
         print(f'\nStopped. {_how_to_go_on(chosen)}', file=sys.stderr)
@@ -150,16 +116,16 @@ def _how_to_go_on(chosen: argparse.Namespace) -> str:
     return GOES_ON[chosen.command]
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """Describe the command line."""
     parser = argparse.ArgumentParser(prog='python -m autograder', description=__doc__)
     parser.add_argument('--course', type=Path, metavar='DIR', help='folder with a course.toml')
     commands = parser.add_subparsers(required=True, metavar='COMMAND', dest='command')
 
-    for name, (text, options, run_it) in COMMANDS.items():
+    for name, (options, text) in COMMANDS.items():
         command = commands.add_parser(name, help=text)
-        options(command)
-        command.set_defaults(run=run_it)
+        if name in arguments:  # the modules of the others need not be imported
+            resolve_name(f'autograder.commands.{options}')(command)
     return parser
 
 

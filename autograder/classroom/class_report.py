@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from urllib.parse import quote
 
+from markupsafe import Markup
+
 from autograder.classroom.not_collected import (
     names_to_write_to,
     not_collected,
@@ -70,8 +72,6 @@ def class_page(
     :param people: names by student id
     :param missing: what could not be collected
     """
-    from markupsafe import Markup
-
     marks = numbers.marks
     return (
         _templates()

@@ -10,18 +10,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 import json
 from pathlib import Path
-from typing import Any, TYPE_CHECKING
+from typing import Any
 from urllib.parse import quote
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 from autograder.classroom.not_collected import names_to_write_to, NotCollected
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
 from autograder.files import keep, safe_name
 from autograder.results import ExamResult, shortened, SubmissionResult
-
-if TYPE_CHECKING:
-    from jinja2 import Environment
-    from rich.console import Console
 
 WHY_CHARS = 160
 NOBODY: Mapping[str, str] = {}
@@ -138,8 +140,6 @@ def _lacks(results: Sequence[SubmissionResult]) -> list[str]:
 
 def _templates() -> Environment:
     """Return our templates, with escaping on for every file name."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).parents[1] / 'templates'),
         autoescape=True,
@@ -158,8 +158,6 @@ def _templates() -> Environment:
 
 def _checks(exam: ExamResult) -> Any:
     """Return the checks of an exam as HTML, which has escaped all that came from a student."""
-    from markupsafe import Markup
-
     return Markup(checks_html(exam))  # noqa: S704
 
 
@@ -176,9 +174,6 @@ def print_table(
     :param people: names by student id
     :param missing: what could not be collected
     """
-    from rich.table import Table
-    from rich.text import Text
-
     weak = ', '.join(
         sorted({exam.mode for one in results for exam in one.exams if exam.not_protected})
     )

@@ -8,20 +8,23 @@ from pathlib import Path
 import shlex
 import sys
 
+from autograder.authoring.new_course import new_course, new_exam
+from autograder.authoring.sample_class import write_sample_class
+from autograder.authoring.self_check import self_check
 from autograder.commands import FOR_REVIEW, OK
 from autograder.commands.grade import short
+from autograder.grading.pipeline import grading_engine
 from autograder.layout import Layout
 
 
-def course_options(parser: argparse.ArgumentParser) -> None:
+def new_course_options(parser: argparse.ArgumentParser) -> None:
     """Describe the options of ``new-course``."""
     parser.add_argument('folder', type=Path, metavar='DIR', help='new or empty')
+    parser.set_defaults(run=_new_course)
 
 
-def new_course(chosen: argparse.Namespace) -> int:
+def _new_course(chosen: argparse.Namespace) -> int:
     """Make the folder and say how it is prepared."""
-    from autograder.authoring.new_course import new_course
-
     made = new_course(chosen.folder)
     print(f'{chosen.folder} is a course of {len(made)} files. Next, in that folder:')
     print(f'  {shlex.quote(sys.executable)} -m environment prepare')
@@ -29,16 +32,15 @@ def new_course(chosen: argparse.Namespace) -> int:
     return OK
 
 
-def exam_options(parser: argparse.ArgumentParser) -> None:
+def new_exam_options(parser: argparse.ArgumentParser) -> None:
     """Describe the options of ``new-exam``."""
     parser.add_argument('name', metavar='NAME', help='such as visitor_counter')
     parser.add_argument('--lesson', required=True, metavar='NN_NAME', help='such as 01_doors')
+    parser.set_defaults(run=_new_exam)
 
 
-def new_exam(chosen: argparse.Namespace) -> int:
+def _new_exam(chosen: argparse.Namespace) -> int:
     """Make the files and say how they are proven."""
-    from autograder.authoring.new_course import new_exam
-
     course = Layout.here()
     for path in new_exam(course, chosen.name, chosen.lesson):
         print(os.path.relpath(course.root / path))
@@ -48,15 +50,14 @@ def new_exam(chosen: argparse.Namespace) -> int:
     return OK
 
 
-def sample_options(parser: argparse.ArgumentParser) -> None:
+def sample_class_options(parser: argparse.ArgumentParser) -> None:
     """Describe the options of ``sample-class``."""
     parser.add_argument('--to', type=Path, metavar='DIR', help='default: the submitted folder')
+    parser.set_defaults(run=_sample_class)
 
 
-def sample_class(chosen: argparse.Namespace) -> int:
+def _sample_class(chosen: argparse.Namespace) -> int:
     """Write the bundled class."""
-    from autograder.authoring.sample_class import write_sample_class
-
     layout = Layout.here()
     folder = (chosen.to or layout.submitted).resolve()
     count = write_sample_class(layout, folder)
@@ -64,11 +65,13 @@ def sample_class(chosen: argparse.Namespace) -> int:
     return OK
 
 
-def self_check(chosen: argparse.Namespace) -> int:
-    """Show that the reference passes every exam here and that the bare release does not."""
-    from autograder.authoring.self_check import self_check
-    from autograder.grading.pipeline import grading_engine
+def self_check_options(parser: argparse.ArgumentParser) -> None:
+    """There are none."""
+    parser.set_defaults(run=_self_check)
 
+
+def _self_check(chosen: argparse.Namespace) -> int:
+    """Show that the reference passes every exam here and that the bare release does not."""
     layout = Layout.here()
     code = OK
     for right, line in self_check(layout, grading_engine(layout)):

@@ -52,6 +52,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--files', type=Path, required=True, metavar='DIR', help='the package')
     parser.add_argument('--visible', action='store_true', help='only the visible checks')
     parser.add_argument('--json', action='store_true', help='print the result as JSON')
+    parser.set_defaults(run=run)
 
 
 def run(chosen: argparse.Namespace) -> int:

@@ -8,8 +8,13 @@ import json
 from pathlib import Path
 import sys
 
+from autograder.authoring.sample_class import take_out_sample_class
 from autograder.classroom.course_lock import alone
+from autograder.classroom.not_collected import names_to_write_to, read_not_collected
+from autograder.collect.table import LEFT, print_rows
+from autograder.collect.take_in import collect
 from autograder.commands import FOR_REVIEW, OK
+from autograder.explaining.feedback import printable
 from autograder.layout import Layout
 
 
@@ -42,16 +47,11 @@ def options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument('--dry-run', action='store_true', help='write nothing, only say')
     parser.add_argument('--json', action='store_true', help='print the table as JSON')
+    parser.set_defaults(run=run)
 
 
 def run(chosen: argparse.Namespace) -> int:
     """Take in a class."""
-    from autograder.authoring.sample_class import take_out_sample_class
-    from autograder.classroom.not_collected import names_to_write_to, read_not_collected
-    from autograder.collect.table import LEFT, print_rows
-    from autograder.collect.take_in import collect
-    from autograder.explaining.feedback import printable
-
     layout = Layout.here()
     assignment = layout.assignment_named(chosen.assignment) if chosen.assignment else ''
     to = chosen.to or layout.submitted

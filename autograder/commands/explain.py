@@ -62,6 +62,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--assignment', metavar='NAME', help='if the check is in several')
     parser.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
     parser.add_argument('--json', action='store_true', help='all of it, as JSON')
+    parser.set_defaults(run=run)
 
 
 def run(chosen: argparse.Namespace) -> int:

@@ -78,6 +78,7 @@ def options(parser: argparse.ArgumentParser) -> None:
             default=VISIBILITIES[0],
             help='when students see the tests (default: %(default)s)',
         )
+    parser.set_defaults(run=run)
 
 
 def _add_points(parser: argparse.ArgumentParser, default: str) -> None:

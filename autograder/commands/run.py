@@ -18,26 +18,29 @@ import json
 from pathlib import Path
 import sys
 import tempfile
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from autograder.commands import OK
 from autograder.errors import GraderError, SandboxUnavailable
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import exam_text, number, printable
+from autograder.explaining.live import live_line
 from autograder.grading.built_package import as_package, explained, package_name
 from autograder.grading.examine import examine
 from autograder.grading.pipeline import THREADS
 from autograder.layout import Layout
-from autograder.recording import Recording
+from autograder.recording import Event, Recording
 from autograder.results import ExamResult, Problem
+from autograder.sandboxes import choose
+from autograder.sandboxes.sandbox import Sandbox
+from autograder.submission.extract import extract
 from autograder.submission.intake import read_handed_in, with_node_files
+from autograder.submission.notebook import read_release
 from autograder.submission.package import name_missing, what_is_there
+from autograder.submission.reading import read_file
+from autograder.submission.submission import open_submission
 from autograder.submission.tree import NotTakenInError
-
-if TYPE_CHECKING:
-    from autograder.recording import Event
-    from autograder.sandboxes.sandbox import Sandbox
 
 
 def options(parser: argparse.ArgumentParser) -> None:
@@ -53,6 +56,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--live', action='store_true', help='show what happens while it happens')
     parser.add_argument('--fresh', action='store_true', help='run again what is recorded')
     parser.add_argument('--json', action='store_true', help='print the results as JSON')
+    parser.set_defaults(run=run)
 
 
 def run(chosen: argparse.Namespace) -> int:
@@ -81,8 +85,6 @@ def run(chosen: argparse.Namespace) -> int:
 
 def _show(event: Any) -> None:
     """Print an event of a run as it happens; the results may go elsewhere as JSON."""
-    from autograder.explaining.live import live_line
-
     line = live_line(event)
     if line:
         print(line, file=sys.stderr, flush=True)
@@ -90,8 +92,6 @@ def _show(event: Any) -> None:
 
 def _sandbox(visible: bool) -> Any:
     """Return the strongest sandbox; only visible checks may do without."""
-    from autograder.sandboxes import choose
-
     try:
         return choose.strongest()
     except SandboxUnavailable as error:
@@ -179,11 +179,6 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
 
 
 def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator[Look]:
-    from autograder.submission.extract import extract
-    from autograder.submission.notebook import read_release
-    from autograder.submission.reading import read_file
-    from autograder.submission.submission import open_submission
-
     data, problems = read_file(path, path.name)
     for assignment in dict.fromkeys(exam.assignment for exam in chosen):
         release = read_release(layout.release(assignment))

@@ -26,6 +26,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         help='list pairs from here on (default: %(default)g)',
     )
     parser.add_argument('--json', action='store_true', help='all of it, as JSON')
+    parser.set_defaults(run=run)
 
 
 def _percent(text: str) -> float:

@@ -20,6 +20,7 @@ CAUSE_CHARS = 100
 def report_options(parser: argparse.ArgumentParser) -> None:
     """Describe the options of ``report``."""
     parser.add_argument('assignment', nargs='?', metavar='ASSIGNMENT', help='default: all graded')
+    parser.set_defaults(run=report)
 
 
 def report(chosen: argparse.Namespace) -> int:
@@ -34,6 +35,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options of ``stats``."""
     report_options(parser)
     parser.add_argument('--json', action='store_true', help='print it as JSON')
+    parser.set_defaults(run=run)
 
 
 def run(chosen: argparse.Namespace) -> int:

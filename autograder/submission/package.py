@@ -10,13 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from autograder.exam.exam import Exam
 from autograder.results import ExamResult
 from autograder.submission.reading import read_file
-
-if TYPE_CHECKING:
-    from autograder.exam.exam import Exam
 
 MAX_FILES = 200
 NOTEBOOK_KINDS = ('.py', '.msg', '.srv', '.action', '.xml', '.txt', '.cfg', '.toml', '.yaml')

@@ -366,8 +366,8 @@ def test_a_reader_that_leaves_is_no_trouble(monkeypatch, capfd):
 
     with os.fdopen(writing, 'w') as closed:
         monkeypatch.setattr(sys, 'stdout', closed)
-        parser = argparse.Namespace(parse_args=lambda _: argparse.Namespace(run=run, course=None))
-        monkeypatch.setattr(command, '_parser', lambda: parser)
+        parser = argparse.Namespace(parse_args=lambda *_: argparse.Namespace(run=run, course=None))
+        monkeypatch.setattr(command, '_parser', lambda _: parser)
         assert command.main([]) == 141
         print('lost', file=closed, flush=True)
     assert capfd.readouterr().err == ''
