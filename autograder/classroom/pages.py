@@ -20,6 +20,7 @@ from rich.table import Table
 from rich.text import Text
 
 from autograder.classroom.not_collected import names_to_write_to, NotCollected
+from autograder.classroom.results_of_class import lacks, modes
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
 from autograder.files import keep, safe_name
@@ -58,8 +59,8 @@ def write_reports(
     for result in results:
         page = templates.get_template('student.html.j2').render(
             result=result,
-            modes=_modes([result]),
-            lacks=_lacks([result]),
+            modes=modes([result]),
+            lacks=lacks([result]),
         )
         _put(pages / page_name(result.student), with_unique_ids(page))
     index = pages / 'index.html'
@@ -102,8 +103,8 @@ def _index(
         rows=rows,
         reviews=sum(bool(result.review) for result in results),
         flagged=worth_a_look(results),
-        modes=_modes(results),
-        lacks=_lacks(results),
+        modes=modes(results),
+        lacks=lacks(results),
         summary=summary,
         people=people,
         missing=missing,
@@ -125,17 +126,6 @@ def with_name(student: str, people: Mapping[str, str]) -> str:
 def page_name(student: str) -> str:
     """Return the file of a student's page below the index; any name is safe."""
     return f'students/{safe_name(student)}.html'
-
-
-def _modes(results: Sequence[SubmissionResult]) -> list[str]:
-    """Return the isolation modes that were used."""
-    return sorted({exam.mode for result in results for exam in result.exams if exam.mode})
-
-
-def _lacks(results: Sequence[SubmissionResult]) -> list[str]:
-    """Return what the isolation of some runs did not protect, empty where it was whole."""
-    exams = [exam for result in results for exam in result.exams]
-    return list(dict.fromkeys(lack for exam in exams for lack in exam.not_protected))
 
 
 def _templates() -> Environment:
@@ -174,9 +164,8 @@ def print_table(
     :param people: names by student id
     :param missing: what could not be collected
     """
-    weak = ', '.join(
-        sorted({exam.mode for one in results for exam in one.exams if exam.not_protected})
-    )
+    exams = [exam for one in results for exam in one.exams]
+    weak = ', '.join(sorted({exam.mode for exam in exams if exam.not_protected}))
     title = f'{assignment} (WEAK ISOLATION: {weak})' if weak else assignment
     table = Table(title=title, title_justify='left')
     table.add_column('Student', overflow='fold')

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 import json
 
 from autograder.collect.source.deliveries import Handed
-from autograder.files import keep
+from autograder.files import json_bytes, keep
 from autograder.layout import Layout
 from autograder.submission.ids import student_id
 from autograder.submission.reading import read_file
@@ -115,7 +115,7 @@ def keep_namesakes(layout: Layout, known: Namesakes, taken: Iterable[tuple[Hande
             numbers.setdefault(student_id(one.student), {})[assignment] = one.number
     if not known.shared and not numbers and not layout.namesakes.exists():
         return
-    found = {'shared': sorted(known.shared), 'numbers': numbers}
-    data = f'{json.dumps(found, ensure_ascii=False, indent=1, sort_keys=True)}\n'.encode()
+    ordered = {student: dict(sorted(numbers[student].items())) for student in sorted(numbers)}
+    data = json_bytes({'numbers': ordered, 'shared': sorted(known.shared)})
     if data != read_file(layout.namesakes, '')[0]:
         keep(layout.namesakes, data)

@@ -13,7 +13,6 @@ from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass
 from difflib import get_close_matches
-import json
 from pathlib import Path
 import shutil
 import time
@@ -28,7 +27,7 @@ from autograder.collect.namesakes import keep_namesakes, read_namesakes
 from autograder.commands import OK
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
-from autograder.files import keep
+from autograder.files import json_bytes, keep
 from autograder.gradebook.connection import connected
 from autograder.gradebook.copies import keep_copy
 from autograder.gradebook.forget import forget_made
@@ -225,4 +224,4 @@ def _forget_name(layout: Layout, student: str) -> None:
         keep_namesakes(layout, known, ())
     people = read_people(layout)
     if people.pop(student, ''):
-        keep(layout.people, f'{json.dumps(people, ensure_ascii=False, indent=1)}\n'.encode())
+        keep(layout.people, json_bytes(people))

@@ -20,12 +20,12 @@ import time
 from rich.console import Console
 
 from autograder.authoring.sample_class import write_sample_class
-from autograder.classroom.class_report import write_class_report
+from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.course_lock import alone
 from autograder.classroom.not_collected import not_collected
-from autograder.classroom.pages import print_table, write_reports
+from autograder.classroom.pages import print_table
 from autograder.classroom.people import read_people
-from autograder.classroom.results_of_class import results_of_others
+from autograder.classroom.results_of_class import modes, results_of_others
 from autograder.commands import FOR_REVIEW, OK
 from autograder.commands.progress import progress, Totals
 from autograder.errors import GraderError, of_system, UsageError
@@ -392,8 +392,7 @@ def _report(
     missing = not_collected(layout, assignment, {one.student for one in everybody})
     unwritten = ''
     try:
-        index = write_reports(layout.reports, assignment, everybody, summary, people, missing)
-        write_class_report(layout, assignment, summary)
+        index = write_all_reports(layout, assignment, everybody, summary)
         where = f'Reports: {short(index, layout)}'
     except OSError as error:  # the table is all that is left to see
         unwritten, where = str(of_system(error, str(layout.reports))), ''
@@ -415,15 +414,13 @@ def _both(one: Callable[[Done], None], two: Callable[[Done], None]) -> Callable[
 def _summary(graded: Sequence[Graded], graded_s: float, total_s: float, totals: Totals) -> str:
     """Say how many, how long and how isolated."""
     reviews = sum(bool(one.result.review) for one in graded)
-    exams = [exam for one in graded for exam in one.result.exams]
-    modes = sorted({exam.mode for exam in exams if exam.mode})
     some = f'{len(graded)} submission{"s" * (len(graded) != 1)}'
     parts = [f'{some} in {total_s:.1f} s ({graded_s:.1f} s of it running)']
     slowest = totals.slowest_text()
     if slowest and len(graded) > 1:
         parts.append(printable(slowest))
-    if modes:
-        parts.append(f'isolation {", ".join(modes)}')
+    if used := modes(one.result for one in graded):
+        parts.append(f'isolation {", ".join(used)}')
     if reviews:
         parts.append(f'{reviews} for review')
     return f'{"; ".join(parts)}.'

@@ -18,11 +18,8 @@ from pathlib import Path
 import time
 from typing import Any
 
-from autograder.classroom.class_report import write_class_report
+from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.course_lock import alone
-from autograder.classroom.not_collected import not_collected
-from autograder.classroom.pages import write_reports
-from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import graded, last_results
 from autograder.commands import FOR_REVIEW, OK
 from autograder.commands.grade import add_yes
@@ -354,10 +351,7 @@ def _write(layout: Layout, lesson: Lesson, account: Account, guard: Guard) -> Ac
     )
     results = [one.after for one in account.rejudged]
     summary = f'{len(again)} of {len(results)} submissions were judged again from recordings.'
-    missing = not_collected(layout, lesson.assignment, {one.student for one in results})
-    people = read_people(layout)
-    write_reports(layout.reports, lesson.assignment, results, summary, people, missing)
-    write_class_report(layout, lesson.assignment, summary)
+    write_all_reports(layout, lesson.assignment, results, summary)
     in_gradebook = f'{new} given to the gradebook, {len(again) - new} were there as they are'
     if refused:
         in_gradebook = f'of {new} given to the gradebook, not all were taken'

@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 import shutil
 
-from autograder.classroom.class_report import write_class_report
-from autograder.classroom.not_collected import not_collected
-from autograder.classroom.pages import write_reports
-from autograder.classroom.people import read_people
+from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.results_of_class import results_file, results_of_others
 from autograder.errors import GraderError
 from autograder.gradebook.journal import drop
@@ -42,9 +39,6 @@ def _forget_in_reports(layout: Layout, students: Collection[str]) -> None:
         except GraderError:
             continue  # a grading writes them again
         if others:
-            missing = not_collected(layout, assignment, {one.student for one in others})
-            people = read_people(layout)
-            write_reports(layout.reports, assignment, others, people=people, missing=missing)
-            write_class_report(layout, assignment)
+            write_all_reports(layout, assignment, others)
         else:
             shutil.rmtree(layout.reports / assignment)
