@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 import hashlib
 from importlib.metadata import PackageNotFoundError, version
 import json
@@ -111,7 +112,11 @@ def evidence(
         'exam': exam.name,
         'exam_title': exam.title,
         'fault': result.fault,
-        'check': _shown(verdict),
+        'check': {
+            **asdict(verdict),
+            'name': verdict.check,
+            'verdict': verdict.verdict.value,
+        },
         'now': f'cannot be judged again: no submission of {student} in {folder}; try --submitted'
         if found is None
         else _now(layout, exam, verdict, files, exam_result),
@@ -176,23 +181,6 @@ def _recording(path: Path) -> Recording | None:
         return Recording.load(path)
     except RecordingInvalid:
         return None
-
-
-def _shown(verdict: CheckResult) -> dict[str, Any]:
-    return {
-        'name': verdict.check,
-        'title': verdict.title,
-        'verdict': verdict.verdict.value,
-        'points': verdict.points,
-        'max_points': verdict.max_points,
-        'expected': verdict.expected,
-        'observed': verdict.observed,
-        'cause': verdict.cause,
-        'cause_id': verdict.cause_id,
-        'try_this': verdict.try_this,
-        'read': verdict.read,
-        'waits_for': verdict.waits_for,
-    }
 
 
 def _now(

@@ -21,7 +21,8 @@ import tempfile
 from typing import Any
 
 from autograder.commands import OK
-from autograder.errors import GraderError, SandboxUnavailable
+from autograder.commands.check import sandbox_for
+from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import exam_text, number, printable
@@ -32,7 +33,6 @@ from autograder.grading.pipeline import THREADS
 from autograder.layout import Layout
 from autograder.recording import Event, Recording
 from autograder.results import ExamResult, Problem
-from autograder.sandboxes import choose
 from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.extract import extract
 from autograder.submission.intake import read_handed_in, with_node_files
@@ -64,7 +64,7 @@ def run(chosen: argparse.Namespace) -> int:
     layout = Layout.here()
     found = exams_named(chosen.exam, layout, hidden=not chosen.visible)
     to_look_at = looks(chosen.path, found, layout)
-    sandbox = _sandbox(chosen.visible)
+    sandbox = sandbox_for(chosen.visible)
     results = []
     for look, result in quick_look(
         to_look_at,
@@ -88,17 +88,6 @@ def _show(event: Any) -> None:
     line = live_line(event)
     if line:
         print(line, file=sys.stderr, flush=True)
-
-
-def _sandbox(visible: bool) -> Any:
-    """Return the strongest sandbox; only visible checks may do without."""
-    try:
-        return choose.strongest()
-    except SandboxUnavailable as error:
-        if not visible:
-            raise
-        print(f'No sandbox here, so this runs as a plain process: {error.what}', file=sys.stderr)
-        return choose.plain()
 
 
 @dataclass(frozen=True)

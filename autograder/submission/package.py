@@ -77,15 +77,18 @@ def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
 
     :param result: the exam's result on these files
     """
+    return with_missing_file(
+        result,
+        observed=what_is_there(files),
+        cause='The file was not saved in the folder that is checked.',
+        try_this='Save it there, then check again.',
+    )
+
+
+def with_missing_file(result: ExamResult, **words: str) -> ExamResult:
+    """Return a result with other words about a file that is missing."""
     checks = [
-        replace(
-            check,
-            observed=what_is_there(files),
-            cause='The file was not saved in the folder that is checked.',
-            try_this='Save it there, then check again.',
-        )
-        if check.cause_id == 'missing_file'
-        else check
+        replace(check, **words) if check.cause_id == 'missing_file' else check  # type: ignore[arg-type]
         for check in result.checks
     ]
     return replace(result, checks=tuple(checks))
