@@ -11,22 +11,42 @@ import argparse
 from collections.abc import Sequence
 import os
 from pathlib import Path
+from pkgutil import resolve_name
 import select
 import sys
 
-from autograder.commands.check import describe, REFUSALS, refuse
-from autograder.commands.collect import add_collect
-from autograder.commands.exit_codes import FOR_REVIEW, OK, STOPPED, UNREAD, USAGE
-from autograder.commands.explain import add_explain
-from autograder.commands.export import add_class_commands
-from autograder.commands.forget import add_forget
-from autograder.commands.grade import add_grade, short
-from autograder.commands.new import add_new
-from autograder.commands.rejudge import add_rejudge
-from autograder.commands.run import add_run
+from autograder.commands import STOPPED, UNREAD, USAGE
+from autograder.commands.check import REFUSALS, refuse
 from autograder.grading.pipeline import end_runs
-from autograder.layout import CHOSEN, Layout
+from autograder.layout import CHOSEN
 
+COMMANDS = {
+    'grade': ('grade:options', 'grade a class and write reports'),
+    'check': ('check:options', 'run one exam on the files of a package'),
+    'sample-class': ('authoring:sample_class_options', 'write the bundled example submissions'),
+    'self-check': (
+        'authoring:self_check_options',
+        'grade the reference solution and the bare release of every lesson',
+    ),
+    'run': ('run:options', 'run exams on one script, package, zip or notebook'),
+    'collect': (
+        'collect:options',
+        'take in a class from a folder, a zip of an LMS or an exchange',
+    ),
+    'rejudge': (
+        'rejudge:options',
+        'new verdicts from the kept recordings after an exam edit; runs nothing',
+    ),
+    'forget': ('forget:options', 'show what the course has of a student; with --yes, remove it'),
+    'explain': ('explain:options', 'show the evidence behind a verdict'),
+    'report': ('stats:report_options', 'write the page of a class in numbers again'),
+    'stats': ('stats:options', 'the last grading in numbers: marks, checks, causes'),
+    'similar': ('similar:options', 'list similar submissions to look at'),
+    'export': ('export:options', 'the last grading for other programs'),
+    'new-course': ('authoring:new_course_options', 'begin another course in a folder of its own'),
+    'new-exam': ('authoring:new_exam_options', 'begin an exercise: its lesson and its two exams'),
+}
+"""By name: the function in ``commands`` that describes its options, and its line of help."""
 GOES_ON = {
     'grade': 'Finished runs are kept; the same command goes on.',
     'collect': 'What was taken stays; the same command goes on.',
@@ -42,10 +62,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :param arguments: the command line without the program
     :returns: the exit code
     """
-    chosen = _parser().parse_args(arguments)
-    if chosen.course:
-        os.environ[CHOSEN] = str(chosen.course.resolve())
+    arguments = sys.argv[1:] if arguments is None else arguments
+    chosen = argparse.Namespace(command='')
     try:
+        chosen = _parser(arguments).parse_args(arguments)
+        if chosen.course:
+            os.environ[CHOSEN] = str(chosen.course.resolve())
         code: int = chosen.run(chosen)
         sys.stdout.flush()
     except REFUSALS as error:
@@ -94,55 +116,17 @@ def _how_to_go_on(chosen: argparse.Namespace) -> str:
     return GOES_ON[chosen.command]
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """Describe the command line."""
     parser = argparse.ArgumentParser(prog='python -m autograder', description=__doc__)
     parser.add_argument('--course', type=Path, metavar='DIR', help='folder with a course.toml')
     commands = parser.add_subparsers(required=True, metavar='COMMAND', dest='command')
 
-    add_grade(commands)
-    describe(commands.add_parser('check', help='run one exam on the files of a package'))
-
-    sample = commands.add_parser('sample-class', help='write the bundled example submissions')
-    sample.add_argument('--to', type=Path, metavar='DIR', help='default: the submitted folder')
-    sample.set_defaults(run=_sample_class)
-
-    proof = commands.add_parser(
-        'self-check', help='grade the reference solution and the bare release of every lesson'
-    )
-    proof.set_defaults(run=_self_check)
-    for add in (add_run, add_collect, add_rejudge, add_forget, add_explain):
-        add(commands)
-    add_class_commands(commands)
-    add_new(commands)
+    for name, (options, text) in COMMANDS.items():
+        command = commands.add_parser(name, help=text)
+        if name in arguments:  # the modules of the others need not be imported
+            resolve_name(f'autograder.commands.{options}')(command)
     return parser
-
-
-def _self_check(chosen: argparse.Namespace) -> int:
-    """Show that the reference passes every exam here and that the bare release does not."""
-    from autograder.authoring.self_check import self_check
-    from autograder.grading.pipeline import grading_engine
-
-    layout = Layout.here()
-    code = OK
-    for right, line in self_check(layout, grading_engine(layout)):
-        print(line, flush=True)
-        code = code if right else FOR_REVIEW
-    return code
-
-
-# -- sample-class ---------------------------------------------------------------------------
-
-
-def _sample_class(chosen: argparse.Namespace) -> int:
-    """Write the bundled class."""
-    from autograder.authoring.sample_class import write_sample_class
-
-    layout = Layout.here()
-    folder = (chosen.to or layout.submitted).resolve()
-    count = write_sample_class(layout, folder)
-    print(f'{count} submissions are in {short(folder, layout)}.')
-    return OK
 
 
 if __name__ == '__main__':

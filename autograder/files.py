@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 import fcntl
 import hashlib
+import json
 import os
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 import uuid
 
@@ -44,6 +46,12 @@ def write_file(path: Path, data: bytes, force: bool = False, mode: int = 0o644) 
     """
     refuse_existing([path], force)
     keep(path, data, mode, lambda: refuse_existing([path], force))  # it may have come meanwhile
+
+
+def json_bytes(data: Any) -> bytes:
+    """Return a JSON document in UTF-8; a program may have printed half a character of it."""
+    text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
+    return f'{text}\n'.encode('utf-8', 'replace')
 
 
 def safe_name(student: str) -> str:

@@ -86,6 +86,18 @@ class CheckResult:
     read: str = ''
     waits_for: str = ''
 
+    @property
+    def facts(self) -> dict[str, str]:
+        """Return the five things by name, without those that there are not."""
+        facts = {
+            'expected': self.expected,
+            'observed': self.observed,
+            'likely cause': self.cause,
+            'try': self.try_this,
+            'read': self.read,
+        }
+        return {name: text for name, text in facts.items() if text}
+
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> CheckResult:
         """Rebuild a result from :meth:`ExamResult.to_json` output."""

@@ -25,7 +25,6 @@ ALLOWED = (
     'autograder/clock/',
     'autograder/commands/__init__.py',
     'autograder/commands/check.py',
-    'autograder/commands/exit_codes.py',
     'autograder/errors.py',
     'autograder/exam/',
     'autograder/explaining/',

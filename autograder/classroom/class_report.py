@@ -12,12 +12,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from urllib.parse import quote
 
+from markupsafe import Markup
+
 from autograder.classroom.not_collected import (
     names_to_write_to,
     not_collected,
     NotCollected,
 )
-from autograder.classroom.pages import _templates, NOBODY, page_name, worth_a_look
+from autograder.classroom.pages import _templates, NOBODY, page_name, worth_a_look, write_reports
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import ClassResults, has_mark, one_graded
 from autograder.classroom.statistics import (
@@ -57,6 +59,23 @@ def write_class_report(layout: Layout, assignment: str, summary: str = '') -> Pa
     return path
 
 
+def write_all_reports(
+    layout: Layout, assignment: str, results: Sequence[SubmissionResult], summary: str = ''
+) -> Path:
+    """
+    Write the results of a class with all of their pages, in place of older ones.
+
+    :param results: of everybody
+    :param summary: one sentence about the run
+    :returns: path of the index
+    """
+    people = read_people(layout)
+    missing = not_collected(layout, assignment, {one.student for one in results})
+    index = write_reports(layout.reports, assignment, results, summary, people, missing)
+    write_class_report(layout, assignment, summary)
+    return index
+
+
 def class_page(
     graded: ClassResults,
     numbers: ClassNumbers,
@@ -70,8 +89,6 @@ def class_page(
     :param people: names by student id
     :param missing: what could not be collected
     """
-    from markupsafe import Markup
-
     marks = numbers.marks
     return (
         _templates()

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import asdict, dataclass
 import json
 
-from autograder.files import keep
+from autograder.files import json_bytes, keep
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
 
@@ -78,8 +78,7 @@ def forget_not_collected(layout: Layout, student: str) -> None:
 
 def _write(layout: Layout, kept: Sequence[NotCollected]) -> None:
     if kept or layout.not_collected.exists():
-        text = json.dumps([asdict(one) for one in kept], ensure_ascii=False, indent=1)
-        keep(layout.not_collected, f'{text}\n'.encode('utf-8', 'replace'))
+        keep(layout.not_collected, json_bytes([asdict(one) for one in kept]))
 
 
 def not_collected(

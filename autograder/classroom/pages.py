@@ -10,18 +10,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 import json
 from pathlib import Path
-from typing import Any, TYPE_CHECKING
+from typing import Any
 from urllib.parse import quote
 
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
 from autograder.classroom.not_collected import names_to_write_to, NotCollected
+from autograder.classroom.results_of_class import lacks, modes
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
 from autograder.files import keep, safe_name
 from autograder.results import ExamResult, shortened, SubmissionResult
-
-if TYPE_CHECKING:
-    from jinja2 import Environment
-    from rich.console import Console
 
 WHY_CHARS = 160
 NOBODY: Mapping[str, str] = {}
@@ -56,8 +59,8 @@ def write_reports(
     for result in results:
         page = templates.get_template('student.html.j2').render(
             result=result,
-            modes=_modes([result]),
-            lacks=_lacks([result]),
+            modes=modes([result]),
+            lacks=lacks([result]),
         )
         _put(pages / page_name(result.student), with_unique_ids(page))
     index = pages / 'index.html'
@@ -100,8 +103,8 @@ def _index(
         rows=rows,
         reviews=sum(bool(result.review) for result in results),
         flagged=worth_a_look(results),
-        modes=_modes(results),
-        lacks=_lacks(results),
+        modes=modes(results),
+        lacks=lacks(results),
         summary=summary,
         people=people,
         missing=missing,
@@ -125,21 +128,8 @@ def page_name(student: str) -> str:
     return f'students/{safe_name(student)}.html'
 
 
-def _modes(results: Sequence[SubmissionResult]) -> list[str]:
-    """Return the isolation modes that were used."""
-    return sorted({exam.mode for result in results for exam in result.exams if exam.mode})
-
-
-def _lacks(results: Sequence[SubmissionResult]) -> list[str]:
-    """Return what the isolation of some runs did not protect, empty where it was whole."""
-    exams = [exam for result in results for exam in result.exams]
-    return list(dict.fromkeys(lack for exam in exams for lack in exam.not_protected))
-
-
 def _templates() -> Environment:
     """Return our templates, with escaping on for every file name."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).parents[1] / 'templates'),
         autoescape=True,
@@ -158,8 +148,6 @@ def _templates() -> Environment:
 
 def _checks(exam: ExamResult) -> Any:
     """Return the checks of an exam as HTML, which has escaped all that came from a student."""
-    from markupsafe import Markup
-
     return Markup(checks_html(exam))  # noqa: S704
 
 
@@ -176,12 +164,8 @@ def print_table(
     :param people: names by student id
     :param missing: what could not be collected
     """
-    from rich.table import Table
-    from rich.text import Text
-
-    weak = ', '.join(
-        sorted({exam.mode for one in results for exam in one.exams if exam.not_protected})
-    )
+    exams = [exam for one in results for exam in one.exams]
+    weak = ', '.join(sorted({exam.mode for exam in exams if exam.not_protected}))
     title = f'{assignment} (WEAK ISOLATION: {weak})' if weak else assignment
     table = Table(title=title, title_justify='left')
     table.add_column('Student', overflow='fold')

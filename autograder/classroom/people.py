@@ -8,7 +8,7 @@ from typing import Any
 import unicodedata
 
 from autograder.errors import GraderError
-from autograder.files import keep
+from autograder.files import json_bytes, keep
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
 
@@ -82,8 +82,7 @@ def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
     known = read_people(layout)
     merged = dict(sorted({**known, **_clean(names)}.items()))
     if merged != known:
-        text = json.dumps(merged, ensure_ascii=False, indent=1)
-        keep(layout.people, f'{text}\n'.encode())
+        keep(layout.people, json_bytes(merged))
 
 
 def _clean(names: Mapping[Any, Any]) -> dict[str, str]:

@@ -6,7 +6,7 @@ Reports, statistics and exports begin here and run nothing.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 import json
 from pathlib import Path
@@ -94,11 +94,6 @@ def has_mark(result: SubmissionResult) -> bool:
     return not result.review and all(mode.keeps_secrets for mode in modes)
 
 
-def seconds_of(result: SubmissionResult) -> float:
-    """Return how long a submission was run and judged [s]; nearly nothing if it was recorded."""
-    return sum(seconds_of_exam(exam) for exam in result.exams)
-
-
 def seconds_of_exam(exam: ExamResult) -> float:
     """Return how long an exam was run and judged [s]."""
     return exam.timing.get('run_s', 0.0) + exam.timing.get('judge_s', 0.0)
@@ -109,11 +104,12 @@ def ran_s(result: SubmissionResult) -> float:
     return sum(exam.ran_s for exam in result.exams)
 
 
-def was_run(result: SubmissionResult) -> bool:
-    """Return whether the last grading ran anything for it instead of only reading recordings."""
-    return any(exam.timing.get('run_s') for exam in result.exams)
+def modes(results: Iterable[SubmissionResult]) -> list[str]:
+    """Return the isolation modes that were used."""
+    return sorted({exam.mode for result in results for exam in result.exams if exam.mode})
 
 
-def max_points(results: Sequence[SubmissionResult]) -> float:
-    """Return what the automatic checks of an assignment can give, 0.0 if nobody has a verdict."""
-    return max((result.max_points for result in results if not result.fault), default=0.0)
+def lacks(results: Iterable[SubmissionResult]) -> list[str]:
+    """Return what the isolation of some runs did not protect, empty where it was whole."""
+    exams = [exam for result in results for exam in result.exams]
+    return list(dict.fromkeys(lack for exam in exams for lack in exam.not_protected))

@@ -18,9 +18,9 @@ from typing import Any
 from autograder.classroom.results_of_class import (
     ClassResults,
     has_mark,
-    max_points,
+    lacks,
+    modes,
     ran_s,
-    was_run,
 )
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
@@ -132,16 +132,16 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
         repeated=tuple(
             one.student for one in results if any(x.timing.get('repeated') for x in one.exams)
         ),
-        recorded=sum(not was_run(one) for one in results),
-        modes=tuple(sorted({exam.mode for exam in exams if exam.mode})),
-        lacks=tuple(dict.fromkeys(lack for exam in exams for lack in exam.not_protected)),
+        recorded=sum(not any(x.timing.get('run_s') for x in one.exams) for one in results),
+        modes=tuple(modes(results)),
+        lacks=tuple(lacks(results)),
         exams=_origins(headers),
         versions=_versions(headers),
     )
 
 
 def _marks(results: Sequence[SubmissionResult]) -> Marks | None:
-    most = max_points(results)
+    most = max((result.max_points for result in results), default=0.0)
     if not results or most <= 0:
         return None
     points = sorted(result.points for result in results)

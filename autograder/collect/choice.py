@@ -21,9 +21,9 @@ import hashlib
 from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Handed, Piece
 from autograder.collect.source.times import late_notes, read_time, STAMP
-from autograder.collect.source.tree import NotCollectedError, UnreadableError
 from autograder.collect.table import LEFT, Row
 from autograder.submission.ids import student_id
+from autograder.submission.tree import NotTakenInError, UnreadableError
 
 MOST_NOTEBOOKS = 50
 """Of one hand-in; a clone of the course has a dozen."""
@@ -102,7 +102,7 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
     :param seen: the notebooks of each student
     :param name: of the source
     :returns: empty if there is no notebook at all
-    :raises NotCollectedError: if none of the notebooks tells, or if two are as frequent
+    :raises NotTakenInError: if none of the notebooks tells, or if two are as frequent
     """
     students = [one for one in seen if one]
     votes = Counter(
@@ -115,7 +115,7 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
         return ''
     got = f'as many of {ranked[1][0]} as of {ranked[0][0]}' if ranked else 'none of this course'
     among = sorted(one for one, count in votes.items() if count == ranked[0][1])
-    raise NotCollectedError(
+    raise NotTakenInError(
         f'{name}: expected notebooks that were handed in for one assignment, got {got}.',
         f'Try: --assignment NAME, with one of {", ".join(among or course.assignments)}',
     )

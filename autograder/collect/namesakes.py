@@ -17,11 +17,11 @@ from dataclasses import dataclass, field, replace
 import json
 
 from autograder.collect.source.deliveries import Handed
-from autograder.collect.source.tree import NotCollectedError
-from autograder.files import keep
+from autograder.files import json_bytes, keep
 from autograder.layout import Layout
 from autograder.submission.ids import student_id
 from autograder.submission.reading import read_file
+from autograder.submission.tree import NotTakenInError
 
 Numbers = dict[str, dict[str, str]]
 
@@ -43,7 +43,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
     """
     Return what is known.
 
-    :raises NotCollectedError: if it is damaged: without it two people could become one
+    :raises NotTakenInError: if it is damaged: without it two people could become one
     """
     path = layout.namesakes
     data, problems = read_file(path, path.name)
@@ -58,7 +58,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
         return Namesakes(frozenset(map(str, found['shared'])), numbers)
     except (ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
         got = problems[0].got if problems else 'something else'
-        raise NotCollectedError(
+        raise NotTakenInError(
             f'{path}: expected JSON with the numbers of people in Moodle, got {got}.',
             'Try: delete it, and look in the table for people of one name',
         ) from error
@@ -115,7 +115,7 @@ def keep_namesakes(layout: Layout, known: Namesakes, taken: Iterable[tuple[Hande
             numbers.setdefault(student_id(one.student), {})[assignment] = one.number
     if not known.shared and not numbers and not layout.namesakes.exists():
         return
-    found = {'shared': sorted(known.shared), 'numbers': numbers}
-    data = f'{json.dumps(found, ensure_ascii=False, indent=1, sort_keys=True)}\n'.encode()
+    ordered = {student: dict(sorted(numbers[student].items())) for student in sorted(numbers)}
+    data = json_bytes({'numbers': ordered, 'shared': sorted(known.shared)})
     if data != read_file(layout.namesakes, '')[0]:
         keep(layout.namesakes, data)

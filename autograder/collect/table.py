@@ -9,6 +9,10 @@ from pathlib import Path
 import sys
 from typing import Any
 
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
 from autograder.explaining.feedback import printable
 
 TAKEN, REPLACED, UNCHANGED, LEFT = 'taken', 'replaced', 'unchanged', 'not taken'
@@ -42,10 +46,6 @@ class Row:
 
 def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:
     """Print the table and one line about it; names from outside are shown as text."""
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
     console = Console(width=None if sys.stdout.isatty() else 160)
     table = Table()
     for title in ('Student', 'Assignment', 'Done', 'Handed in', 'From', 'Notes'):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,10 +13,11 @@ from autograder.collect.kinds.kind import EXCHANGE, Found, handed_in
 from autograder.collect.namesakes import in_doubt, keep_namesakes, Namesakes, read_namesakes
 from autograder.collect.owners import owner_rule, with_owners_checked
 from autograder.collect.source.course import Course
-from autograder.collect.source.tree import opened, Tree, UnreadableError
+from autograder.collect.source.tree import opened
 from autograder.collect.table import LEFT, Row
 from autograder.collect.write_copy import lay
 from autograder.layout import Layout
+from autograder.submission.tree import Tree, UnreadableError
 
 
 def collect(
@@ -60,10 +61,19 @@ def collect(
     if any(one.when for one in found) and course.due.problem:
         rows.append(Row('', '', 'the gradebook', LEFT, (course.due.problem,)))
     if write:
-        rows += _keep_names(rows, layout)
-        rows += _keep_namesakes(here, known, layout)
+        names = {row.student: row.person for row in rows if row.done != LEFT and row.person}
+        numbers = [(one.handed, one.assignment) for one in here]
+        left = list(_not_collected(rows, layout))
+        rows += _kept(layout.people, 'names', lambda: keep_people(layout, names))
+        rows += _kept(
+            layout.namesakes,
+            'numbers of Moodle',
+            lambda: keep_namesakes(layout, known, numbers),
+        )
         if to.resolve() == layout.submitted.resolve():
-            rows += _keep_not_collected(rows, layout)
+            rows += _kept(
+                layout.not_collected, 'the list', lambda: keep_not_collected(layout, left)
+            )
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
 
 
@@ -89,41 +99,22 @@ def _choose(
     return found, rows, known
 
 
-def _keep_namesakes(here: Sequence[Chosen], known: Namesakes, layout: Layout) -> list[Row]:
-    """Keep who has which number in Moodle; return a line if that cannot be done."""
+def _kept(path: Path, what: str, keep: Callable[[], None]) -> Iterator[Row]:
+    """Keep something for later commands; yield a line if it cannot be written."""
     try:
-        keep_namesakes(layout, known, [(one.handed, one.assignment) for one in here])
+        keep()
     except OSError as error:
-        why = f'numbers of Moodle cannot be written: {(error.strerror or "error").lower()}'
-        return [Row('', '', str(layout.namesakes), LEFT, (why,))]
-    return []
+        why = f'{what} cannot be written: {(error.strerror or "error").lower()}'
+        yield Row('', '', str(path), LEFT, (why,))
 
 
-def _keep_not_collected(rows: Sequence[Row], layout: Layout) -> list[Row]:
-    """Keep what could not be taken, for the reports; return a line if that cannot be done."""
+def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[NotCollected]:
+    """Yield what could not be taken, for the reports."""
     known = layout.assignments()
-    left = []
     for row in rows:
         if row.done == LEFT and row.student:
             what = row.assignment if row.assignment in known else ''
-            left.append(NotCollected(row.student, what, row.notes[0], row.person, row.handed_in))
-    try:
-        keep_not_collected(layout, left)
-    except OSError as error:
-        why = f'the list cannot be written: {(error.strerror or "error").lower()}'
-        return [Row('', '', str(layout.not_collected), LEFT, (why,))]
-    return []
-
-
-def _keep_names(rows: Sequence[Row], layout: Layout) -> list[Row]:
-    """Keep the names of those whose work is there; return a line if that cannot be done."""
-    here = [row for row in rows if row.done != LEFT and row.person]
-    try:
-        keep_people(layout, {row.student: row.person for row in here})
-    except OSError as error:
-        why = f'names cannot be written: {(error.strerror or "error").lower()}'
-        return [Row('', '', str(layout.people), LEFT, (why,))]
-    return []
+            yield NotCollected(row.student, what, row.notes[0], row.person, row.handed_in)
 
 
 def _refused(tree: Tree) -> Iterator[Row]:

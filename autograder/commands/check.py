@@ -18,7 +18,7 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from autograder.commands.exit_codes import OK, USAGE
+from autograder.commands import OK, USAGE
 from autograder.errors import GraderError, of_system, SandboxUnavailable, UsageError
 from autograder.layout import Layout
 from environment.ros import EnvironmentError_
@@ -37,25 +37,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :returns: the exit code
     """
     parser = argparse.ArgumentParser(prog='python -m autograder.commands.check')
-    describe(parser)
+    options(parser)
     chosen = parser.parse_args(arguments)
     try:
-        return check(chosen)
+        return run(chosen)
     except REFUSALS as error:
         refuse(error, chosen.json)
         return USAGE
 
 
-def describe(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
     parser.add_argument('exam', metavar='EXAM')
     parser.add_argument('--files', type=Path, required=True, metavar='DIR', help='the package')
     parser.add_argument('--visible', action='store_true', help='only the visible checks')
     parser.add_argument('--json', action='store_true', help='print the result as JSON')
-    parser.set_defaults(run=check)
+    parser.set_defaults(run=run)
 
 
-def check(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Run one exam on a package; the visible one also runs where nothing isolates."""
     from autograder.exam import catalog
     from autograder.grading.examine import examine
@@ -74,11 +74,9 @@ def check(chosen: argparse.Namespace) -> int:
     if missing and not chosen.json:
         there = what_is_there(files)
         raise UsageError(f'{chosen.files}: expected {", ".join(missing)}, got {there}.')
-    sandbox, said = _sandbox(allow_plain=chosen.visible)
+    sandbox = sandbox_for(chosen.visible)
     kept = _kept_builds(exam) if chosen.visible else None
     result = name_missing(examine(exam, files, sandbox=sandbox, recordings=kept), files)
-    if said:
-        print(said, file=sys.stderr)
     if chosen.json:
         print(json.dumps(result.to_json()))
     else:
@@ -100,16 +98,17 @@ def _kept_builds(exam: Exam) -> Path | None:
     return folder if os.access(folder, os.W_OK) else None
 
 
-def _sandbox(allow_plain: bool) -> tuple[Any, str]:
-    """Return the sandbox to use and what is to be said about it."""
+def sandbox_for(visible: bool) -> Any:
+    """Return the strongest sandbox; only visible checks may do without."""
     from autograder.sandboxes import choose
 
     try:
-        return choose.strongest(), ''
+        return choose.strongest()
     except SandboxUnavailable as error:
-        if not allow_plain:
+        if not visible:
             raise
-        return choose.plain(), f'No sandbox here, so this ran as a plain process: {error.what}'
+        print(f'No sandbox here, so this runs as a plain process: {error.what}', file=sys.stderr)
+        return choose.plain()
 
 
 # -- refusing -------------------------------------------------------------------------------

@@ -7,60 +7,51 @@ from contextlib import nullcontext
 import json
 from pathlib import Path
 import sys
-from typing import Any
 
+from autograder.authoring.sample_class import take_out_sample_class
 from autograder.classroom.course_lock import alone
-from autograder.commands.exit_codes import FOR_REVIEW, OK
+from autograder.classroom.not_collected import names_to_write_to, read_not_collected
+from autograder.collect.table import LEFT, print_rows
+from autograder.collect.take_in import collect
+from autograder.commands import FOR_REVIEW, OK
+from autograder.explaining.feedback import printable
 from autograder.layout import Layout
 
 
-def add_collect(commands: Any) -> None:
-    """
-    Describe the command.
-
-    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
-    """
-    collect = commands.add_parser(
-        'collect', help='take in a class from a folder, a zip of an LMS or an exchange'
-    )
-    collect.add_argument('source', type=Path, metavar='SOURCE')
-    collect.add_argument(
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument('source', type=Path, metavar='SOURCE')
+    parser.add_argument(
         '--assignment', default='', metavar='NAME', help='the only one (default: by the notebooks)'
     )
-    collect.add_argument(
+    parser.add_argument(
         '--kind',
         choices=('canvas', 'moodle', 'gradescope', 'exchange', 'folder'),
         default='',
         help='where it comes from (default: by the names in it)',
     )
-    collect.add_argument(
+    parser.add_argument(
         '--prefix',
         default='',
         metavar='TEXT',
         help="what the names of students' folders begin with, as in hw1-ANN; it is taken off",
     )
-    collect.add_argument(
+    parser.add_argument(
         '--trust-names',
         action='store_true',
         help="take work from nbgrader's exchange by its name, without checking its owner "
         '(see docs/exchange.md)',
     )
-    collect.add_argument(
+    parser.add_argument(
         '--to', type=Path, metavar='DIR', help='default: autograder/_work/submitted'
     )
-    collect.add_argument('--dry-run', action='store_true', help='write nothing, only say')
-    collect.add_argument('--json', action='store_true', help='print the table as JSON')
-    collect.set_defaults(run=_collect)
+    parser.add_argument('--dry-run', action='store_true', help='write nothing, only say')
+    parser.add_argument('--json', action='store_true', help='print the table as JSON')
+    parser.set_defaults(run=run)
 
 
-def _collect(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Take in a class."""
-    from autograder.authoring.sample_class import take_out_sample_class
-    from autograder.classroom.not_collected import names_to_write_to, read_not_collected
-    from autograder.collect.table import LEFT, print_rows
-    from autograder.collect.take_in import collect
-    from autograder.explaining.feedback import printable
-
     layout = Layout.here()
     assignment = layout.assignment_named(chosen.assignment) if chosen.assignment else ''
     to = chosen.to or layout.submitted

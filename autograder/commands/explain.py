@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 import hashlib
 from importlib.metadata import PackageNotFoundError, version
 import json
@@ -20,7 +21,7 @@ from typing import Any
 from autograder.classroom.pages import with_name
 from autograder.classroom.people import read_people, student_named
 from autograder.classroom.results_of_class import graded
-from autograder.commands.exit_codes import OK
+from autograder.commands import OK
 from autograder.commands.rejudge import again
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Check, Exam, Run
@@ -50,27 +51,22 @@ HOW = {
 }
 
 
-def add_explain(commands: Any) -> None:
-    """
-    Describe the command.
-
-    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
-    """
-    explain = commands.add_parser('explain', help='show the evidence behind a verdict')
-    explain.add_argument('student', metavar='STUDENT', help='id or name')
-    explain.add_argument(
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument('student', metavar='STUDENT', help='id or name')
+    parser.add_argument(
         'check',
         metavar='CHECK',
         nargs='?',
         help='its name, or EXAM/CHECK (default: list the checks of the student)',
     )
-    explain.add_argument('--assignment', metavar='NAME', help='if the check is in several')
-    explain.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
-    explain.add_argument('--json', action='store_true', help='all of it, as JSON')
-    explain.set_defaults(run=_explain)
+    parser.add_argument('--assignment', metavar='NAME', help='if the check is in several')
+    parser.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
+    parser.add_argument('--json', action='store_true', help='all of it, as JSON')
+    parser.set_defaults(run=run)
 
 
-def _explain(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Show the evidence."""
     layout = Layout.here()
     if chosen.check is None:
@@ -116,7 +112,11 @@ def evidence(
         'exam': exam.name,
         'exam_title': exam.title,
         'fault': result.fault,
-        'check': _shown(verdict),
+        'check': {
+            **asdict(verdict),
+            'name': verdict.check,
+            'verdict': verdict.verdict.value,
+        },
         'now': f'cannot be judged again: no submission of {student} in {folder}; try --submitted'
         if found is None
         else _now(layout, exam, verdict, files, exam_result),
@@ -181,23 +181,6 @@ def _recording(path: Path) -> Recording | None:
         return Recording.load(path)
     except RecordingInvalid:
         return None
-
-
-def _shown(verdict: CheckResult) -> dict[str, Any]:
-    return {
-        'name': verdict.check,
-        'title': verdict.title,
-        'verdict': verdict.verdict.value,
-        'points': verdict.points,
-        'max_points': verdict.max_points,
-        'expected': verdict.expected,
-        'observed': verdict.observed,
-        'cause': verdict.cause,
-        'cause_id': verdict.cause_id,
-        'try_this': verdict.try_this,
-        'read': verdict.read,
-        'waits_for': verdict.waits_for,
-    }
 
 
 def _now(

@@ -13,40 +13,37 @@ from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass
 from difflib import get_close_matches
-import json
 from pathlib import Path
 import shutil
 import time
-from typing import Any
+
+from sqlalchemy import inspect, text
 
 from autograder.classroom.course_lock import alone
 from autograder.classroom.not_collected import forget_not_collected, read_not_collected
 from autograder.classroom.people import namesake, read_people
 from autograder.classroom.results_of_class import last_results, results_file
-from autograder.commands.exit_codes import OK
+from autograder.collect.namesakes import keep_namesakes, read_namesakes
+from autograder.commands import OK
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
-from autograder.files import keep
+from autograder.files import json_bytes, keep
+from autograder.gradebook.connection import connected
+from autograder.gradebook.copies import keep_copy
 from autograder.gradebook.forget import forget_made
+from autograder.gradebook.journal import journal, noted
 from autograder.layout import Layout
 from autograder.submission.inbox import students_in
 
 
-def add_forget(commands: Any) -> None:
-    """
-    Describe the command.
-
-    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
-    """
-    forget = commands.add_parser(
-        'forget', help='show what the course has of a student; with --yes, remove it'
-    )
-    forget.add_argument('students', nargs='+', metavar='STUDENT', help='id or name')
-    forget.add_argument('--yes', action='store_true', help='remove it')
-    forget.set_defaults(run=_forget)
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument('students', nargs='+', metavar='STUDENT', help='id or name')
+    parser.add_argument('--yes', action='store_true', help='remove it')
+    parser.set_defaults(run=run)
 
 
-def _forget(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Show what the course has of students, and remove it if that is meant."""
     layout, copies = Layout.here(), []
     with alone(layout, 'forget') if chosen.yes else nullcontext():
@@ -160,8 +157,6 @@ def forget(layout: Layout, student: str) -> Path | None:
     :returns: a copy of the gradebook as it was, None if it is on a server or not made yet
     :raises GraderError: if the gradebook cannot be written or copied
     """
-    from autograder.gradebook.copies import keep_copy
-
     found = traces(layout, student)
     copy = keep_copy(layout)
     # What was handed in moves first: a grading that finds it would undo everything else.
@@ -193,10 +188,6 @@ def _folders(above: Path) -> set[str]:
 
 def _marks(layout: Layout) -> dict[str, list[str]]:
     """Return what the gradebook has, by student."""
-    from sqlalchemy import inspect, text
-
-    from autograder.gradebook.connection import connected
-
     found: dict[str, list[str]] = {}
     with connected(layout) as gradebook:
         if gradebook is None or not inspect(gradebook).has_table('grade'):
@@ -223,18 +214,14 @@ order by assignment.name
 
 
 def _journal(layout: Layout, assignment: str) -> set[str]:
-    from autograder.gradebook.journal import journal, noted
-
     return set(noted(journal(layout, assignment)))
 
 
 def _forget_name(layout: Layout, student: str) -> None:
     """Remove a student from the names of people and from Moodle's numbers."""
-    from autograder.collect.namesakes import keep_namesakes, read_namesakes
-
     known = read_namesakes(layout)
     if known.numbers.pop(student, None):
         keep_namesakes(layout, known, ())
     people = read_people(layout)
     if people.pop(student, ''):
-        keep(layout.people, f'{json.dumps(people, ensure_ascii=False, indent=1)}\n'.encode())
+        keep(layout.people, json_bytes(people))

@@ -16,26 +16,38 @@ from pathlib import Path
 import signal
 import sys
 import time
-from typing import TYPE_CHECKING
 
+from rich.console import Console
+
+from autograder.authoring.sample_class import write_sample_class
+from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.course_lock import alone
-from autograder.commands.exit_codes import FOR_REVIEW, OK
+from autograder.classroom.not_collected import not_collected
+from autograder.classroom.pages import print_table
+from autograder.classroom.people import read_people
+from autograder.classroom.results_of_class import modes, results_of_others
+from autograder.commands import FOR_REVIEW, OK
 from autograder.commands.progress import progress, Totals
 from autograder.errors import GraderError, of_system, UsageError
 from autograder.explaining.feedback import printable
-from autograder.grading.pipeline import Done
+from autograder.gradebook.cell_points import refuse_unfit_points
+from autograder.gradebook.copies import refuse_damaged
+from autograder.gradebook.live_entry import Entering, Guard
+from autograder.grading.pipeline import (
+    Done,
+    Engine,
+    grade_class,
+    Graded,
+    grading_engine,
+    Lesson,
+    load_lesson,
+    SandboxEngine,
+)
 from autograder.layout import Layout
+from autograder.results import SubmissionResult
 from autograder.runs.pool import grading_folder, Pool, processors
 from autograder.sandboxes.isolation import banner, not_protected, WEAK
-from autograder.submission.inbox import students_in, without_notebooks
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from autograder.gradebook.live_entry import Guard
-    from autograder.grading.pipeline import Engine, Graded, Lesson, SandboxEngine
-    from autograder.results import SubmissionResult
-    from autograder.submission.inbox import Submission
+from autograder.submission.inbox import discover, students_in, Submission, without_notebooks
 
 AHEAD = 64
 """Runs that a scheduler has before it needs them: workers that come later find something to do."""
@@ -51,39 +63,34 @@ class NotEnteredError(GraderError):
         self.results = tuple(results)
 
 
-def add_grade(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """
-    Describe the command.
-
-    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
-    """
-    grade = commands.add_parser('grade', help='grade a class and write reports')
-    grade.add_argument(
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument(
         '--submitted',
         type=Path,
         metavar='DIR',
         help='folder of STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: autograder/_work/submitted); '
         'students who are only in the default one keep their results and pages',
     )
-    grade.add_argument('--assignment', metavar='NAME', help='only this one (default: all)')
-    grade.add_argument(
+    parser.add_argument('--assignment', metavar='NAME', help='only this one (default: all)')
+    parser.add_argument(
         '--jobs',
         type=_positive,
         default=0,
         metavar='N',
         help=f'runs at a time on this machine (default: one a processor, here {processors()})',
     )
-    grade.add_argument(
+    parser.add_argument(
         '--cluster',
         default='',
         metavar='ADDRESS',
         help='run on the workers of a Dask scheduler, such as tcp://10.0.0.5:8786 '
         '(see docs/cluster.md)',
     )
-    grade.add_argument('--fresh', action='store_true', help='repeat runs that are recorded')
-    grade.add_argument('--json', action='store_true', help='print the results as JSON')
-    add_yes(grade)
-    grade.add_argument(
+    parser.add_argument('--fresh', action='store_true', help='repeat runs that are recorded')
+    parser.add_argument('--json', action='store_true', help='print the results as JSON')
+    add_yes(parser)
+    parser.add_argument(
         '--allow-weak',
         choices=WEAK,
         default='',
@@ -91,7 +98,7 @@ def add_grade(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         help='accept isolation down to this where none of the better works: '
         f'{", ".join(WEAK)} (see docs/threat-model.md)',
     )
-    grade.set_defaults(run=_grade)
+    parser.set_defaults(run=run)
 
 
 def add_yes(command: argparse.ArgumentParser) -> None:
@@ -110,10 +117,8 @@ def _positive(text: str) -> int:
     return int(text)
 
 
-def _grade(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Grade a class."""
-    from rich.console import Console
-
     # What ends a job of a cluster or a service is as good as Ctrl-C: nothing is left behind.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     _fit_together(chosen)
@@ -164,8 +169,6 @@ def _grade_all(
 
     :param yes: whether marks in the gradebook may be lowered or emptied
     """
-    from autograder.gradebook.live_entry import Guard
-
     guard = Guard(layout, yes)
     results: list[SubmissionResult] = []
     trouble: list[str] = []
@@ -185,10 +188,6 @@ def _refuse_loss(layout: Layout, assignments: Sequence[str], engine: Engine) -> 
 
     :raises GraderError: for a damaged gradebook, or check cells that do not fit their exams
     """
-    from autograder.gradebook.cell_points import refuse_unfit_points
-    from autograder.gradebook.copies import refuse_damaged
-    from autograder.grading.pipeline import load_lesson
-
     if _enters(engine):
         refuse_damaged(layout)
         for assignment in assignments:
@@ -232,8 +231,6 @@ def _engine(
             )
             yield engine, max(engine.place.width, AHEAD)
         return
-    from autograder.grading.pipeline import grading_engine
-
     engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
     jobs = warn_if_weak(engine, chosen.jobs or processors(), told)
     with in_a_pool(engine, jobs) as pooled:
@@ -282,8 +279,6 @@ def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path
                 f'{layout.submitted}: expected submissions, got an empty folder. Try: python -m '
                 'autograder collect SOURCE, or sample-class for the example submissions'
             )
-        from autograder.authoring.sample_class import write_sample_class
-
         count = write_sample_class(layout, layout.submitted)
         told.print(
             f'autograder/_work/submitted is empty, so the {count} example submissions of '
@@ -311,9 +306,6 @@ def _grade_assignment(
     guard: Guard | None = None,
 ) -> list[SubmissionResult]:
     """Grade one assignment of a class, record it, write the reports, print the table."""
-    from autograder.gradebook.live_entry import Entering, Guard
-    from autograder.grading.pipeline import grade_class, load_lesson
-
     lesson = load_lesson(layout, assignment, engine)
     submissions = _submissions(layout, lesson, submitted)
     if not submissions:
@@ -363,8 +355,6 @@ def _some(names: Sequence[str]) -> str:
 
 def _submissions(layout: Layout, lesson: Lesson, submitted: Path) -> tuple[Submission, ...]:
     """Return what was handed in for an assignment."""
-    from autograder.submission.inbox import discover
-
     try:
         return discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
     except OSError as error:
@@ -379,8 +369,6 @@ def _others(
 
     It is read before anything is run, so that results that cannot be read cost no grading.
     """
-    from autograder.classroom.results_of_class import results_of_others
-
     if submitted.resolve() == layout.submitted.resolve():
         return ()
     return results_of_others(layout, assignment, students)
@@ -399,18 +387,12 @@ def _report(
 
     :returns: why the reports could not be written, empty if they are
     """
-    from autograder.classroom.class_report import write_class_report
-    from autograder.classroom.not_collected import not_collected
-    from autograder.classroom.pages import print_table, write_reports
-    from autograder.classroom.people import read_people
-
     people = read_people(layout)
     everybody = sorted((*results, *others), key=lambda one: one.student)
     missing = not_collected(layout, assignment, {one.student for one in everybody})
     unwritten = ''
     try:
-        index = write_reports(layout.reports, assignment, everybody, summary, people, missing)
-        write_class_report(layout, assignment, summary)
+        index = write_all_reports(layout, assignment, everybody, summary)
         where = f'Reports: {short(index, layout)}'
     except OSError as error:  # the table is all that is left to see
         unwritten, where = str(of_system(error, str(layout.reports))), ''
@@ -432,15 +414,13 @@ def _both(one: Callable[[Done], None], two: Callable[[Done], None]) -> Callable[
 def _summary(graded: Sequence[Graded], graded_s: float, total_s: float, totals: Totals) -> str:
     """Say how many, how long and how isolated."""
     reviews = sum(bool(one.result.review) for one in graded)
-    exams = [exam for one in graded for exam in one.result.exams]
-    modes = sorted({exam.mode for exam in exams if exam.mode})
     some = f'{len(graded)} submission{"s" * (len(graded) != 1)}'
     parts = [f'{some} in {total_s:.1f} s ({graded_s:.1f} s of it running)']
     slowest = totals.slowest_text()
     if slowest and len(graded) > 1:
         parts.append(printable(slowest))
-    if modes:
-        parts.append(f'isolation {", ".join(modes)}')
+    if used := modes(one.result for one in graded):
+        parts.append(f'isolation {", ".join(used)}')
     if reviews:
         parts.append(f'{reviews} for review')
     return f'{"; ".join(parts)}.'

@@ -16,6 +16,10 @@ import threading
 import time
 from typing import Any
 
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
 from autograder.errors import GraderError
 from autograder.explaining.feedback import printable
 from autograder.grading.pipeline import Done
@@ -88,8 +92,6 @@ def progress(total: int, what: str, line_s: float = LINE_S) -> Iterator[Callable
     :param line_s: time between two lines where no terminal is, or in CI
     :returns: what to call after each run, from any thread
     """
-    from rich.console import Console
-
     totals, console = Totals(), Console(stderr=True)
     if not is_alive(console):
         with _lines(totals, total, what, line_s):
@@ -107,15 +109,6 @@ def is_alive(console: Any) -> bool:
 @contextmanager
 def _bar(totals: Totals, total: int, what: str, console: Any) -> Iterator[Callable[[Done], None]]:
     """Show one line, which lives until all is done."""
-    from rich.markup import escape
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-
     columns: tuple[Any, ...] = (
         TextColumn('{task.description}'),
         BarColumn(bar_width=20),

@@ -16,15 +16,19 @@ from dataclasses import asdict, dataclass, replace
 import json
 from pathlib import Path
 import time
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
+from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.course_lock import alone
 from autograder.classroom.results_of_class import graded, last_results
-from autograder.commands.exit_codes import FOR_REVIEW, OK
+from autograder.commands import FOR_REVIEW, OK
 from autograder.commands.grade import add_yes
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import number, printable
+from autograder.gradebook.cell_points import refuse_unfit_points
+from autograder.gradebook.journal import to_enter
+from autograder.gradebook.live_entry import begin_to_enter, enter, Guard
 from autograder.grading.again import NothingRuns
 from autograder.grading.examine import judged, without_recording
 from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
@@ -36,30 +40,20 @@ from autograder.sandboxes.isolation import MODES
 from autograder.submission.extract import ExamFiles, extract, with_reasons
 from autograder.submission.inbox import discover
 
-if TYPE_CHECKING:
-    from autograder.gradebook.live_entry import Guard
 
-
-def add_rejudge(commands: Any) -> None:
-    """
-    Describe the command.
-
-    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
-    """
-    rejudge = commands.add_parser(
-        'rejudge', help='new verdicts from the kept recordings after an exam edit; runs nothing'
-    )
-    rejudge.add_argument('assignment', nargs='?', metavar='ASSIGNMENT', help='default: all')
-    rejudge.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
-    rejudge.add_argument(
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument('assignment', nargs='?', metavar='ASSIGNMENT', help='default: all')
+    parser.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
+    parser.add_argument(
         '--write', action='store_true', help='enter the new points in gradebook and reports'
     )
-    add_yes(rejudge)
-    rejudge.add_argument('--json', action='store_true', help='print the changes as JSON')
-    rejudge.set_defaults(run=_rejudge)
+    add_yes(parser)
+    parser.add_argument('--json', action='store_true', help='print the changes as JSON')
+    parser.set_defaults(run=run)
 
 
-def _rejudge(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Judge again."""
     layout = Layout.here()
     with alone(layout, 'rejudge --write') if chosen.write else nullcontext():
@@ -196,8 +190,6 @@ def rejudge_command(
     :raises GraderError: if there is no such assignment, or nothing was graded yet; to write, also
         if check cells and exams give different points
     """
-    from autograder.gradebook.cell_points import refuse_unfit_points
-
     there = graded(layout, assignment)
     lessons = [load_lesson(layout, one.assignment, NothingRuns()) for one in there]
     if write:
@@ -332,9 +324,6 @@ def _write_all(
     layout: Layout, lessons: Sequence[Lesson], accounts: Sequence[Account], yes: bool
 ) -> list[Account]:
     """Write all accounts; or none, if a mark would be lowered or emptied and that is not meant."""
-    from autograder.gradebook.journal import to_enter
-    from autograder.gradebook.live_entry import Guard
-
     guard = Guard(layout, yes)
     for lesson, account in zip(lessons, accounts):
         guard.allowed(lesson, to_enter(layout, lesson, _judged(account)))
@@ -356,22 +345,13 @@ def _judged(account: Account) -> list[Graded]:
 
 def _write(layout: Layout, lesson: Lesson, account: Account, guard: Guard) -> Account:
     """Enter what is new in the gradebook, write all reports, and note what came of it."""
-    from autograder.classroom.class_report import write_class_report
-    from autograder.classroom.not_collected import not_collected
-    from autograder.classroom.pages import write_reports
-    from autograder.classroom.people import read_people
-    from autograder.gradebook.live_entry import begin_to_enter, enter
-
     again = _judged(account)
     new, refused = enter(
         layout, lesson, again, lambda: begin_to_enter(layout, lesson.assignment, guard), guard
     )
     results = [one.after for one in account.rejudged]
     summary = f'{len(again)} of {len(results)} submissions were judged again from recordings.'
-    missing = not_collected(layout, lesson.assignment, {one.student for one in results})
-    people = read_people(layout)
-    write_reports(layout.reports, lesson.assignment, results, summary, people, missing)
-    write_class_report(layout, lesson.assignment, summary)
+    write_all_reports(layout, lesson.assignment, results, summary)
     in_gradebook = f'{new} given to the gradebook, {len(again) - new} were there as they are'
     if refused:
         in_gradebook = f'of {new} given to the gradebook, not all were taken'

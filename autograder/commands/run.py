@@ -18,54 +18,53 @@ import json
 from pathlib import Path
 import sys
 import tempfile
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
-from autograder.commands.exit_codes import OK
-from autograder.errors import GraderError, SandboxUnavailable
+from autograder.commands import OK
+from autograder.commands.check import sandbox_for
+from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import exam_text, number, printable
+from autograder.explaining.live import live_line
 from autograder.grading.built_package import as_package, explained, package_name
 from autograder.grading.examine import examine
 from autograder.grading.pipeline import THREADS
 from autograder.layout import Layout
-from autograder.recording import Recording
+from autograder.recording import Event, Recording
 from autograder.results import ExamResult, Problem
-from autograder.submission.intake import NotTakenInError, read_handed_in, with_node_files
+from autograder.sandboxes.sandbox import Sandbox
+from autograder.submission.extract import extract
+from autograder.submission.intake import read_handed_in, with_node_files
+from autograder.submission.notebook import read_release
 from autograder.submission.package import name_missing, what_is_there
+from autograder.submission.reading import read_file
+from autograder.submission.submission import open_submission
+from autograder.submission.tree import NotTakenInError
 
-if TYPE_CHECKING:
-    from autograder.recording import Event
-    from autograder.sandboxes.sandbox import Sandbox
 
-
-def add_run(commands: Any) -> None:
-    """
-    Describe the command.
-
-    :param commands: what :meth:`argparse.ArgumentParser.add_subparsers` returns
-    """
-    run = commands.add_parser('run', help='run exams on one script, package, zip or notebook')
-    run.add_argument('path', type=Path, metavar='PATH')
-    run.add_argument(
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument('path', type=Path, metavar='PATH')
+    parser.add_argument(
         '--exam',
         required=True,
         metavar='NAME',
         help='an exam (such as talker), or an assignment (topics)',
     )
-    run.add_argument('--visible', action='store_true', help='only the visible checks')
-    run.add_argument('--live', action='store_true', help='show what happens while it happens')
-    run.add_argument('--fresh', action='store_true', help='run again what is recorded')
-    run.add_argument('--json', action='store_true', help='print the results as JSON')
-    run.set_defaults(run=_run)
+    parser.add_argument('--visible', action='store_true', help='only the visible checks')
+    parser.add_argument('--live', action='store_true', help='show what happens while it happens')
+    parser.add_argument('--fresh', action='store_true', help='run again what is recorded')
+    parser.add_argument('--json', action='store_true', help='print the results as JSON')
+    parser.set_defaults(run=run)
 
 
-def _run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Look at one submission."""
     layout = Layout.here()
     found = exams_named(chosen.exam, layout, hidden=not chosen.visible)
     to_look_at = looks(chosen.path, found, layout)
-    sandbox = _sandbox(chosen.visible)
+    sandbox = sandbox_for(chosen.visible)
     results = []
     for look, result in quick_look(
         to_look_at,
@@ -86,24 +85,9 @@ def _run(chosen: argparse.Namespace) -> int:
 
 def _show(event: Any) -> None:
     """Print an event of a run as it happens; the results may go elsewhere as JSON."""
-    from autograder.explaining.live import live_line
-
     line = live_line(event)
     if line:
         print(line, file=sys.stderr, flush=True)
-
-
-def _sandbox(visible: bool) -> Any:
-    """Return the strongest sandbox; only visible checks may do without."""
-    from autograder.sandboxes import choose
-
-    try:
-        return choose.strongest()
-    except SandboxUnavailable as error:
-        if not visible:
-            raise
-        print(f'No sandbox here, so this runs as a plain process: {error.what}', file=sys.stderr)
-        return choose.plain()
 
 
 @dataclass(frozen=True)
@@ -184,11 +168,6 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
 
 
 def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator[Look]:
-    from autograder.submission.extract import extract
-    from autograder.submission.notebook import read_release
-    from autograder.submission.reading import read_file
-    from autograder.submission.submission import open_submission
-
     data, problems = read_file(path, path.name)
     for assignment in dict.fromkeys(exam.assignment for exam in chosen):
         release = read_release(layout.release(assignment))

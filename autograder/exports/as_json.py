@@ -7,12 +7,13 @@ review, or only visible checks were run.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-import json
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from typing import Any
 
 from autograder.classroom.results_of_class import ClassResults
 from autograder.exports.marks import automatic
+from autograder.files import json_bytes
 from autograder.results import ExamResult, SubmissionResult
 
 FORMAT = 'ros2-course-results'
@@ -26,13 +27,12 @@ def results_json(classes: Iterable[ClassResults]) -> bytes:
         'version': VERSION,
         'submissions': [_submission(one) for graded in classes for one in graded.results],
     }
-    text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
-    return f'{text}\n'.encode('utf-8', 'replace')  # a program may print half a character
+    return json_bytes(data)
 
 
 def _submission(result: SubmissionResult) -> dict[str, Any]:
     mark = automatic(result)
-    marked = mark.points is not None
+    problems = [asdict(problem) for problem in result.problems]
     return {
         'assignment': result.assignment,
         'student': result.student,
@@ -41,45 +41,18 @@ def _submission(result: SubmissionResult) -> dict[str, Any]:
         'max_points': result.max_points,
         'fault': result.fault,
         'flags': list(result.flags),
-        'problems': [
-            {
-                'where': problem.where,
-                'expected': problem.expected,
-                'got': problem.got,
-                'try_this': problem.try_this,
-                'cells': list(problem.cells),
-            }
-            for problem in result.problems
-        ],
-        'exams': [_exam(exam, marked) for exam in result.exams],
+        'problems': [_without(problem, 'unusable') for problem in problems],
+        'exams': [_exam(exam, mark.points is not None) for exam in result.exams],
     }
 
 
 def _exam(exam: ExamResult, marked: bool) -> dict[str, Any]:
-    return {
-        'exam': exam.exam,
-        'points': exam.points if marked else None,
-        'max_points': exam.max_points,
-        'note': exam.note,
-        'isolation': exam.mode,
-        'not_protected': list(exam.not_protected),
-        'timing': dict(exam.timing),
-        'recording': exam.recording,
-        'checks': [
-            {
-                'check': check.check,
-                'title': check.title,
-                'verdict': check.verdict.value,
-                'points': check.points if marked else None,
-                'max_points': check.max_points,
-                'expected': check.expected,
-                'observed': check.observed,
-                'cause': check.cause,
-                'cause_id': check.cause_id,
-                'try_this': check.try_this,
-                'read': check.read,
-                'waits_for': check.waits_for,
-            }
-            for check in exam.checks
-        ],
-    }
+    found = _without(exam.to_json(), 'flags', 'pictures', 'mode')
+    found |= {'isolation': exam.mode, 'points': exam.points, 'max_points': exam.max_points}
+    for one in () if marked else (found, *found['checks']):
+        one['points'] = None
+    return found
+
+
+def _without(data: Mapping[str, Any], *names: str) -> dict[str, Any]:
+    return {name: value for name, value in data.items() if name not in names}

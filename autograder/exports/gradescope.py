@@ -9,13 +9,13 @@ shown at once, a student who submits often enough could find out what is tested.
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
-from autograder.classroom.results_of_class import seconds_of
+from autograder.classroom.results_of_class import lacks, modes, seconds_of_exam
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.exports.marks import automatic
+from autograder.files import json_bytes
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
 VISIBILITIES = ('after_published', 'after_due_date', 'visible', 'hidden')
@@ -36,7 +36,7 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
         raise GraderError(f'{result.student}: {mark.status}, so no results.', result.review)
     return {
         'score': round(result.points, 4),
-        'execution_time': round(seconds_of(result), 2),
+        'execution_time': round(sum(map(seconds_of_exam, result.exams)), 2),
         'output': _about(result),
         'output_format': 'text',
         'test_output_format': 'text',
@@ -50,7 +50,7 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
         ],
         'extra_data': {
             'assignment': result.assignment,
-            'isolation': sorted({exam.mode for exam in result.exams if exam.mode}),
+            'isolation': modes([result]),
             'recordings': {exam.exam: exam.recording for exam in result.exams if exam.recording},
             'flags': list(result.flags),
         },
@@ -63,9 +63,7 @@ def results_bytes(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -
 
     :raises GraderError: if there is no mark
     """
-    data = results_of(result, visibility)
-    text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
-    return f'{text}\n'.encode('utf-8', 'replace')  # a program may print half a character
+    return json_bytes(results_of(result, visibility))
 
 
 def _about(result: SubmissionResult) -> str:
@@ -73,8 +71,7 @@ def _about(result: SubmissionResult) -> str:
     lines = [f'{number(result.points)} of {number(result.max_points)} points of automatic checks']
     lines += [problem.line() for problem in result.problems]
     lines += [f'{exam.exam}: {exam.note}' for exam in result.exams if exam.note]
-    weak = [lack for exam in result.exams for lack in exam.not_protected]
-    lines += [f'Run with weak isolation: {lack}.' for lack in dict.fromkeys(weak)]
+    lines += [f'Run with weak isolation: {lack}.' for lack in lacks([result])]
     return printable('\n'.join(lines))
 
 
@@ -99,11 +96,4 @@ def _output(exam: ExamResult, check: CheckResult) -> str:
     if check.verdict is Verdict.NOT_RUN:
         titles = {one.check: one.title for one in exam.checks}
         return f'Not looked at, it waits for: {titles.get(check.waits_for, check.waits_for)}'
-    facts = {
-        'Expected': check.expected,
-        'Observed': check.observed,
-        'Likely cause': check.cause,
-        'Try': check.try_this,
-        'Read': check.read,
-    }
-    return '\n'.join(f'{name}: {text}' for name, text in facts.items() if text)
+    return '\n'.join(f'{name.capitalize()}: {text}' for name, text in check.facts.items())

@@ -21,6 +21,7 @@ from autograder.errors import GraderError
 from autograder.exam.inputs import course_secret
 from autograder.exports.gradescope import VISIBILITIES
 from autograder.layout import Layout
+from autograder.sandboxes.isolation import MODES
 from environment.places import PROJECT
 
 HERE = Path(__file__).parent / 'gradescope_files'
@@ -45,8 +46,6 @@ def autograder_zip(
         :mod:`autograder.sandboxes.isolation`; empty for the full one only
     :raises GraderError: if this copy of the course has no hidden exams
     """
-    from autograder.sandboxes.isolation import MODES
-
     if allow_weak and not MODES[allow_weak].keeps_secrets:
         raise GraderError(
             f'--allow-weak {allow_weak}: it runs no hidden exam, so it gives no grade.'

@@ -97,13 +97,6 @@ def _seconds(seconds: float) -> str:
 
 def _five_things(check: CheckResult) -> str:
     """Return what a learner is told, a line each."""
-    facts = {
-        'checked': check.title,
-        'expected': check.expected,
-        'observed': check.observed,
-        'likely cause': check.cause,
-        'try': check.try_this,
-        'read': check.read,
-        'points': f'{check.points:g} of {check.max_points:g}',
-    }
-    return '\n'.join(f'{name}: {text}' for name, text in facts.items() if text)
+    points = f'{check.points:g} of {check.max_points:g}'
+    facts = {'checked': check.title, **check.facts, 'points': points}
+    return '\n'.join(f'{name}: {text}' for name, text in facts.items())

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 
 from autograder.classroom.results_of_class import ClassResults, has_mark
 from autograder.errors import GraderError
+from autograder.gradebook.connection import connected
+from autograder.gradebook.lowered import mark_of
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 
@@ -72,9 +74,7 @@ def from_gradebook(
     """
     from nbgrader.api import MissingEntry
 
-    from autograder.gradebook.connection import connected
     from autograder.gradebook.converters import opened_gradebook
-    from autograder.gradebook.lowered import mark_of
 
     missing = GraderError(
         f'{assignment}: expected it in the gradebook, got none.',

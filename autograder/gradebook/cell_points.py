@@ -8,16 +8,13 @@ differ, no score can be right, and one above the maximum leaves the cell without
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 from autograder.errors import ExamInvalid
+from autograder.exam.exam import Exam
+from autograder.grading.pipeline import Lesson
 from autograder.layout import Layout
 from autograder.submission.extract import CHECK_PREFIX
 from autograder.submission.notebook import marks_of, Notebook, read_release
-
-if TYPE_CHECKING:
-    from autograder.exam.exam import Exam
-    from autograder.grading.pipeline import Lesson
 
 
 def unfit_points(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Iterator[str]:

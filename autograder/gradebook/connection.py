@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+
+from sqlalchemy import Connection, create_engine, make_url
+from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, SQLAlchemyError
+from sqlalchemy.pool import NullPool
 
 from autograder.errors import GraderError
 from autograder.gradebook.copies import copies, refuse_damaged
 from autograder.gradebook.settings import gradebook_file, load_config
 from autograder.layout import Layout
-
-if TYPE_CHECKING:
-    from sqlalchemy import Connection
-    from sqlalchemy.exc import SQLAlchemyError
 
 FILE_ADVICE = {
     'disk is full': 'free space on its disk',
@@ -36,8 +35,6 @@ def database_failure(error: BaseException) -> SQLAlchemyError | None:
 
     A value that one row may not have is not a failure of the database.
     """
-    from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
-
     seen: BaseException | None = error
     while seen is not None:
         if isinstance(seen, DBAPIError) and not isinstance(seen, (DataError, IntegrityError)):
@@ -67,8 +64,6 @@ def refused(layout: Layout, said: str) -> GradebookRefusedError:
         if there := copies(layout):
             advice = advice.replace('a complete copy of the file', str(there[-1]))
     else:
-        from sqlalchemy import make_url
-
         url = make_url(str(load_config(layout).CourseDirectory.db_url))
         where = url.render_as_string(hide_password=True)
         advice = 'see that its server runs and that the gradebook on it is complete'
@@ -87,10 +82,6 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
 
     :raises GraderError: if it cannot be reached or read, with its address but no password
     """
-    from sqlalchemy import create_engine, make_url
-    from sqlalchemy.exc import SQLAlchemyError
-    from sqlalchemy.pool import NullPool
-
     path = gradebook_file(layout)
     if path is not None and not path.is_file():
         yield None

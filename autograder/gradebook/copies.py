@@ -14,6 +14,8 @@ import shlex
 import sqlite3
 import time
 
+from sqlalchemy import make_url
+
 from autograder.errors import GraderError
 from autograder.gradebook.settings import gradebook_file, load_config
 from autograder.layout import Layout
@@ -153,8 +155,6 @@ def _damaged(layout: Layout, path: Path, got: str) -> GraderError:
 
 def how_to_dump(layout: Layout) -> str:
     """Return how to copy a gradebook on a server, which is not copied here; empty for a file."""
-    from sqlalchemy import make_url
-
     if gradebook_file(layout) is not None:
         return ''
     url = make_url(str(load_config(layout).CourseDirectory.db_url))

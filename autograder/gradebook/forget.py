@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Collection
 import shutil
 
-from autograder.classroom.not_collected import not_collected
-from autograder.classroom.people import read_people
+from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.results_of_class import results_file, results_of_others
 from autograder.errors import GraderError
+from autograder.gradebook.journal import drop
+from autograder.gradebook.record import forget_students
+from autograder.gradebook.settings import gradebook_file
 from autograder.layout import Layout
 
 
 def forget_made(layout: Layout, students: Collection[str]) -> None:
     """Remove students from journals, gradebook and reports."""
-    from autograder.gradebook.journal import drop
-
     # A gradebook that is empty while its journals are not is refused as damaged.
     for assignment in layout.assignments():
         drop(layout, assignment, students)
@@ -24,20 +24,13 @@ def forget_made(layout: Layout, students: Collection[str]) -> None:
 
 
 def _forget_in_gradebook(layout: Layout, students: Collection[str]) -> None:
-    from autograder.gradebook.settings import gradebook_file  # needs packages
-
     file = gradebook_file(layout)
     if file is None or file.is_file():
-        from autograder.gradebook.record import forget_students
-
         forget_students(layout, students)
 
 
 def _forget_in_reports(layout: Layout, students: Collection[str]) -> None:
     """Remove students from the last results, with which statistics and exports begin."""
-    from autograder.classroom.class_report import write_class_report
-    from autograder.classroom.pages import write_reports
-
     for assignment in layout.assignments():
         if not results_file(layout, assignment).is_file():
             continue
@@ -46,9 +39,6 @@ def _forget_in_reports(layout: Layout, students: Collection[str]) -> None:
         except GraderError:
             continue  # a grading writes them again
         if others:
-            missing = not_collected(layout, assignment, {one.student for one in others})
-            people = read_people(layout)
-            write_reports(layout.reports, assignment, others, people=people, missing=missing)
-            write_class_report(layout, assignment)
+            write_all_reports(layout, assignment, others)
         else:
             shutil.rmtree(layout.reports / assignment)

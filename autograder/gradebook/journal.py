@@ -19,6 +19,8 @@ from pathlib import Path
 from typing import Any
 import zlib
 
+from sqlalchemy import inspect, text
+
 from autograder.files import keep
 from autograder.gradebook.connection import connected, refused
 from autograder.gradebook.settings import gradebook_file, load_config
@@ -74,7 +76,6 @@ def refuse_incomplete(layout: Layout) -> None:
     :raises GradebookRefusedError: with the names of the tables
     """
     from nbgrader.api import Base
-    from sqlalchemy import inspect
 
     with connected(layout) as gradebook:
         there = set() if gradebook is None else set(inspect(gradebook).get_table_names())
@@ -173,8 +174,6 @@ def shown(layout: Layout, assignment: str) -> Rows:
 
     :raises GraderError: if it cannot be asked
     """
-    from sqlalchemy import inspect, text
-
     rows: Rows = {}
     with connected(layout) as gradebook:
         if gradebook is None or not inspect(gradebook).has_table('grade'):

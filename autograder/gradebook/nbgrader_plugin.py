@@ -37,6 +37,7 @@ from autograder.explaining.feedback import printable
 from autograder.explaining.feedback_html import with_unique_ids
 from autograder.gradebook.cell_points import refuse_unfit_points
 from autograder.gradebook.grade_cells import from_node, is_check, to_node, write_outcomes
+from autograder.gradebook.lowered import lowered_marks
 from autograder.grading.pipeline import Engine, grade_opened, Graded, Lesson, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
@@ -233,8 +234,6 @@ class GradeOutside(NbGraderPreprocessor):
 
         :raises ExamInvalid: if a check cell and its exam give different points
         """
-        from autograder.gradebook.lowered import lowered_marks
-
         layout = Layout(Path(self.root)) if self.root else Layout.here()
         if self._engine is None:
             self._engine = import_item(self.engine_factory)(layout)

@@ -9,29 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
-from autograder.results import ExamResult, Problem, SubmissionResult
+from autograder.exam.exam import Exam
+from autograder.results import Problem, SubmissionResult
 from autograder.submission.cells import CellFile, CellSyntaxError, first_line, parse_cell
 from autograder.submission.notebook import marks_of, Notebook
+from autograder.submission.package import with_missing_file
 from autograder.submission.submission import Opened
 
 CHECK_PREFIX = 'check_'
 """The check cell of an exam has this and the exam's name as its grade id."""
 
 _MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg', 'answer': '%%answer'}
-
-
-class ExamCells(Protocol):
-    """What is needed of an :class:`autograder.exam.exam.Exam` here."""
-
-    @property
-    def name(self) -> str:
-        """Return the exam's name."""
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """Return the grade ids of the answers that the exam judges, in order."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +54,7 @@ def answer_files(release: Notebook) -> dict[str, CellFile]:
 
 
 def extract(
-    opened: Opened, exams: Iterable[ExamCells], release: Notebook, where: str = 'notebook'
+    opened: Opened, exams: Iterable[Exam], release: Notebook, where: str = 'notebook'
 ) -> dict[str, ExamFiles]:
     """
     Return the files of every exam.  An untouched stub goes along: the exam says so.
@@ -92,31 +81,22 @@ def extract(
     return result
 
 
-def with_reasons(result: SubmissionResult, exams: Iterable[ExamCells]) -> SubmissionResult:
+def with_reasons(result: SubmissionResult, exams: Iterable[Exam]) -> SubmissionResult:
     """
     Say of answers that are not there that a note has the reason, where one has.
 
     :param result: with the problems that were found in what was handed in
     """
     cells = {exam.name: set(exam.cells) for exam in exams}
-    return replace(
-        result, exams=tuple(_with_reason(one, cells[one.exam], result) for one in result.exams)
-    )
-
-
-def _with_reason(exam: ExamResult, cells: set[str], result: SubmissionResult) -> ExamResult:
-    reasons = [one for one in result.problems if cells & set(one.cells)]
-    checks = tuple(
-        replace(
-            check,
-            cause='The answer could not be found in what was handed in; the note says why.',
-            try_this=f'{reasons[0].try_this[:1].upper()}{reasons[0].try_this[1:]}.',
-        )
-        if reasons and check.cause_id == 'missing_file'
-        else check
-        for check in exam.checks
-    )
-    return replace(exam, checks=checks)
+    explained = []
+    for exam in result.exams:
+        reasons = [one for one in result.problems if cells[exam.exam] & set(one.cells)]
+        if reasons:
+            fix = f'{reasons[0].try_this[:1].upper()}{reasons[0].try_this[1:]}.'
+            why = 'The answer could not be found in what was handed in; the note says why.'
+            exam = with_missing_file(exam, cause=why, try_this=fix)
+        explained.append(exam)
+    return replace(result, exams=tuple(explained))
 
 
 def _read(

@@ -1,31 +1,33 @@
 """
 What is handed in besides a notebook: a Python script, a ROS package folder, or a zip of one.
 
-All of it becomes texts by relative path and is never unpacked on the grader's own disk.  A zip is
-read entry by entry and counted as it is read, whatever its table of contents says: regular files
-only, no links, no absolute path, nothing above its own folder, bounded in number and in size.
+All of it becomes texts by relative path and is never unpacked on the grader's own disk
+(:mod:`autograder.submission.tree`).  One entry of a zip that is not a package's regular file
+refuses the whole.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-import os
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path, PurePosixPath
 import re
-import stat
-import zipfile
-import zlib
 
-from autograder.errors import GraderError
 from autograder.submission.package import KINDS
 from autograder.submission.reading import read_file
+from autograder.submission.tree import (
+    Bounds,
+    NotTakenInError,
+    opened,
+    Parts,
+    SPECIAL,
+    UnreadableError,
+)
 
 MOST_ENTRIES = 2000
 MOST_FILES = 200
 LARGEST_ZIP = 8 << 20
 LARGEST_FILE = 1 << 20
 LARGEST_WHOLE = 8 << 20
-DEEPEST = 12
 LONGEST_NAME = 200
 LEFT_OUT = {'build', 'install', 'log', '__pycache__', '__MACOSX', 'node_modules'}
 """Folders that tools make; their content is not a student's work."""
@@ -33,11 +35,6 @@ LEFT_OUT = {'build', 'install', 'log', '__pycache__', '__MACOSX', 'node_modules'
 MANIFEST = 'package.xml'
 NO_MODULES = {'test', 'tests', 'launch', 'config', 'msg', 'srv', 'action', 'resource', 'answers'}
 _ENTRY_POINT = re.compile(r'\b(?P<name>\w+)\s*=\s*(?P<module>[\w.]+)\s*:\s*(?P<call>\w+)')
-_TAKEN = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-
-
-class NotTakenInError(GraderError):
-    """What was handed in cannot be used as it is, and nothing of it was run."""
 
 
 def read_handed_in(path: Path) -> dict[str, str]:
@@ -48,12 +45,10 @@ def read_handed_in(path: Path) -> dict[str, str]:
         with the package counts
     :raises NotTakenInError: if it is none of them, or not safe to take in
     """
-    if path.is_dir():
-        return in_package(read_folder(path), str(path))
-    if path.suffix == '.py':
-        return {path.name: _text(_bytes_of(path))}
-    if path.suffix == '.zip':
-        return in_package(read_zip(path), str(path))
+    if path.suffix == '.py' and not path.is_dir():
+        return {path.name: _script(path)}
+    if path.is_dir() or path.suffix == '.zip':
+        return in_package(_texts(path), str(path))
     kind = 'another file' if path.exists() else 'nothing of that name'
     raise NotTakenInError(
         f'{path}: expected a Python script, a package folder, a zip file or a notebook, '
@@ -61,159 +56,61 @@ def read_handed_in(path: Path) -> dict[str, str]:
     )
 
 
-def read_folder(folder: Path) -> dict[str, str]:
-    """
-    Return the texts of a folder by relative path; links are not followed.
-
-    :raises NotTakenInError: if it holds too much for a package
-    """
-    found: dict[str, str] = {}
-    size = 0
-    for entries, (name, path) in enumerate(_walk(folder), 1):
-        if entries > MOST_ENTRIES:
-            raise _too_much(str(folder), f'more than {MOST_ENTRIES} files')
-        if PurePosixPath(name).suffix in KINDS and not path.is_symlink() and path.is_file():
-            if not _is_plain(name):
-                raise NotTakenInError(
-                    f'{folder}, {name[:80]!a}: expected the files of a package, got a name with '
-                    'characters that no package needs.',
-                    'Try: rename that file.',
-                )
-            data = _bytes_of(path)
-            size += len(data)
-            _bound(str(folder), len(found) + 1, size)
-            found[name] = _text(data)
-    return found
-
-
-def _walk(folder: Path) -> Iterator[tuple[str, Path]]:
-    for place, folders, files in os.walk(folder):
-        folders[:] = sorted(one for one in folders if not _is_left_out(one))
-        for name in sorted(files):
-            if not name.startswith('.'):
-                path = Path(place, name)
-                yield path.relative_to(folder).as_posix(), path
-
-
-def _is_left_out(part: str) -> bool:
-    return part in LEFT_OUT or part.startswith('.')
-
-
-def _bytes_of(path: Path) -> bytes:
+def _script(path: Path) -> str:
     data, problems = read_file(path, str(path))
-    if data is None or problems:
-        raise NotTakenInError(problems[0].line() if problems else f'{path}: cannot be read.')
+    if data is None:
+        raise NotTakenInError(problems[0].line())
     if len(data) > LARGEST_FILE:
-        raise _too_much(str(path), f'{len(data)} bytes')
-    return data
-
-
-def read_zip(path: Path) -> dict[str, str]:
-    """
-    Return the texts of a zip file by relative path.
-
-    :raises NotTakenInError: if it is broken, or holds anything but a package's regular files
-    """
-    size = path.lstat().st_size
-    if not stat.S_ISREG(path.lstat().st_mode):
-        raise NotTakenInError(f'{path}: expected a regular file, got a link or something else.')
-    if size > LARGEST_ZIP:
-        raise _too_much(str(path), f'{size} bytes')
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return _entries(archive, path.name)
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
-        raise NotTakenInError(
-            f'{path}: expected a zip file that can be read, got: {error}.',
-            'Try: pack the package folder again.',
-        ) from error
-
-
-def _entries(archive: zipfile.ZipFile, where: str) -> dict[str, str]:
-    entries = archive.infolist()
-    if len(entries) > MOST_ENTRIES:
-        raise _too_much(where, f'{len(entries)} entries')
-    found: dict[str, str] = {}
-    size = 0
-    for entry in entries:
-        name = _safe_name(entry, where)
-        parts = PurePosixPath(name).parts
-        if entry.is_dir() or any(_is_left_out(part) for part in parts):
-            continue
-        if PurePosixPath(name).suffix not in KINDS:
-            continue
-        if name in found:
-            raise NotTakenInError(f'{where}: {name!r} is in it twice.', 'Try: pack it again.')
-        with archive.open(entry) as file:
-            data = file.read(LARGEST_FILE + 1)  # what it says of its size is not asked
-        size += len(data)
-        if len(data) > LARGEST_FILE:
-            raise _too_much(f'{where}, {name}', f'more than {LARGEST_FILE >> 20} MiB')
-        _bound(where, len(found) + 1, size)
-        found[name] = _text(data)
-    _no_file_is_a_folder(found, where)
-    return found
-
-
-def _is_plain(name: str) -> bool:
-    """Return whether a name can be printed, and means the same on every system."""
-    return name.isprintable() and '\\' not in name and len(name) <= LONGEST_NAME
-
-
-def _safe_name(entry: zipfile.ZipInfo, where: str) -> str:
-    """Return an entry's path if it stays inside and is a regular file or a folder."""
-    name = entry.orig_filename
-    parts = name.rstrip('/').split('/')
-    trouble = ''
-    kind = stat.S_IFMT(entry.external_attr >> 16)
-    if not _is_plain(name):
-        trouble = 'a name with characters that no package needs'
-    elif name.startswith('/') or re.match(r'^[A-Za-z]:', name):
-        trouble = 'an absolute path'
-    elif {'', '.', '..'} & set(parts):
-        trouble = 'a path that leads elsewhere'
-    elif len(parts) > DEEPEST:
-        trouble = f'folders more than {DEEPEST} deep'
-    elif kind not in (0, stat.S_IFREG, stat.S_IFDIR):
-        trouble = 'a link or a special file'
-    elif entry.flag_bits & 0x1:
-        trouble = 'an encrypted file'
-    elif entry.compress_type not in _TAKEN:
-        trouble = 'an unusual compression'
-    if trouble:
-        raise NotTakenInError(
-            f'{where}, {name[:80]!r}: expected the regular files of a package, got {trouble}.',
-            'Try: pack the package folder again, without links.',
-        )
-    return name.rstrip('/')
-
-
-def _no_file_is_a_folder(found: Mapping[str, str], where: str) -> None:
-    for name in found:
-        for above in PurePosixPath(name).parents:
-            if above.as_posix() in found:
-                raise NotTakenInError(f'{where}: {above} is both a file and a folder.')
-
-
-def _bound(where: str, files: int, size: int) -> None:
-    if files > MOST_FILES:
-        raise _too_much(where, f'more than {MOST_FILES} files of a package')
-    if size > LARGEST_WHOLE:
-        raise _too_much(where, f'more than {LARGEST_WHOLE >> 20} MiB')
-
-
-def _too_much(where: str, got: str) -> NotTakenInError:
-    return NotTakenInError(
-        f'{where}: expected the files of one package, got {got}.',
-        'Try: hand in the package folder alone.',
-    )
-
-
-def _text(data: bytes) -> str:
+        raise _bounds().refusal(str(path), f'{len(data)} bytes')
     return data.decode('utf-8', 'replace')
 
 
-# -- a package among the files ----------------------------------------------------------------
+def _bounds() -> Bounds:
+    return Bounds(
+        'the files of one package',
+        'hand in the package folder alone, without links',
+        _is_left_out,
+        entries=MOST_ENTRIES,
+        listed=10 * MOST_ENTRIES,
+        file_bytes=LARGEST_FILE,
+        whole_bytes=LARGEST_WHOLE,
+        name_chars=LONGEST_NAME,
+    )
+
+
+def _is_left_out(parts: Parts, _: Collection[Parts]) -> bool:
+    name = parts[-1]
+    return name in LEFT_OUT or (name.startswith('.') and name not in ('.', '..'))
+
+
+def _texts(path: Path) -> dict[str, str]:
+    """
+    Return the texts of a folder or a zip file by relative path; links are not followed.
+
+    :raises NotTakenInError: if it is broken, or holds anything but a package's regular files
+    """
+    bounds, found, folder = _bounds(), {}, path.is_dir()
+    if not folder and path.is_symlink():
+        raise NotTakenInError(f'{path}: expected a regular file, got a link.')
+    if not folder and path.stat().st_size > LARGEST_ZIP:
+        raise bounds.refusal(str(path), f'{path.stat().st_size} bytes')
+    with opened(path, bounds) as tree:
+        for name, trouble in tree.refused:
+            if not (folder and trouble == SPECIAL):
+                raise bounds.refusal(f'{path}, {name[:80]!r}', trouble)
+        files = [file for file in tree.files if PurePosixPath(file.name).suffix in KINDS]
+        if len(files) > MOST_FILES:
+            raise bounds.refusal(str(path), f'more than {MOST_FILES} files')
+        for file in files:
+            try:
+                found[file.path] = file.read().decode('utf-8', 'replace')
+            except UnreadableError as error:
+                raise bounds.refusal(f'{path}, {file.path}', str(error)) from error
+    for name in found:
+        for above in PurePosixPath(name).parents:
+            if above.as_posix() in found:
+                raise NotTakenInError(f'{path}: {above} is both a file and a folder.')
+    return found
 
 
 def in_package(files: Mapping[str, str], where: str) -> dict[str, str]:

@@ -11,13 +11,9 @@ honest notebook gives no line.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
-from autograder.submission.notebook import MARKS
-
-if TYPE_CHECKING:
-    from autograder.submission.notebook import StudentCell
-
+from autograder.submission.notebook import MARKS, StudentCell
 
 MOST_LINES = 20
 

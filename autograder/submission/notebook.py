@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 import json
@@ -67,7 +68,7 @@ def read_notebook(
     except RecursionError:
         return refuse('a Jupyter notebook', 'JSON nested too deeply', FRESH_COPY)
     except ValueError as error:
-        return refuse('a Jupyter notebook', _broken_json(data, error), _json_advice(data))
+        return refuse('a Jupyter notebook', *_broken_json(data, error))
     cells, problems = _read_cells(content, where)
     if objects.repeated and cells is not None:
         got = f'{objects.repeated[:40]!r} more than once in one object; the last one counts'
@@ -84,12 +85,7 @@ class _Objects:
         """Make one object."""
         made = dict(pairs)
         if len(made) != len(pairs) and not self.repeated:
-            seen: set[str] = set()
-            for name, _ in pairs:
-                if name in seen:
-                    self.repeated = name
-                    break
-                seen.add(name)
+            self.repeated = Counter(name for name, _ in pairs).most_common(1)[0][0]
         return made
 
 
@@ -106,22 +102,17 @@ def _parts(data: bytes) -> int:
     return data.count(b'[') + data.count(b'{') + quotes
 
 
-def _broken_json(data: bytes, error: ValueError) -> str:
-    """Say whether the text is cut off, no JSON at all, or broken at a line."""
+def _broken_json(data: bytes, error: ValueError) -> tuple[str, str]:
+    """Say whether the text is cut off, not JSON at all, or broken at a line; and what to try."""
     if not data.lstrip(b'\xef\xbb\xbf \t\r\n').startswith(b'{'):
-        return 'a file that is not JSON'
+        fix = 'submit the .ipynb file itself, not an export, a picture or an archive of it'
+        return 'a file that is not JSON', fix
+    fix = 'open the notebook in JupyterLab, save it and submit the saved file'
     text, place = getattr(error, 'doc', '').rstrip(), getattr(error, 'pos', 0)
     if not text.endswith('}') or place >= len(text):
-        return f'JSON that ends in the middle, after {len(data)} bytes'
+        return f'JSON that ends in the middle, after {len(data)} bytes', fix
     line = getattr(error, 'lineno', 0)
-    return f'broken JSON in line {line}' if line else 'broken JSON'
-
-
-def _json_advice(data: bytes) -> str:
-    """Return the advice for a file that is not JSON."""
-    if not data.lstrip(b'\xef\xbb\xbf \t\r\n').startswith(b'{'):
-        return 'submit the .ipynb file itself, not an export, a picture or an archive of it'
-    return 'open the notebook in JupyterLab, save it and submit the saved file'
+    return f'broken JSON in line {line}' if line else 'broken JSON', fix
 
 
 def _read_cells(

@@ -10,13 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from autograder.exam.exam import Exam
 from autograder.results import ExamResult
 from autograder.submission.reading import read_file
-
-if TYPE_CHECKING:
-    from autograder.exam.exam import Exam
 
 MAX_FILES = 200
 NOTEBOOK_KINDS = ('.py', '.msg', '.srv', '.action', '.xml', '.txt', '.cfg', '.toml', '.yaml')
@@ -80,15 +77,18 @@ def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
 
     :param result: the exam's result on these files
     """
+    return with_missing_file(
+        result,
+        observed=what_is_there(files),
+        cause='The file was not saved in the folder that is checked.',
+        try_this='Save it there, then check again.',
+    )
+
+
+def with_missing_file(result: ExamResult, **words: str) -> ExamResult:
+    """Return a result with other words about a file that is missing."""
     checks = [
-        replace(
-            check,
-            observed=what_is_there(files),
-            cause='The file was not saved in the folder that is checked.',
-            try_this='Save it there, then check again.',
-        )
-        if check.cause_id == 'missing_file'
-        else check
+        replace(check, **words) if check.cause_id == 'missing_file' else check  # type: ignore[arg-type]
         for check in result.checks
     ]
     return replace(result, checks=tuple(checks))

@@ -20,6 +20,7 @@ from autograder import __main__ as command
 from autograder.authoring.sample_class import compose
 from autograder.classroom.pages import write_reports
 from autograder.classroom.results_of_class import one_graded
+from autograder.commands import FOR_REVIEW, OK
 from autograder.exports.gradescope_zip import autograder_zip
 from autograder.exports.marks import (
     AUTOMATIC,
@@ -158,7 +159,7 @@ class TestCommands:
     def test_every_format_is_written_and_nothing_replaced(self, graded, capsys):
         """Exit code 1 names who has no score; a second run refuses without --force."""
         for name in ('csv', 'checks-csv', 'json', 'junit'):
-            assert command.main(['export', name]) == command.FOR_REVIEW
+            assert command.main(['export', name]) == FOR_REVIEW
             said = capsys.readouterr()
             data = Path(said.out.strip()).read_bytes()
             assert b'ann' in data
@@ -166,7 +167,7 @@ class TestCommands:
             assert f'no mark: {ASSIGNMENT}: eve: for review' in said.err
             assert command.main(['export', name]) == command.USAGE
             assert '--force' in capsys.readouterr().err
-            assert command.main(['export', name, '--force']) == command.FOR_REVIEW
+            assert command.main(['export', name, '--force']) == FOR_REVIEW
             capsys.readouterr()
 
     def test_canvas_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
@@ -183,7 +184,7 @@ class TestCommands:
         to = tmp_path / 'filled.csv'
         arguments = ['export', 'canvas', ASSIGNMENT, '--gradebook', str(mine), '--column', '7']
 
-        assert command.main([*arguments, '--to', str(to)]) == command.FOR_REVIEW
+        assert command.main([*arguments, '--to', str(to)]) == FOR_REVIEW
         rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
         assert [row[4] for row in rows] == ['Monitor (7)', '45', '45', '']
         assert mine.read_bytes() == before
@@ -197,21 +198,21 @@ class TestCommands:
         stale.write_text('{}', encoding='utf-8')
         arguments = ['export', 'gradescope', ASSIGNMENT, '--to', str(tmp_path), '--force']
 
-        assert command.main(arguments) == command.FOR_REVIEW
+        assert command.main(arguments) == FOR_REVIEW
         there = sorted(path.parent.name for path in tmp_path.glob('*/results.json'))
         assert there == ['ann', 'bob']
         assert json.loads((tmp_path / 'ann' / 'results.json').read_text('utf-8'))['score'] == 40
 
     def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):
         """Review is an exit code for stats; similar shows the copy."""
-        assert command.main(['stats', 'temperature_monitor', '--json']) == command.FOR_REVIEW
+        assert command.main(['stats', 'temperature_monitor', '--json']) == FOR_REVIEW
         (numbers,) = json.loads(capsys.readouterr().out)
         assert (numbers['submissions'], numbers['marks']['count']) == (4, 2)
 
-        assert command.main(['report']) == command.OK
+        assert command.main(['report']) == OK
         assert Path(capsys.readouterr().out.strip()).name == 'class.html'
 
-        assert command.main(['similar', 'temperature_monitor', '--json']) == command.OK
+        assert command.main(['similar', 'temperature_monitor', '--json']) == OK
         (first, *_) = json.loads(capsys.readouterr().out)['pairs']
         assert first['first'] == ['ann', 'bob', 'eve'][: len(first['first'])]
 

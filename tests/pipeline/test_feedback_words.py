@@ -17,6 +17,7 @@ from autograder import __main__ as command
 from autograder.authoring import sample_class
 from autograder.authoring.exam_mistakes import lesson_headings, no_section, read_mistakes
 from autograder.classroom.pages import page_name, write_reports
+from autograder.commands import OK
 from autograder.exam import catalog
 from autograder.exam.read_more import SECTIONS, where_to_read
 from autograder.explaining.feedback import check_lines, titles_of, told
@@ -160,7 +161,7 @@ def test_the_terminal_says_them(result, said, tmp_path, capsys):
     folder = HERE.sample_class / ASSIGNMENT / SAMPLE
     notebook.write_bytes(sample_class.compose(HERE, ASSIGNMENT, folder))
 
-    assert command.main(['run', '--exam', EXAM, '--visible', str(notebook)]) == command.OK
+    assert command.main(['run', '--exam', EXAM, '--visible', str(notebook)]) == OK
 
     printed = [line for line in capsys.readouterr().out.splitlines() if line]
     assert printed[1:-1] == lines_of(result)

@@ -14,8 +14,8 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.classroom.results_of_class import one_graded
+from autograder.commands import FOR_REVIEW, OK, rejudge
 from autograder.commands import grade as grading
-from autograder.commands import rejudge
 from autograder.gradebook.copies import copies
 from autograder.layout import Layout
 
@@ -45,7 +45,7 @@ def here(course, monkeypatch):
         rejudge, 'again', lambda layout, exam, files, old: (Edited().run(exam, files), '')
     )
     hand_in(course, 'ann')
-    assert grade() == command.OK
+    assert grade() == OK
     return course
 
 
@@ -104,7 +104,7 @@ class TestPoints:
         assert capsys.readouterr().err.endswith('No mark was changed. Try: make release\n')
 
         give_points(here.notebooks, 17)
-        assert grade() == command.OK
+        assert grade() == OK
         assert scores(here, 'ann')[CHECK] == 17
 
 
@@ -128,12 +128,12 @@ class TestLoweredMarks:
 
         assert grade() == command.USAGE  # until it is decided
         capsys.readouterr()
-        assert grade('--yes') == command.OK
+        assert grade('--yes') == OK
         assert 'Fewer points than before: ann 40 to 30.' in ' '.join(
             capsys.readouterr().out.split()
         )
         assert scores(here, 'ann')[CHECK] == 5
-        assert grade() == command.OK
+        assert grade() == OK
         assert 'points than before' not in capsys.readouterr().out
 
     def test_every_lowered_mark_is_listed(self, here, capsys):
@@ -163,7 +163,7 @@ class TestLoweredMarks:
         assert f'ann 40 to 0, no score for check_temperature_message, {CHECK}' in said
         assert scores(here, 'ann')[CHECK] == 15
 
-        assert grade('--yes') == command.FOR_REVIEW
+        assert grade('--yes') == FOR_REVIEW
         assert scores(here, 'ann')[CHECK] is None
 
     def test_a_grade_given_by_hand_counts(self, here, capsys):
@@ -174,7 +174,7 @@ class TestLoweredMarks:
             gradebook.db.commit()
         by_hand(here, 'ann', 4)
         hand_in(here, 'ann', **TYPO)
-        assert grade() == command.OK
+        assert grade() == OK
 
         hand_in(here, 'ann', **TYPO, **{'> THRESHOLD_C': '>= THRESHOLD_C'})
         capsys.readouterr()
@@ -187,7 +187,7 @@ class TestLoweredMarks:
         policy = "c.LateSubmissionPlugin.penalty_method = 'zero'"
         config.write_text(f'{config.read_text(encoding="utf-8")}\n{policy}\n', encoding='utf-8')
         hand_in(here, 'ann', '2026-03-03 12:00:00 UTC')
-        assert grade() == command.OK
+        assert grade() == OK
         with book(here) as gradebook:
             gradebook.update_or_create_assignment(ASSIGNMENT, duedate='2026-03-02 00:00:00 UTC')
         capsys.readouterr()
@@ -195,7 +195,7 @@ class TestLoweredMarks:
         assert grade() == command.USAGE
         assert 'ann 40 to 0.' in capsys.readouterr().out
         assert not scores(here, 'ann')['late']
-        assert grade('--yes') == command.OK
+        assert grade('--yes') == OK
         assert scores(here, 'ann')['late'] == 40
 
     def test_rejudge_writes_nothing_without_yes(self, here, edit, capsys):
@@ -211,7 +211,7 @@ class TestLoweredMarks:
         assert scores(here, 'ann')[CHECK] == 15
         assert one_graded(here, ASSIGNMENT).results[0].points == 40
 
-        assert command.main(['rejudge', '--write', '--yes']) == command.OK
+        assert command.main(['rejudge', '--write', '--yes']) == OK
         assert 'lower mark in the gradebook: ann 40 to 30\n' in capsys.readouterr().out
         assert scores(here, 'ann')[CHECK] == 5
         assert one_graded(here, ASSIGNMENT).results[0].points == 30
@@ -236,7 +236,7 @@ class TestCopies:
         """Nothing is run; the copy has the grades given by hand."""
         by_hand(here, 'ann', 4)
         hand_in(here, 'bob')
-        assert grade() == command.OK
+        assert grade() == OK
         (copy,) = copies(here)
         path = here.work / 'gradebook.db'
         path.write_bytes(b'')
@@ -259,7 +259,7 @@ class TestCopies:
         assert path.read_bytes() == b''
 
         path.write_bytes(copy.read_bytes())
-        assert grade() == command.OK
+        assert grade() == OK
         assert scores(here, 'ann')[WRITTEN] == 4
         assert scores(here, 'bob')[CHECK] == scores(here, 'cho')[CHECK] == 15
 
@@ -291,7 +291,7 @@ class TestStudents:
         (here.submitted / 'old stuff').mkdir()
         capsys.readouterr()
 
-        assert grade() == command.OK
+        assert grade() == OK
         said = ' '.join(capsys.readouterr().out.split())
         assert 'Not graded, as no notebook of the course is in them: old stuff.' in said
         assert len(one_graded(here, ASSIGNMENT).results) == 1

@@ -11,11 +11,12 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.authoring import sample_class
+from autograder.commands import OK
 from autograder.commands import run as quick_look
 from autograder.errors import GraderError
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
-from autograder.submission.intake import NotTakenInError
+from autograder.submission.tree import NotTakenInError
 
 ROOT = Path(__file__).resolve().parents[2]
 LAYOUT = Layout.here()
@@ -277,7 +278,7 @@ class TestRuns:
         """Feedback on standard output, the live lines beside it."""
         arguments = ['run', '--exam', 'temperature_publisher', '--visible', '--live']
 
-        assert command.main([*arguments, str(package(tmp_path / 'a'))]) == command.OK
+        assert command.main([*arguments, str(package(tmp_path / 'a'))]) == OK
 
         said = capsys.readouterr()
         assert said.out.count('[pass]') == 8
@@ -293,7 +294,7 @@ class TestRuns:
         notebook.write_bytes(sample_class.compose(LAYOUT, '07_temperature_monitor', sample))
         arguments = ['run', '--exam', 'temperature_publisher', '--visible', '--json']
 
-        assert command.main([*arguments, str(notebook)]) == command.OK
+        assert command.main([*arguments, str(notebook)]) == OK
 
         (result,) = json.loads(capsys.readouterr().out)
         failed = {

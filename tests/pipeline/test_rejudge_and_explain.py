@@ -16,6 +16,7 @@ from autograder.authoring import sample_class
 from autograder.classroom.pages import write_reports
 from autograder.classroom.people import keep_people
 from autograder.classroom.results_of_class import last_results, ran_s
+from autograder.commands import FOR_REVIEW, OK
 from autograder.commands.explain import evidence, evidence_text, MOST_LINES, WIDEST
 from autograder.commands.rejudge import rejudge, rejudge_command
 from autograder.errors import GraderError
@@ -129,7 +130,7 @@ class TestRejudge:
         """And everybody could be judged."""
         accounts, code = rejudge_command(layout, None, None, write=False)
 
-        assert code == command.OK
+        assert code == OK
         assert [one.kept for one in accounts[0].rejudged] == [''] * 4
         assert [one.changed for one in accounts[0].rejudged] == [()] * 4
         assert '4 of 4 submissions judged again' in accounts[0].text()
@@ -158,7 +159,7 @@ class TestRejudge:
         reference = by_student(accounts)['pass__reference']
         changed = {one.check: one for one in reference.changed}
 
-        assert code == command.OK
+        assert code == OK
         assert (reference.before.points, reference.after.points) == (15, 9)
         assert changed['names_the_unit'].points_after == 0
         assert 'expected the unit Kelvin; observed the unit Celsius' in accounts[0].text()
@@ -173,7 +174,7 @@ class TestRejudge:
 
         accounts, code = rejudge_command(layout, None, None, write=False)
 
-        assert code == command.FOR_REVIEW
+        assert code == FOR_REVIEW
         for one in accounts[0].rejudged:
             assert 'the scenario of the exam has changed' in one.kept
             assert one.after == one.before
@@ -192,7 +193,7 @@ class TestRejudge:
         accounts, code = rejudge_command(layout, None, None, write=False)
         kept = {name: one.kept for name, one in by_student(accounts).items()}
 
-        assert code == command.FOR_REVIEW
+        assert code == FOR_REVIEW
         assert kept['pass__reference'] == 'no submission any more'
         assert 'the files are not those that were recorded' in kept['fail__two_hertz']
         assert 'cannot be read' in kept['fail__crashes_in_mid_run']
@@ -352,12 +353,12 @@ class TestCommands:
 
     def test_rejudge_prints_an_account(self, capsys):
         """Or all of it as JSON."""
-        assert command.main(['rejudge', 'temperature_monitor']) == command.OK
+        assert command.main(['rejudge', 'temperature_monitor']) == OK
         said = capsys.readouterr().out
         assert said.startswith(f'{ASSIGNMENT}: 4 of 4 submissions judged again in ')
         assert said.endswith('nothing run; 0 changed. Nothing was written; --write does.\n')
 
-        assert command.main(['rejudge', '--json']) == command.OK
+        assert command.main(['rejudge', '--json']) == OK
         (account,) = json.loads(capsys.readouterr().out)
         assert {one['student'] for one in account['submissions']} == set(STUDENTS)
 
@@ -390,10 +391,10 @@ class TestCommands:
     def test_explain_prints_evidence(self, capsys):
         """Or all of it as JSON; who is not there is one line."""
         wanted = ['explain', 'fail__two_hertz', 'temperature_publisher/publishes_once_per_second']
-        assert command.main(wanted) == command.OK
+        assert command.main(wanted) == OK
         assert 'FAILED, 0 of 3 points' in capsys.readouterr().out
 
-        assert command.main([*wanted, '--json']) == command.OK
+        assert command.main([*wanted, '--json']) == OK
         assert json.loads(capsys.readouterr().out)['student'] == 'fail__two_hertz'
 
         assert command.main(['explain', 'nobody', 'x']) == command.USAGE
@@ -404,7 +405,7 @@ class TestCommands:
         """With verdict, points and cause; the student is named by id or name."""
         keep_people(layout, {'fail__two_hertz': 'Ann Lee'})
 
-        assert command.main(['explain', 'ann lee']) == command.OK
+        assert command.main(['explain', 'ann lee']) == OK
         head, *lines, last = capsys.readouterr().out.splitlines()
         assert head.startswith(f'fail__two_hertz (Ann Lee), {ASSIGNMENT}: ')
         (rate,) = [line for line in lines if 'temperature_publisher/publishes_once' in line]
@@ -413,11 +414,11 @@ class TestCommands:
         assert {line.split()[4].partition('/')[0] for line in lines} == {'temperature_publisher'}
         assert 'shows the evidence' in last
 
-        assert command.main(['explain', 'Ann Lee', '--json']) == command.OK
+        assert command.main(['explain', 'Ann Lee', '--json']) == OK
         (found,) = json.loads(capsys.readouterr().out)
         assert found['student'] == 'fail__two_hertz'
 
-        assert command.main(['explain', 'Ann Lee', 'publishes_once_per_second']) == command.OK
+        assert command.main(['explain', 'Ann Lee', 'publishes_once_per_second']) == OK
         assert capsys.readouterr().out.startswith('fail__two_hertz, ')
 
     def test_what_was_not_graded_is_one_line(self, capsys):

@@ -16,7 +16,7 @@ from autograder.classroom.class_report import class_page, write_class_report
 from autograder.classroom.pages import write_reports
 from autograder.classroom.results_of_class import ClassResults, graded
 from autograder.classroom.statistics import class_numbers, ClassNumbers
-from autograder.commands.export import stats_text
+from autograder.commands.stats import stats_text
 from autograder.errors import GraderError
 from autograder.layout import Layout
 from autograder.results import Problem

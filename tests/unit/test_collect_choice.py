@@ -25,8 +25,8 @@ import pytest
 
 from autograder.collect import choice
 from autograder.collect.source import tree
-from autograder.collect.source.tree import NotCollectedError
 from autograder.collect.table import LEFT, TAKEN
+from autograder.submission.tree import NotTakenInError
 
 STRANGE = 'no cell of the assignment is in it'
 
@@ -128,7 +128,7 @@ class TestOneAssignmentASource:
         files = {'ann_1001_561_a.ipynb': one, 'bob_1002_562_b.ipynb': two}
         source = packed(tmp_path / 'c.zip', files)
 
-        with pytest.raises(NotCollectedError, match=said) as caught:
+        with pytest.raises(NotTakenInError, match=said) as caught:
             collect(source, layout, layout.submitted)
         assert TALK in caught.value.fix
         assert not layout.submitted.exists()
@@ -306,7 +306,7 @@ class TestBounds:
         source = how(tmp_path / 's.zip', {f's{n}/talk.ipynb': GOOD for n in range(9)})
         monkeypatch.setattr(tree, 'MOST_BYTES', 8 * len(GOOD))
 
-        with pytest.raises(NotCollectedError, match='GiB of notebooks, got more'):
+        with pytest.raises(NotTakenInError, match='submissions of a class, got more than 0 MiB'):
             collect(source, layout, layout.submitted)
         assert not layout.submitted.exists()
 
@@ -319,7 +319,7 @@ class TestBounds:
         monkeypatch.setattr(tree, 'MAX_BYTES', 1 << 20)
         monkeypatch.setattr(tree, 'MOST_BYTES', 8 << 20)
 
-        with pytest.raises(NotCollectedError, match='GiB of notebooks'):
+        with pytest.raises(NotTakenInError, match='submissions of a class, got more than 8 MiB'):
             collect(source, layout, layout.submitted)
 
     def test_of_very_many_notebooks_the_likely_ones_are_looked_at(self, tmp_path, layout):

@@ -21,8 +21,8 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.collect.source.tree import NotCollectedError
 from autograder.collect.table import LEFT, TAKEN
+from autograder.submission.tree import NotTakenInError
 
 
 class TestFolders:
@@ -163,7 +163,7 @@ class TestIdsOfFolders:
         """Systems have names of their own."""
         source = packed(tmp_path / 'm.zip', MOODLE)
 
-        with pytest.raises(NotCollectedError, match='for --prefix, got names of moodle'):
+        with pytest.raises(NotTakenInError, match='for --prefix, got names of moodle'):
             collect(source, layout, layout.submitted, prefix='Li ')
 
 
@@ -280,7 +280,7 @@ class TestNamedKind:
         """With what was expected and what was found."""
         source = laid(tmp_path / 's', {'roster.csv': b'', 'grades.csv': b''})
 
-        with pytest.raises(NotCollectedError) as caught:
+        with pytest.raises(NotTakenInError) as caught:
             collect(source, layout, layout.submitted, kind=wanted)
 
         assert f'expected submissions of the kind {wanted} (' in caught.value.what
@@ -290,14 +290,14 @@ class TestNamedKind:
         """That one says nothing."""
         files = {f'class/{name}.pdf': b'%PDF' for name in 'abcde'}
 
-        with pytest.raises(NotCollectedError, match=r'got: a\.pdf, b\.pdf, c\.pdf and 2 more'):
+        with pytest.raises(NotTakenInError, match=r'got: a\.pdf, b\.pdf, c\.pdf and 2 more'):
             collect(laid(tmp_path / 's', files), layout, layout.submitted, kind='moodle')
 
     def test_an_empty_source_is_refused(self, tmp_path, layout):
         """The wrong folder, mostly."""
         (tmp_path / 's').mkdir()
 
-        with pytest.raises(NotCollectedError, match='got: nothing'):
+        with pytest.raises(NotTakenInError, match='got: nothing'):
             collect(tmp_path / 's', layout, layout.submitted, kind='folder')
 
     def test_a_few_names_of_a_kind_are_enough(self, tmp_path, layout):

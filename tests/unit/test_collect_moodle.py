@@ -18,9 +18,9 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.collect.source.tree import NotCollectedError
 from autograder.collect.table import LEFT, TAKEN
 from autograder.collect.take_in import collect
+from autograder.submission.tree import NotTakenInError
 
 
 class TestMoodle:
@@ -123,7 +123,7 @@ class TestMoodle:
         """Without it two people could become one."""
         laid(layout.work, {layout.namesakes.name: data})
 
-        with pytest.raises(NotCollectedError, match='expected JSON with the numbers of people'):
+        with pytest.raises(NotTakenInError, match='expected JSON with the numbers of people'):
             collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
     def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):

@@ -20,6 +20,7 @@ from autograder import __main__ as command
 from autograder.collect.owners import OwnerRule, user_name
 from autograder.collect.table import LEFT, TAKEN
 from autograder.collect.take_in import collect
+from autograder.commands import OK
 from autograder.errors import GraderError
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
@@ -88,7 +89,7 @@ def test_names_are_trusted_when_the_instructor_says_so(by_setting, tmp_path, lay
 
     code = command.main(['collect', str(handed_in(tmp_path, 'ann')), *options])
 
-    assert code == command.OK
+    assert code == OK
     assert f'ann/{TALK}/talk.ipynb' in taken(layout)
 
 

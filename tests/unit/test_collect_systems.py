@@ -22,8 +22,8 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.collect.source.tree import NotCollectedError
 from autograder.collect.table import LEFT, TAKEN
+from autograder.submission.tree import NotTakenInError
 
 LATE = 'late, as Canvas says; no time known, so a late policy cannot act'
 
@@ -219,7 +219,7 @@ class TestGradescope:
         table_ = b'submission_1:\n  :created_at: 2026-13-45 10:00:00\n'
         source = packed(tmp_path / 'g.zip', {'submission_metadata.yml': table_})
 
-        with pytest.raises(NotCollectedError, match='expected YAML'):
+        with pytest.raises(NotTakenInError, match='expected YAML'):
             collect(source, layout, layout.submitted)
 
     @pytest.mark.parametrize(
@@ -264,7 +264,7 @@ class TestExchange:
         """With what to name instead."""
         files = {**EXCHANGE, **{name.replace('c/', 'd/', 1): GOOD for name in EXCHANGE}}
 
-        with pytest.raises(NotCollectedError, match='the exchange of one course, got 2'):
+        with pytest.raises(NotTakenInError, match='the exchange of one course, got 2'):
             collect(laid(tmp_path / 'exchange', files), layout, layout.submitted)
 
     def test_releases_are_nobodys_work_before_the_first_hand_in(self, tmp_path, layout):

@@ -26,6 +26,7 @@ from autograder import __main__ as command
 from autograder.collect.source import times
 from autograder.collect.source.times import due_dates, late_notes, read_time
 from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
+from autograder.commands import OK
 from autograder.layout import Layout
 
 NOON = datetime(2026, 3, 1, 12, tzinfo=timezone.utc)
@@ -378,11 +379,11 @@ def test_the_table_has_the_time(tmp_path, layout, gradebook, monkeypatch, capsys
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
     source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:05:30.000000 UTC'))
 
-    assert command.main(['collect', str(source), '--trust-names', '--json']) == command.OK
+    assert command.main(['collect', str(source), '--trust-names', '--json']) == OK
     (row,) = json.loads(capsys.readouterr().out)
     assert row['handed_in'] == '2026-03-01 14:05'
 
-    assert command.main(['collect', str(source), '--trust-names']) == command.OK
+    assert command.main(['collect', str(source), '--trust-names']) == OK
     said = capsys.readouterr().out
     assert 'Handed in' in said
     assert '2026-03-01 14:05' in said

@@ -15,6 +15,7 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.commands import grade as grading
+from autograder.commands import OK
 from autograder.commands.grade import NotEnteredError, submitted_folder
 from autograder.errors import SandboxUnavailable
 from autograder.exam import catalog
@@ -209,7 +210,7 @@ class TestCheckWithoutTheFile:
         """The notebook knows it by its name and says which cell to run."""
         monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
 
-        assert self.check(tmp_path, '--json') == command.OK
+        assert self.check(tmp_path, '--json') == OK
 
         first, *others = json.loads(capsys.readouterr().out)['checks']
         assert first['cause_id'] == 'missing_file'
@@ -231,7 +232,7 @@ def test_jobs_are_a_positive_number(jobs, capsys):
 
 def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
     """It has one folder per student, with a folder for each lesson that was handed in."""
-    assert command.main(['sample-class', '--to', str(tmp_path / 'class')]) == command.OK
+    assert command.main(['sample-class', '--to', str(tmp_path / 'class')]) == OK
 
     names = {path.name for path in (tmp_path / 'class').iterdir()}
     notebooks = list((tmp_path / 'class').glob('*/*/*.ipynb'))
@@ -365,8 +366,8 @@ def test_a_reader_that_leaves_is_no_trouble(monkeypatch, capfd):
 
     with os.fdopen(writing, 'w') as closed:
         monkeypatch.setattr(sys, 'stdout', closed)
-        parser = argparse.Namespace(parse_args=lambda _: argparse.Namespace(run=run, course=None))
-        monkeypatch.setattr(command, '_parser', lambda: parser)
+        parser = argparse.Namespace(parse_args=lambda *_: argparse.Namespace(run=run, course=None))
+        monkeypatch.setattr(command, '_parser', lambda _: parser)
         assert command.main([]) == 141
         print('lost', file=closed, flush=True)
     assert capfd.readouterr().err == ''

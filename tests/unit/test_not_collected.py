@@ -28,6 +28,7 @@ from autograder.classroom.not_collected import (
 )
 from autograder.classroom.pages import print_table, write_reports
 from autograder.collect.take_in import collect
+from autograder.commands import OK
 from autograder.commands.forget import traces
 from autograder.layout import Layout
 
@@ -142,7 +143,7 @@ class TestShown:
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
         source = laid(tmp_path / 's', {'cho/talk.ipynb': GOOD})
 
-        assert command.main(['collect', str(source)]) == command.OK
+        assert command.main(['collect', str(source)]) == OK
         assert capsys.readouterr().out.endswith('Nothing to grade yet from: Ann <b>, bob\n')
 
     def test_a_student_is_named_once(self):

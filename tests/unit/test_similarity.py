@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies
 import pytest
 
 from autograder.classroom.similarity import compare, finished, given_lines, lines_of, WARNING
-from autograder.commands.export import similar_text
+from autograder.commands.similar import similar_text
 from autograder.grading.again import NothingRuns
 from autograder.grading.pipeline import load_lesson
 from autograder.layout import Layout

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import re
 
 from autograder.collect.source.deliveries import Handed, Left, Level, Piece
-from autograder.collect.source.tree import File
+from autograder.submission.tree import File
 
 EXPECTED = 'files named NAME_USERID_NUMBER_FILE'
 AGAIN = re.compile(r'-\d+(?=\.[^.]+$)')

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Handed, in_folder, Left, Level, level, Piece
 from autograder.collect.source.times import STAMP
-from autograder.collect.source.tree import File, Tree, UnreadableError
+from autograder.submission.tree import File, Tree, UnreadableError
 
 EXPECTED = 'a folder or a notebook a student'
 FEW = 20

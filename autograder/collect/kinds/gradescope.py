@@ -15,7 +15,7 @@ import yaml
 
 from autograder.collect.source.deliveries import Handed, in_folder, Left, Level
 from autograder.collect.source.times import read_time
-from autograder.collect.source.tree import File, NotCollectedError, UnreadableError
+from autograder.submission.tree import File, NotTakenInError, UnreadableError
 
 METADATA = 'submission_metadata.yml'
 EXPECTED = f'the file {METADATA} and folders beside it'
@@ -33,7 +33,7 @@ def read(level: Level) -> Iterator[Handed | Left]:
     """
     Yield what is in the table, and the folders that are not.
 
-    :raises NotCollectedError: if the table cannot be read
+    :raises NotTakenInError: if the table cannot be read
     """
     data = _metadata(level.files[METADATA])
     described = {str(folder): facts for folder, facts in data.items()}
@@ -59,9 +59,9 @@ def _metadata(file: File) -> Mapping[Any, Any]:
         data = yaml.safe_load(file.read())
     except (yaml.YAMLError, UnreadableError, RecursionError, ValueError) as error:
         what = ' '.join(str(error).split())[:200]
-        raise NotCollectedError(f'{METADATA}: expected YAML, got: {what}.') from error
+        raise NotTakenInError(f'{METADATA}: expected YAML, got: {what}.') from error
     if not isinstance(data, Mapping):
-        raise NotCollectedError(f'{METADATA}: expected a table of submissions.')
+        raise NotTakenInError(f'{METADATA}: expected a table of submissions.')
     return data
 
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from autograder.collect.kinds import canvas, exchange, folders, gradescope, moodle
 from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Handed, Left, Level, level
-from autograder.collect.source.tree import NotCollectedError, Tree
 from autograder.explaining.feedback import printable
+from autograder.submission.tree import NotTakenInError, Tree
 
 FOLDER, EXCHANGE = 'folder', 'exchange'
 NAMES_SHOWN = 3
@@ -75,7 +75,7 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
 
     :param kind: a system, ``'folder'``, or empty to find out
     :param prefix: what is taken off the names of folders
-    :raises NotCollectedError: if the source is not what its names or ``kind`` say
+    :raises NotTakenInError: if the source is not what its names or ``kind`` say
     """
     chosen, place = (kind, _claimed(tree, kind)) if kind else _recognised(tree)
     if chosen == FOLDER or place is None:
@@ -85,7 +85,7 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     else:
         system = SYSTEMS[chosen]
         if prefix:
-            raise NotCollectedError(
+            raise NotTakenInError(
                 f'{tree.name}: expected folders of students for --prefix, got names of {chosen}.',
                 'Try: leave out --prefix',
             )
@@ -105,7 +105,7 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
 def _used(tree: Tree, prefix: str, names: Sequence[str]) -> None:
     """Refuse a prefix that no name begins with: the ids would be others than somebody expects."""
     if prefix and not any(name.startswith(prefix) for name in names):
-        raise NotCollectedError(
+        raise NotTakenInError(
             f'{tree.name}: expected names of students that begin with {printable(prefix)!r} '
             f'(--prefix), got: {_shown(names)}.',
             'Try: leave out --prefix, or what the names of the folders begin with',
@@ -123,7 +123,7 @@ def _recognised(tree: Tree) -> tuple[str, Level | None]:
         return EXCHANGE, inbound
     courses = level(tree).folders
     if courses and all(_is_exchange(level(tree, name)) for name in courses):
-        raise NotCollectedError(
+        raise NotTakenInError(
             f'{tree.name}: expected the exchange of one course, got {len(courses)} of them.',
             'Try: the folder of the course, or its inbound/',
         )
@@ -162,10 +162,10 @@ def _is_exchange(place: Level) -> bool:
     return exchange.INBOUND in place.folders and set(place.entries) <= exchange.FOLDERS
 
 
-def _nothing(tree: Tree, kind: str, expected: str) -> NotCollectedError:
+def _nothing(tree: Tree, kind: str, expected: str) -> NotTakenInError:
     """Return the error that a source is not of the kind that the user named."""
     *_, place = _levels(tree)
-    return NotCollectedError(
+    return NotTakenInError(
         f'{tree.name}: expected submissions of the kind {kind} ({expected}), '
         f'got: {_shown(place.entries)}.',
         'Try: leave out --kind, or the source as it was downloaded',

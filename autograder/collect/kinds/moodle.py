@@ -12,11 +12,10 @@ Source: moodle, mod/assign/classes/downloader.php, which takes underscores out o
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 import re
 
 from autograder.collect.source.deliveries import Handed, in_folder, Level, Piece
-from autograder.collect.source.tree import File
+from autograder.submission.tree import File
 
 EXPECTED = 'folders or files named NAME_NUMBER_assignsubmission_file_'
 _WHO = r'(?P<name>.+?)_(?P<number>\d+)_assignsubmission_(?P<kind>[a-z0-9]+)'
@@ -24,14 +23,6 @@ _FOLDER = re.compile(rf'{_WHO}_?')
 # The first fit counts: what follows was named by the student.
 _FILE = re.compile(rf'{_WHO}_(?P<file>.+)')
 _TYPED = {'onlinetext': 'an online text, which is not collected'}
-
-
-@dataclass(frozen=True)
-class _Who:
-    """One participant."""
-
-    name: str
-    number: str
 
 
 def claims(level: Level) -> int:
@@ -43,27 +34,24 @@ def claims(level: Level) -> int:
 
 def read(level: Level) -> Iterator[Handed]:
     """Yield what each participant handed in."""
-    handed: dict[tuple[_Who, str], list[Piece]] = {}
-    places: dict[tuple[_Who, str], str] = {}
+    handed: dict[tuple[str, str, str], list[Piece]] = {}
+    places: dict[tuple[str, str, str], str] = {}
     for place in level.entries:
         pattern = _FILE if place in level.files else _FOLDER
         match = pattern.fullmatch(place)
         if match is None:
             continue
-        key = (_Who(match['name'], match['number']), match['kind'])
+        key = match['name'], match['number'], match['kind']
         places.setdefault(key, place)
         if place in level.files:
-            file = File((match['file'],), level.files[place].read)
-            handed.setdefault(key, []).append(Piece(file, place))
+            pieces: tuple[Piece, ...] = (
+                Piece(File((match['file'],), level.files[place].read), place),
+            )
         else:
-            handed.setdefault(key, []).extend(in_folder(place, level.folders[place]))
-    for (who, kind), pieces in handed.items():
+            pieces = in_folder(place, level.folders[place])
+        handed.setdefault(key, []).extend(pieces)
+    for (name, number, kind), found in handed.items():
         what = '' if kind == 'file' else _TYPED.get(kind, f'{kind} of Moodle, no file')
-        yield Handed(
-            who.name,
-            () if what else tuple(pieces),
-            places[who, kind],
-            who.name,
-            instead=what,
-            number=who.number,
-        )
+        place = places[name, number, kind]
+        theirs = () if what else tuple(found)
+        yield Handed(name, theirs, place, name, instead=what, number=number)

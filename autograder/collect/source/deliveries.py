@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 
-from autograder.collect.source.tree import File, REPOSITORY, Tree
+from autograder.collect.source.tree import REPOSITORY
+from autograder.submission.tree import File, Tree
 
 
 @dataclass(frozen=True)

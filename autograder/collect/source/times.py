@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta, timezone
 import re
 
+from sqlalchemy import DateTime, inspect, Interval, text
+
 from autograder.errors import GraderError
 from autograder.gradebook.connection import connected
 from autograder.layout import Layout
@@ -121,8 +123,6 @@ def due_dates(layout: Layout) -> DueDates:
     """
     if not (layout.root / 'nbgrader_config.py').is_file():
         return DueDates()
-    from sqlalchemy import DateTime, inspect, Interval, text
-
     dates = text(_DATES).columns(duedate=DateTime())
     extensions = text(_EXTENSIONS).columns(extension=Interval())
     try:

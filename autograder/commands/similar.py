@@ -1,0 +1,86 @@
+"""The command ``similar``: submissions that are alike, for a person to look at."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from autograder.classroom.similarity import Pair, Similar, similar
+from autograder.commands import OK
+from autograder.explaining.feedback import printable
+from autograder.layout import Layout
+
+COMMON_LINES = 6
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    parser.add_argument('assignment', metavar='ASSIGNMENT')
+    parser.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
+    parser.add_argument(
+        '--at-least',
+        type=_percent,
+        default=85.0,
+        metavar='PERCENT',
+        help='list pairs from here on (default: %(default)g)',
+    )
+    parser.add_argument('--json', action='store_true', help='all of it, as JSON')
+    parser.set_defaults(run=run)
+
+
+def _percent(text: str) -> float:
+    """Read a number from 1 to 100."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 1 <= value <= 100:
+        raise argparse.ArgumentTypeError(f'expected a number from 1 to 100, got {text!r}')
+    return value
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Print the pairs."""
+    layout = Layout.here()
+    assignment = layout.assignment_named(chosen.assignment)
+    submitted = chosen.submitted or layout.submitted
+    found = similar(layout, assignment, submitted, chosen.at_least / 100)
+    print(json.dumps(found.to_json()) if chosen.json else similar_text(found))
+    return OK
+
+
+def similar_text(found: Similar) -> str:
+    """Return the list to look at as plain text."""
+    lines = [f'{found.assignment}: {found.compared} submissions compared. {found.warning}']
+    if found.typical is not None:
+        lines.append(f'Two of this class are typically {found.typical:.0%} alike.')
+    for pair in found.pairs:
+        lines += ['', *_pair_lines(pair)]
+    if not found.pairs:
+        lines.append(f'No two are {found.at_least:.0%} alike or more.')
+    if found.more:
+        lines.append(f'\n... and {found.more} more pairs; a higher --at-least shortens the list.')
+    if found.short:
+        lines.append('')
+        lines.append(f'Too little of their own to compare: {", ".join(found.short)}')
+    return printable('\n'.join(lines))
+
+
+def _pair_lines(pair: Pair) -> list[str]:
+    names = ' = '.join(pair.first)
+    if pair.second:
+        names = f'{names}  ~  {" = ".join(pair.second)}'
+    said = f'{pair.score:4.0%}  {names}'
+    if pair.renamed:
+        said += f'  (only names differ in {pair.renamed:.0%} of the common lines)'
+    lines = [said]
+    left = COMMON_LINES
+    for part in pair.common:
+        for first, second in list(zip(part.first, part.second))[:left]:
+            lines.append(f'      | {first}' + (f'   <>   {second}' if first != second else ''))
+            left -= 1
+        if left <= 0:
+            break
+    more = sum(len(part.first) for part in pair.common) - (COMMON_LINES - left)
+    return [*lines, f'      | ... {more} more lines (--json has all)'] if more else lines

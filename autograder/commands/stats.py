@@ -1,0 +1,101 @@
+"""The commands ``stats`` and ``report``: a class in numbers, as text and as a page."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from autograder.classroom.class_report import write_class_report
+from autograder.classroom.results_of_class import graded
+from autograder.classroom.statistics import class_numbers, ClassNumbers
+from autograder.commands import FOR_REVIEW, OK
+from autograder.explaining.feedback import number, printable
+from autograder.layout import Layout
+from autograder.results import shortened
+
+BAR = 40
+CAUSE_CHARS = 100
+
+
+def report_options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options of ``report``."""
+    parser.add_argument('assignment', nargs='?', metavar='ASSIGNMENT', help='default: all graded')
+    parser.set_defaults(run=report)
+
+
+def report(chosen: argparse.Namespace) -> int:
+    """Write the pages."""
+    layout = Layout.here()
+    for one in graded(layout, chosen.assignment):
+        print(write_class_report(layout, one.assignment))
+    return OK
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Describe the options of ``stats``."""
+    report_options(parser)
+    parser.add_argument('--json', action='store_true', help='print it as JSON')
+    parser.set_defaults(run=run)
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Print a class in numbers."""
+    layout = Layout.here()
+    found = [class_numbers(layout, one) for one in graded(layout, chosen.assignment)]
+    if chosen.json:
+        print(json.dumps([one.to_json() for one in found]))
+    else:
+        print('\n\n'.join(stats_text(one) for one in found))
+    return FOR_REVIEW if any(one.review for one in found) else OK
+
+
+def stats_text(numbers: ClassNumbers) -> str:
+    """Return a class in numbers as plain text."""
+    lines = [
+        f'{numbers.assignment}: {numbers.submissions} submission{"s" * (numbers.submissions != 1)}'
+    ]
+    lines += [f'  for review: {student}: {fault}' for student, fault in numbers.review]
+    lines += _marks_lines(numbers)
+    if numbers.checks:
+        lines.append('  failed  not run  mean points  check')
+    for check in numbers.checks:
+        mean = f'{number(check.mean_points)} of {number(check.max_points)}'
+        lines.append(
+            f'  {check.failed:6}  {check.not_run:7}  {mean:>11}  {check.exam}/{check.check}'
+        )
+        for words, count in check.causes[:1]:
+            words = shortened(' '.join(words.split()), CAUSE_CHARS)
+            lines.append(f'{"":33}{count} of {check.failed}: {words}')
+    lines += [f'  flag: {student}: {flag}' for student, flag in numbers.flagged]
+    lines += [f'  slowest: {student}: {seconds:.1f} s' for student, seconds in numbers.slowest]
+    if numbers.repeated:
+        lines.append(f'  run twice: {", ".join(numbers.repeated)}')
+    if numbers.recorded:
+        lines.append(f'  {numbers.recorded} needed no run: from recordings, or nothing to run')
+    lines += [f'  NOT PROTECTED: {lack}' for lack in numbers.lacks]
+    lines.append(f'  isolation {", ".join(numbers.modes) or "none needed"}')
+    if numbers.versions:
+        versions = ', '.join(f'{name} {text}' for name, text in numbers.versions.items())
+        lines.append(f'  recorded with {versions}')
+    return printable('\n'.join(lines))
+
+
+def _marks_lines(numbers: ClassNumbers) -> list[str]:
+    marks = numbers.marks
+    if marks is None:
+        return ['  nobody has a mark']
+    lines = [
+        f'  points of {number(marks.max_points)}: mean {number(marks.mean)}, median '
+        f'{number(marks.median)}, quarters {number(marks.lower_quartile)} and '
+        f'{number(marks.upper_quartile)}, from {number(marks.lowest)} to '
+        f'{number(marks.highest)}; {marks.full} of {marks.count} have all'
+    ]
+    most = max(marks.bins)
+    for place, count in enumerate(marks.bins):
+        low, high = (
+            number(marks.max_points * edge / len(marks.bins)) for edge in (place, place + 1)
+        )
+        lines.append(
+            f'  {low:>6} - {high:<6} {count:4} {"#" * round(BAR * count / most)}'.rstrip()
+        )
+    return lines
