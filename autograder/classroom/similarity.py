@@ -1,32 +1,30 @@
 """
 List similar submissions: a list to look at, never a verdict.
 
-Of each submission the code that is the student's own is compared: comments, docstrings, spacing
-and names that the file itself gives are taken away, and so are lines that the release has.  What
-is left is compared by rapidfuzz, twice: token by token in order, and line by line in any order, so
-that neither renaming nor moving hides a copy.  The course's finished package is compared with the
-students where a lesson asks for its nodes.  The score of a typical pair says how much of it is
-the exercise.  Nothing of a submission is run.
+Python's own parser drops comments, docstrings and spacing of the student's code; names that the
+file itself gives and lines of the release are left out.  Rapidfuzz compares the rest twice: token
+by token in order, and line by line in any order, so that neither renaming nor moving hides a copy.
+If a lesson asks for nodes of the course's finished package, it compares the students with it, too.
+The score of a typical pair says how much of it is the exercise.  Nothing of a submission runs.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import asdict, dataclass
-import io
-import keyword
+from itertools import chain, combinations
 from pathlib import Path
 import re
 import statistics
-import tokenize
 from typing import Any
 
 from autograder.errors import GraderError
 from autograder.grading.again import NothingRuns
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
 from autograder.layout import Layout
-from autograder.submission.code.python_text import parsed
+from autograder.submission.code.python_text import NotPythonError, parsed
 from autograder.submission.extract import extract
 from autograder.submission.inbox import discover
 from autograder.submission.notebook import Notebook
@@ -38,18 +36,13 @@ SHORTEST = 40
 """If fewer tokens than this are the student's own, equal answers are not a surprise."""
 NOT_COMPARED = ('answers/', 'msg/', 'package.xml', 'CMakeLists.txt')
 """Letters of a quiz and files with one right form are equal by nature."""
-NO_CODES = range(0xD800, 0xE000)
-"""Tokens and lines become characters, which rapidfuzz compares fastest; these are not valid."""
 WORD = re.compile(r'\w+|[^\w\s]')
-IN_BRACES, NAME = re.compile(r'\{[^{}]*\}'), re.compile(r'\b[^\W\d]\w*')
-SKIPPED = {
-    tokenize.COMMENT,
-    tokenize.NL,
-    tokenize.INDENT,
-    tokenize.DEDENT,
-    tokenize.ENCODING,
-    tokenize.ENDMARKER,
-}
+TOKEN = re.compile(r"""[bf]?(?P<quote>['"]).*?(?<!\\)(?P=quote)|\w+|[^\w\s]=?""")
+"""A string is one token, as Python's own tokenizer reads it."""
+NAMING = ('id', 'attr', 'name', 'arg', 'asname')
+"""Fields of syntax trees that hold a name."""
+BELOW = ('body', 'orelse', 'handlers', 'finalbody', 'cases')
+"""Fields of statements that hold further statements."""
 WARNING = (
     'Similar is no proof. Small exercises have few good answers, and students may have been '
     'allowed to work together. Read both files before you talk to anybody.'
@@ -59,10 +52,10 @@ WARNING = (
 @dataclass(frozen=True)
 class Line:
     """
-    One logical line of an answer.
+    One statement of an answer, without those below it; of other text, one line.
 
-    :param number: of its first physical line in the file, from 1
-    :param raw: its tokens as written, without comments and spacing
+    :param number: of its first line in the file, from 1
+    :param raw: its tokens
     :param tokens: the same without the names that the file gives
     """
 
@@ -197,12 +190,12 @@ def without_magic(source: str) -> str:
 
 
 def lines_of(path: str, text: str) -> list[Line]:
-    """Return the logical lines of a file; of Python, docstrings are left out."""
+    """Return the statements of a Python file without docstrings, or the lines of another one."""
     if path.endswith('.py'):
         try:
             return list(_python_lines(path, text))
-        except (SyntaxError, tokenize.TokenError, ValueError, RecursionError, MemoryError):
-            pass  # not Python: words are compared, names as they are
+        except (NotPythonError, RecursionError):
+            pass  # compare words, with names as they are
     found = []
     for number, line in enumerate(text.splitlines(), start=1):
         words = tuple(WORD.findall(line.partition('#')[0]))
@@ -212,61 +205,48 @@ def lines_of(path: str, text: str) -> list[Line]:
 
 
 def _python_lines(path: str, text: str) -> Iterator[Line]:
-    own, physical = given_names(text), text.splitlines()
-    held: list[tokenize.TokenInfo] = []
-    for token in tokenize.generate_tokens(io.StringIO(text).readline):
-        if token.type == tokenize.NEWLINE:
-            # A line of one string says nothing: it is a docstring.
-            if held and not (len(held) == 1 and held[0].type == tokenize.STRING):
-                number = held[0].start[0]
-                shown = physical[number - 1].strip()
-                raw = tuple(one.string for one in held)
-                yield Line(path, number, shown, raw, tuple(_normal(one, own) for one in held))
-            held = []
-        elif token.type not in SKIPPED:
-            held.append(token)
+    physical, renamed = text.splitlines(), parsed(text)
+    own = {name for node in ast.walk(renamed) for _, name in _names(node, given=True)}
+    for node in ast.walk(renamed):
+        for field, name in _names(node):
+            if name in own:
+                setattr(node, field, 'name')
+    for raw, changed in zip(_statements(parsed(text)), _statements(renamed)):
+        shown = physical[raw.lineno - 1].strip()
+        yield Line(path, raw.lineno, shown, _tokens(raw), _tokens(changed))
 
 
-def _without_names(expression: str, own: frozenset[str]) -> str:
-    """Return an expression of an f-string, which is not a separate token before Python 3.12."""
-    return NAME.sub(lambda one: 'name' if one[0] in own else one[0], expression)
+def _statements(node: ast.AST) -> Iterator[ast.stmt]:
+    """Yield the statements below a node in their order; a lone string is a docstring."""
+    for child in (child for field in BELOW for child in getattr(node, field, ())):
+        lone = child.value if isinstance(child, ast.Expr) else None
+        if isinstance(child, ast.stmt) and not isinstance(getattr(lone, 'value', None), str):
+            yield child
+        yield from _statements(child)
 
 
-def _normal(token: tokenize.TokenInfo, own: frozenset[str]) -> str:
-    """Return a token as it is compared: names of the file's own are all one."""
-    if token.type == tokenize.NAME and not keyword.iskeyword(token.string):
-        return 'name' if token.string in own else token.string
-    if token.type == tokenize.STRING:
-        quoted = token.string.lstrip('rbuRBUfF')
-        text, prefix = quoted.strip('\'"'), token.string.removesuffix(quoted)
-        if 'f' in prefix.lower():
-            text = IN_BRACES.sub(lambda one: _without_names(one[0], own), text)
-        return text
-    return token.string
+def _tokens(statement: ast.stmt) -> tuple[str, ...]:
+    """Return the tokens of a statement without the statements below it."""
+    head = copy(statement)
+    for field in BELOW:
+        if hasattr(head, field):
+            setattr(head, field, [])
+    return tuple(found[0] for found in TOKEN.finditer(ast.unparse(head)))
 
 
-def given_names(text: str) -> frozenset[str]:
+def _names(node: ast.AST, given: bool = False) -> Iterator[tuple[str, str]]:
     """
-    Return the names that a Python file itself gives to something; what it imports keeps its name.
+    Yield the fields of a node that hold a name, with the names.
 
-    :raises NotPythonError: if it is none
+    :param given: only names that the file itself gives to something; imports keep theirs
     """
-    tree = parsed(text)
-    found: set[str] = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            found.add(node.id)
-        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
-            found.add(node.attr)
-        elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-            found.add(node.name)
-        elif isinstance(node, ast.arg):
-            found.add(node.arg)
-        elif isinstance(node, ast.alias) and node.asname:
-            found.add(node.asname)
-        elif isinstance(node, ast.ExceptHandler) and node.name:
-            found.add(node.name)
-    return frozenset(found)
+    fields = ('asname',) if isinstance(node, ast.alias) else NAMING
+    reads = isinstance(node, ast.keyword) or not isinstance(
+        getattr(node, 'ctx', ast.Store()), ast.Store
+    )
+    for field in () if given and reads else fields:
+        if isinstance(name := getattr(node, field, None), str):
+            yield field, name
 
 
 # -- comparing ----------------------------------------------------------------------------------
@@ -284,7 +264,6 @@ def compare(
 
     :param answers: student -> path -> text
     :param given: lines that everybody received, see :func:`given_lines`
-    :param at_least: score from which a pair is listed, 0 to 1
     :param references: texts of the course, compared with the students' and not with each other
     """
     references = references or {}
@@ -297,78 +276,49 @@ def compare(
         ]
         for student, files in {**answers, **references}.items()
     }
-    short = tuple(student for student, found in own.items() if sum(map(_length, found)) < SHORTEST)
+    lengths = {who: sum(len(line.tokens) for line in found) for who, found in own.items()}
+    short = tuple(who for who, length in lengths.items() if length < SHORTEST)
     groups: dict[tuple[tuple[str, ...], ...], list[str]] = {}
     for student, found in own.items():
         if student not in short:
             groups.setdefault(tuple(line.tokens for line in found), []).append(student)
-    alike, scores = _alike(list(groups.values()), own, at_least, references)
+    alike: list[tuple[float, Sequence[str], Sequence[str]]] = [
+        (1.0, students, ()) for students in groups.values() if len(students) > 1
+    ]
+    scores = []
+    for score, first, second in _scores(groups):
+        if not set(first) | set(second) <= references.keys():
+            scores.append(score)
+            alike += [(score, first, second)] if score >= at_least else []
+    alike.sort(key=lambda found: (-found[0], found[1]))
     pairs = tuple(
         _pair(first, second, score, own[first[0]], own[(second or first[1:])[0]])
         for score, first, second in alike[:MOST]
     )
-    return Similar(
-        assignment,
-        len(own.keys() - references.keys() - set(short)),
-        short,
-        at_least,
-        statistics.median(scores) if scores else None,
-        pairs,
-        max(0, len(alike) - MOST),
-    )
+    compared = len(own.keys() - references.keys() - set(short))
+    typical = statistics.median(scores) if scores else None
+    more = max(0, len(alike) - MOST)
+    return Similar(assignment, compared, short, at_least, typical, pairs, more)
 
 
-def _length(line: Line) -> int:
-    return len(line.tokens)
-
-
-def _alike(
-    groups: Sequence[Sequence[str]],
-    own: Mapping[str, Sequence[Line]],
-    at_least: float,
-    references: Collection[str] = (),
-) -> tuple[list[tuple[float, Sequence[str], Sequence[str]]], list[float]]:
+def _scores(
+    groups: Mapping[tuple[tuple[str, ...], ...], Sequence[str]],
+) -> Iterator[tuple[float, Sequence[str], Sequence[str]]]:
     """
-    Return who is alike enough, the most alike first, and the scores of all pairs.
+    Yield the score of each two groups of students.
 
-    :param groups: students whose own code is the same
-    :param references: names of texts that are not students'
+    :param groups: lines of tokens, and whose they are
     """
     from rapidfuzz.distance import Indel
     from rapidfuzz.process import cdist
 
-    alike: list[tuple[float, Sequence[str], Sequence[str]]] = [
-        (1.0, students, ()) for students in groups if len(students) > 1
-    ]
-    scores = []
     if len(groups) > 1:
-        tokens, lines = _coded([own[students[0]] for students in groups])
-        in_order = cdist(tokens, tokens, scorer=Indel.normalized_similarity).tolist()
-        any_order = cdist(lines, lines, scorer=Indel.normalized_similarity).tolist()
-        for one, first in enumerate(groups):
-            for two, second in enumerate(groups[:one]):
-                if set(first) | set(second) <= set(references):
-                    continue
-                score = max(in_order[one][two], any_order[one][two])
-                scores.append(score)
-                if score >= at_least:
-                    alike.append((score, second, first))
-    return sorted(alike, key=lambda found: (-found[0], found[1])), scores
-
-
-def _coded(texts: Sequence[Sequence[Line]]) -> tuple[list[str], list[str]]:
-    """Return each text as a string of one character a token, and one a line, lines sorted."""
-    codes: dict[Any, str] = {}
-
-    def code(what: Any) -> str:
-        if what not in codes:
-            place = len(codes)
-            codes[what] = chr(place if place < NO_CODES.start else place + len(NO_CODES))
-        return codes[what]
-
-    tokens = [''.join(code(token) for line in text for token in line.tokens) for text in texts]
-    lines = [''.join(sorted(code(line.tokens) for line in text)) for text in texts]
-    return tokens, lines
+        in_order, any_order = (
+            cdist(texts, texts, scorer=Indel.normalized_similarity).tolist()
+            for texts in ([[*chain(*lines)] for lines in groups], [sorted(one) for one in groups])
+        )
+        for (one, first), (two, second) in combinations(enumerate(groups.values()), 2):
+            yield max(in_order[one][two], any_order[one][two]), first, second
 
 
 def _pair(
@@ -381,22 +331,14 @@ def _pair(
     """Return a pair with the lines that are the same in both, longest stretches first."""
     from rapidfuzz.distance import LCSseq
 
-    matched = [
-        (one[block.src_start : block.src_end], two[block.dest_start : block.dest_end])
-        for block in LCSseq.opcodes([line.tokens for line in one], [line.tokens for line in two])
-        if block.tag == 'equal'
-    ]
-    same = [both for block in matched for both in zip(*block)]
-    renamed = sum(left.raw != right.raw for left, right in same) / max(1, len(same))
-    matched.sort(key=lambda block: -len(block[0]))
-    common = tuple(
-        Common(
-            left[0].path,
-            tuple(line.text for line in left),
-            tuple(line.text for line in right),
-            left[0].number,
-            right[0].number,
-        )
-        for left, right in matched
-    )
-    return Pair(tuple(first), tuple(second), score, renamed, common)
+    common, same, renamed = [], 0, 0
+    for block in LCSseq.opcodes([line.tokens for line in one], [line.tokens for line in two]):
+        if block.tag == 'equal':
+            left = one[block.src_start : block.src_end]
+            right = two[block.dest_start : block.dest_end]
+            same += len(left)
+            renamed += sum(line.raw != theirs.raw for line, theirs in zip(left, right))
+            mine, other = (tuple(line.text for line in lines) for lines in (left, right))
+            common.append(Common(left[0].path, mine, other, left[0].number, right[0].number))
+    common.sort(key=lambda found: -len(found.first))
+    return Pair(tuple(first), tuple(second), score, renamed / max(1, same), tuple(common))
