@@ -23,7 +23,8 @@ def shell():
 @pytest.fixture
 def places(tmp_path):
     """Return the places of a project that has only the ROS package."""
-    (tmp_path / COURSE_PACKAGE).symlink_to(PROJECT / COURSE_PACKAGE)
+    for name in (COURSE_PACKAGE, 'course.toml'):
+        (tmp_path / name).symlink_to(PROJECT / name)
     return Places.of('.venv', tmp_path)
 
 
