@@ -9,7 +9,7 @@ work is not listed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
@@ -28,7 +28,7 @@ DEEPEST = 12
 SPECIAL = 'a link or a special file'
 COLCON_MARK = 'COLCON_IGNORE'
 _CHUNK = 1 << 20
-_NOT_LISTED = 'made by a program'
+_NOISE = 'made by a program'
 _UTF_8 = 0x800
 """Set where a zip says that a name is UTF-8."""
 _COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
@@ -140,14 +140,15 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
     except OSError as error:
         what = f'{source}: expected a folder or a zip file, got: {str(error.strerror).lower()}.'
         raise NotTakenInError(what) from error
+    meter = _Meter(str(source), bounds)
     if stat.S_ISDIR(kind):
-        yield _of_folder(source, _Listing(str(source), bounds))
+        yield _tree(source.resolve().name, _in_folder(source, (), meter), meter)
         return
     try:
         if not stat.S_ISREG(kind):
             raise zipfile.BadZipFile('something else')
         with zipfile.ZipFile(source) as archive:
-            yield _of_zip(archive, _Listing(str(source), bounds), source.stem)
+            yield _tree(source.stem, _in_zip(archive, meter), meter)
     except _DAMAGED as error:
         raise NotTakenInError(
             f'{source}: expected a folder or a zip file that can be read, got: {error}.',
@@ -156,155 +157,134 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
 
 
 @dataclass
-class _Listing:
+class _Meter:
     """
-    What was found so far.
+    How much was read of a source; a file that was read can be read again.
 
     :param where: the source, for messages
-    :param names: how many were looked at, and how many of them count
-    :param known: what was read; it can be read again
-    :param read_bytes: all of it together
     """
 
     where: str
     bounds: Bounds
-    files: dict[Parts, File] = field(default_factory=dict)
-    refused: list[tuple[str, str]] = field(default_factory=list)
-    folders: set[Parts] = field(default_factory=set)
-    repositories: set[Parts] = field(default_factory=set)
-    owners: dict[Parts, int] = field(default_factory=dict)
-    names: tuple[int, int] = (0, 0)
     known: set[Parts] = field(default_factory=set)
-    read_bytes: int = 0
+    count: int = 0
 
-    def count(self, noise: bool) -> None:
+    def within(self, parts: Parts, data: bytes) -> bytes:
         """
-        Count one name.
+        Return what was read of a file.
 
-        :raises NotTakenInError: if there are far too many
+        :raises NotTakenInError: if it is too much with all the others
+        :raises UnreadableError: if it is too much for one file
         """
-        listed, counted = self.names
-        self.names = listed + 1, counted + (not noise)
-        for found, most in zip(self.names, (self.bounds.listed, self.bounds.entries)):
-            if found > most:
-                raise self.bounds.refusal(self.where, f'more than {most} files')
-
-    def spend(self, parts: Parts, count: int) -> None:
-        """
-        Note that so many bytes of a file were read.
-
-        :raises NotTakenInError: if that is too much
-        """
-        self.read_bytes += 0 if parts in self.known else count
+        self.count += 0 if parts in self.known else len(data)
         self.known.add(parts)
-        if self.read_bytes > self.bounds.whole_bytes:
-            raise self.bounds.refusal(self.where, _more_than(self.bounds.whole_bytes))
-
-    def note_noise(self, parts: Parts) -> None:
-        """Note what is not listed: the folder it is in is there, and may be a repository."""
-        above = parts[:-1]
-        if above and (above in self.folders or not self.bounds.trouble(above)):
-            self.folders.add(above)
-            if parts[-1] == '.git':
-                self.repositories.add(above)
-
-    def tree(self, name: str) -> Tree:
-        """Return it as a tree, with those folders as empty in which nothing was found."""
-        found = [*self.files, *(tuple(where.split('/')) for where, _ in self.refused)]
-        used = {parts[:count] for parts in found for count in (1, 2)}
-        empty = sorted({parts[:2] for parts in self.folders} - used)
-        files = tuple(self.files[parts] for parts in sorted(self.files))
-        repositories = frozenset(self.repositories)
-        return Tree(name, files, tuple(self.refused), tuple(empty), repositories, self.owners)
+        if self.count > self.bounds.whole_bytes:
+            raise self.bounds.refusal(self.where, f'more than {self.bounds.whole_bytes >> 20} MiB')
+        if len(data) > self.bounds.file_bytes:
+            raise UnreadableError(f'more than {self.bounds.file_bytes >> 20} MiB')
+        return data
 
 
-def _of_folder(folder: Path, found: _Listing) -> Tree:
-    for parts, path, trouble in _walk(folder, (), found.bounds):
-        noise = trouble == _NOT_LISTED
-        found.count(noise)
-        if noise:
-            found.note_noise(parts)
+@dataclass(frozen=True)
+class _Name:
+    """
+    One name in a source.
+
+    :param trouble: why it is not taken
+    :param read: returns the content, None for a folder
+    """
+
+    parts: Parts
+    trouble: str = ''
+    read: Callable[[], bytes] | None = None
+    owner: int | None = None
+
+
+def _tree(name: str, names: Iterable[_Name], meter: _Meter) -> Tree:
+    """Return a source, with those folders as empty in which nothing was found."""
+    files: dict[Parts, File] = {}
+    refused: list[tuple[str, str]] = []
+    folders: set[Parts] = set()
+    repositories: set[Parts] = set()
+    owners: dict[Parts, int] = {}
+    bounds, noise = meter.bounds, 0
+    for count, one in enumerate(names, 1):
+        noise += one.trouble == _NOISE
+        for found, most in ((count, bounds.listed), (count - noise, bounds.entries)):
+            if found > most:
+                raise bounds.refusal(meter.where, f'more than {most} files')
+        above = one.parts[:-1]
+        if one.trouble == _NOISE:
+            if above and (above in folders or not bounds.trouble(above)):
+                folders.add(above)
+                repositories |= {above} if one.parts[-1] == '.git' else set()
             continue
-        trouble = trouble or found.bounds.trouble(parts)
-        facts = path.lstat()
-        kind, found.owners[parts] = facts.st_mode, facts.st_uid
-        if trouble:
-            found.refused.append(('/'.join(parts), trouble))
-        elif stat.S_ISDIR(kind):
-            found.folders.add(parts)
-        elif not stat.S_ISREG(kind):
-            found.refused.append(('/'.join(parts), SPECIAL))
+        if one.owner is not None:
+            owners[one.parts] = one.owner
+        twice = 'a name that is there twice' if one.parts in files else ''
+        if trouble := bounds.trouble(one.parts) or one.trouble or twice:
+            refused.append(('/'.join(one.parts)[: bounds.name_chars], trouble))
+        elif one.read is None:
+            folders.add(one.parts)
         else:
-            found.files[parts] = File(parts, partial(_read_path, path, parts, found, facts.st_uid))
-    return found.tree(folder.resolve().name)
+            files[one.parts] = File(one.parts, one.read)
+    there = [*files, *(tuple(where.split('/')) for where, _ in refused)]
+    used = {parts[:depth] for parts in there for depth in (1, 2)}
+    empty = sorted({parts[:2] for parts in folders} - used)
+    ordered = tuple(files[parts] for parts in sorted(files))
+    return Tree(name, ordered, tuple(refused), tuple(empty), frozenset(repositories), owners)
 
 
-def _walk(folder: Path, above: Parts, bounds: Bounds) -> Iterator[tuple[Parts, Path, str]]:
-    """Yield everything in order, with what is wrong with it; no link is followed."""
+def _in_folder(folder: Path, above: Parts, meter: _Meter) -> Iterator[_Name]:
+    """Yield everything in order; no link is followed."""
     with os.scandir(folder) as entries:
         inside = sorted(entries, key=lambda entry: entry.name)
     for entry in inside:
-        parts, path = (*above, entry.name), Path(entry.path)
-        folder_here = entry.is_dir(follow_symlinks=False)
-        built = folder_here and os.path.lexists(path / COLCON_MARK)
-        if bounds.is_noise(parts, (parts,) if built else ()):
-            yield parts, path, _NOT_LISTED
-        elif not folder_here:
-            yield parts, path, ''
+        parts, path, facts = (
+            (*above, entry.name),
+            Path(entry.path),
+            entry.stat(follow_symlinks=False),
+        )
+        here, owner = stat.S_ISDIR(facts.st_mode), facts.st_uid
+        marked = (parts,) if here and os.path.lexists(path / COLCON_MARK) else ()
+        if meter.bounds.is_noise(parts, marked):
+            yield _Name(parts, _NOISE)
+        elif not here:
+            trouble = '' if stat.S_ISREG(facts.st_mode) else SPECIAL
+            yield _Name(parts, trouble, partial(_read_path, path, parts, owner, meter), owner)
         elif len(parts) >= DEEPEST:
-            yield parts, path, 'a path that is far too long'
+            yield _Name(parts, 'a path that is far too long', None, owner)
         else:
             try:
-                yield parts, path, ''
-                yield from _walk(path, parts, bounds)
+                yield _Name(parts, '', None, owner)
+                yield from _in_folder(path, parts, meter)
             except PermissionError:  # one student's folder, as exchanges have them
-                yield parts, path, 'a folder that cannot be read: permission denied'
+                trouble = 'a folder that cannot be read: permission denied'
+                yield _Name(parts, trouble, None, owner)
 
 
-def _read_path(path: Path, parts: Parts, found: _Listing, owner: int) -> bytes:
+def _read_path(path: Path, parts: Parts, owner: int, meter: _Meter) -> bytes:
     data, problems = read_file(path, '/'.join(parts), owner)
     if data is None:
         raise UnreadableError(problems[0].got)
-    return _within(data, parts, found)
+    return meter.within(parts, data)
 
 
-def _within(data: bytes, parts: Parts, found: _Listing) -> bytes:
-    """Return what was read of a file, unless it or all that was read is too much."""
-    found.spend(parts, len(data))
-    if len(data) > found.bounds.file_bytes:
-        raise UnreadableError(_more_than(found.bounds.file_bytes))
-    return data
-
-
-def _more_than(count: int) -> str:
-    return f'more than {count >> 20} MiB'
-
-
-def _of_zip(archive: zipfile.ZipFile, found: _Listing, name: str) -> Tree:
+def _in_zip(archive: zipfile.ZipFile, meter: _Meter) -> Iterator[_Name]:
     inside = archive.infolist()
-    names = [_name_of(entry) for entry in inside]
     # What is deeper than allowed stays in one piece: a name may have thousands of slashes.
-    paths = [tuple(one.removesuffix('/').split('/', DEEPEST + 1)) for one in names]
+    paths = [tuple(_name_of(one).removesuffix('/').split('/', DEEPEST + 1)) for one in inside]
     marked = {parts[:-1] for parts in paths if parts[-1] == COLCON_MARK}
-    for entry, where, parts in zip(inside, names, paths):
+    for entry, parts in zip(inside, paths):
         heads = (parts[:count] for count in range(1, len(parts) + 1))
-        noise = next((one for one in heads if found.bounds.is_noise(one, marked)), None)
-        found.count(noise is not None)
+        noise = next((one for one in heads if meter.bounds.is_noise(one, marked)), None)
         if noise is not None:
-            found.note_noise(noise)
-            continue
-        trouble = found.bounds.trouble(parts)
-        if entry.is_dir() and not trouble:
-            found.folders.add(parts)
-            continue
-        trouble = trouble or _trouble_with_entry(entry)
-        if not trouble and parts in found.files:
-            trouble = 'a name that is there twice'
-        if trouble:
-            found.refused.append((where[: found.bounds.name_chars], trouble))
+            yield _Name(noise, _NOISE)
+        elif entry.is_dir():
+            yield _Name(parts)
         else:
-            found.files[parts] = File(parts, partial(_read_entry, archive, entry, parts, found))
-    return found.tree(name)
+            read = partial(_read_entry, archive, entry, parts, meter)
+            yield _Name(parts, _trouble_with_entry(entry), read)
 
 
 def _name_of(entry: zipfile.ZipInfo) -> str:
@@ -320,17 +300,17 @@ def _name_of(entry: zipfile.ZipInfo) -> str:
 
 
 def _read_entry(
-    archive: zipfile.ZipFile, entry: zipfile.ZipInfo, parts: Parts, found: _Listing
+    archive: zipfile.ZipFile, entry: zipfile.ZipInfo, parts: Parts, meter: _Meter
 ) -> bytes:
     data = bytearray()
     try:
         with archive.open(entry) as file:  # what it says of its size is not asked
-            while len(data) <= found.bounds.file_bytes and (more := file.read(_CHUNK)):
+            while len(data) <= meter.bounds.file_bytes and (more := file.read(_CHUNK)):
                 data += more
     except (*_DAMAGED, RuntimeError) as error:
-        found.spend(parts, len(data))
+        meter.within(parts, bytes(data))
         raise UnreadableError(f'a damaged entry ({error})') from error
-    return _within(bytes(data), parts, found)
+    return meter.within(parts, bytes(data))
 
 
 def _trouble_with_entry(entry: zipfile.ZipInfo) -> str:
