@@ -66,7 +66,7 @@ def keep(places: Places) -> bool:
 
 
 def _write_stand_in(path: Path, python: str) -> None:
-    """Write what CMake takes for Python, if a script's first line can name the Python."""
+    """Write the Python that CMake finds, if a script's first line can name it."""
     first = f'#!{python} -SE\n'
     if len(first) <= LONGEST_FIRST_LINE and len(first.split()) == len(('python', '-SE')):
         write_atomically(path, first + STAND_IN.read_text('utf-8'))

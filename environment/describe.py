@@ -81,7 +81,7 @@ def describe_sourced(
     places: Places, base_prefix: str, environ: Mapping[str, str]
 ) -> RosEnvironment:
     """
-    Describe a venv that stands on a sourced ROS 2 installation (apt or conda).
+    Describe a venv that uses a sourced ROS 2 installation (apt or conda).
 
     :param places: the prepared folders
     :param base_prefix: installation of the interpreter that the venv was made from
@@ -155,7 +155,7 @@ def with_workspace(base: Mapping[str, str], prefix: Path) -> dict[str, str]:
 
 
 def _outermost(folders: Iterable[str]) -> list[str]:
-    """Return the folders, real and existing, without /usr and without ones inside another."""
+    """Return the existing folders, resolved, without /usr and folders inside others."""
     real = {str(Path(folder)) for folder in folders if Path(folder).is_dir()}
     real |= {os.path.realpath(folder) for folder in real}
     outer: list[str] = []

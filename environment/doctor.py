@@ -77,7 +77,7 @@ class Finding:
 
 
 def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
-    """Yield the findings, in the order in which things are built on one another."""
+    """Yield the findings, each after those that it depends on."""
     python = interpreters.probe(str(places.python), environ)
     ros = _description(places)
     yield check_python(interpreters.find(environ, environ.get('PYTHON', '')), ros)
@@ -230,7 +230,7 @@ def installed_versions(site_packages: Path) -> dict[str, str]:
 
 
 def purposes_of(requirements: str) -> dict[str, str]:
-    """Return name -> the heading it stands under in requirements.in."""
+    """Return name -> its heading in requirements.in."""
     purposes, heading = {}, ''
     for line in requirements.splitlines():
         if line.startswith('# --- '):
@@ -296,7 +296,7 @@ def check_kernel(places: Places, ros: RosEnvironment | None) -> Finding:
 
 
 def check_ros2_command(places: Places, ros: RosEnvironment | None) -> Finding:
-    """Tell whose ``ros2`` is in use: the installation's or the course's."""
+    """Report which ``ros2`` is in use: the installation's or the course's."""
     if ros and (real := installed_ros2(ros)):
         return Finding('ros2 command', OK, real)
     script = places.venv / 'bin' / 'ros2'

@@ -34,7 +34,7 @@ def copy_cmake_files(places: Places) -> None:
 
 
 def kernel_spec(ros: RosEnvironment) -> dict[str, object]:
-    """Return the content of kernel.json: it carries the ROS environment, so nobody sources it."""
+    """Return the content of kernel.json: it sets the ROS environment."""
     # Jupyter fills in ${PATH}; the learner's own programs stay reachable behind the venv's.
     path = {'PATH': f'{Path(ros.python).parent}:${{PATH}}'}
     variables = {**discovery_variables(ros), **ros.variables, **path}

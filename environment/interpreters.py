@@ -36,7 +36,7 @@ print(json.dumps({
 @dataclass(frozen=True)
 class Interpreter:
     """
-    What a candidate said about itself.
+    The facts that a candidate prints about itself.
 
     :param path: the interpreter
     :param release: '3.12.1'
@@ -69,7 +69,7 @@ class Interpreter:
 
     @property
     def supported(self) -> bool:
-        """Whether the lock has pins for it."""
+        """Return whether the lock has pins for it."""
         return self.implementation == 'cpython' and self.version in PREFERRED
 
     @property
@@ -84,7 +84,7 @@ class Interpreter:
 
     @property
     def complete(self) -> bool:
-        """Whether nothing has to be installed beside it."""
+        """Return whether it needs no further installation."""
         return self.has_venv and self.has_headers
 
     def lacking(self) -> str:

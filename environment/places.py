@@ -42,7 +42,7 @@ def stated(project: Path, name: str) -> str:
 @dataclass(frozen=True)
 class Places:
     """
-    Where things are in one prepared environment.
+    The paths of one prepared environment.
 
     :param venv: the virtual environment, absolute
     :param project: the folder of the course
@@ -63,7 +63,7 @@ class Places:
 
     @property
     def notes(self) -> Path:
-        """What the set-up remembers between runs: stamps and logs."""
+        """Return the folder of stamps and logs, which the set-up keeps between runs."""
         return self.venv / 'ros2_course'
 
     @property
@@ -88,7 +88,7 @@ class Places:
 
     @property
     def terminal(self) -> Path:
-        """What terminals of JupyterLab start."""
+        """Return the shell that terminals of JupyterLab start."""
         return self.notes / 'terminal'
 
     @property

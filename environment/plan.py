@@ -31,7 +31,7 @@ _HARMFUL = (
 @dataclass
 class Plan:
     """
-    What is to be prepared.
+    The choices of one set-up.
 
     :param places: the folders
     :param environ: the environment of the shell, with a remembered sourced ROS 2 added
@@ -52,7 +52,7 @@ class Plan:
 
     @property
     def origin(self) -> str:
-        """Where ROS 2 comes from, in words."""
+        """Describe where ROS 2 comes from."""
         return 'PyPI' if self.kind == 'wheels' else 'the sourced installation'
 
     def clean_environ(self) -> dict[str, str]:
@@ -110,7 +110,7 @@ def make_plan(places: Places, environ: Mapping[str, str]) -> Plan:
 
 
 def _python_of_venv(places: Places, environ: Mapping[str, str]) -> Interpreter | None:
-    """Return the Python of an existing venv, so that it is kept unless another is asked for."""
+    """Return the Python of an existing venv, kept unless a different one is chosen."""
     python = interpreters.probe(str(places.python), environ) if places.python.exists() else None
     return python if python and python.supported and python.complete else None
 

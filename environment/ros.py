@@ -67,7 +67,7 @@ class RosEnvironment:
             raise ValueError(f'expected exactly the keys {", ".join(sorted(names))}')
         for name in ('variables', 'base_variables'):
             if not isinstance(data[name], dict):
-                raise ValueError(f'{name} is no table of names and values')
+                raise ValueError(f'{name} is not a table of names and values')
         return cls(**{**data, 'read_only': tuple(data['read_only'])})
 
 

@@ -1,5 +1,5 @@
 """
-What ``<venv>/bin/ros2`` starts: the course's own small ``ros2`` with the ROS environment.
+Start the course's own small ``ros2`` with the ROS environment, for ``<venv>/bin/ros2``.
 
 It runs in any terminal, sourced or not, and in cells of a notebook.  Search paths that are set
 already stay in front, so a workspace that was built in a notebook or sourced in a terminal is
@@ -41,7 +41,7 @@ def installed_ros2(ros: RosEnvironment, path: str = '') -> str | None:
 
 
 def discovery_variables(ros: RosEnvironment) -> dict[str, str]:
-    """Return the settings with which nodes find one another quickly."""
+    """Return the settings that make discovery fast."""
     if 'RMW_IMPLEMENTATION' in ros.variables:
         return {}
     return {'FASTRTPS_DEFAULT_PROFILES_FILE': str(PROFILES)}

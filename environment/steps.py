@@ -195,7 +195,7 @@ def explain(error: StepError, step: Step, label: str, log_path: Path, screen: Sc
 @contextmanager
 def locked(path: Path, screen: Screen) -> Iterator[int]:
     """
-    Hold the lock of the set-up; wait, with a word, while another one holds it.
+    Hold the lock of the set-up; print a line and wait while a different set-up holds it.
 
     The kernel frees it when its holder is gone, however it ended.
     """

@@ -1,5 +1,5 @@
 """
-What the course's notebooks import.
+The functions that the course's notebooks import.
 
 ``import roslab`` in a notebook makes the cell magics ``%%node``, ``%%rosmsg``, ``%%rospkg`` and
 ``%%answer`` known.  ROS 2 itself is started by the first call that needs it.

@@ -27,7 +27,7 @@ _REAPING_S = 2.0
 @dataclass(frozen=True)
 class Outcome:
     """
-    What became of a command.
+    The outcome of a command.
 
     :param returncode: None if it was ended at its deadline
     :param output: the end of what it wrote on stdout and stderr

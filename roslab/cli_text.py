@@ -1,5 +1,5 @@
 """
-What ROS 2's command line tools print, made from plain facts.
+Format facts as ROS 2's command line tools print them.
 
 These functions know no node, no session and no terminal: the notebook functions ``echo``, ``hz``,
 ``info`` and ``topics`` print them, and so do the commands of the same names.
@@ -144,7 +144,7 @@ class _Dumper(yaml.SafeDumper):
     """Writes repeated objects in full instead of naming the first."""
 
     def ignore_aliases(self, data: Any) -> bool:
-        """Tell PyYAML to write no anchors."""
+        """Make PyYAML write no anchors."""
         return True
 
 

@@ -65,7 +65,7 @@ def key_of(name: str, namespace: str | None) -> str:
 
 
 def _remapped(name: str, arguments: Mapping[str, Any]) -> tuple[str, str | None]:
-    """Return name and namespace of a node after the rules of its own ``cli_args``; first wins."""
+    """Return name and namespace of a node after the rules of its ``cli_args``."""
     given = list(arguments.get('cli_args') or ())
     found = {'__node': name, '__ns': arguments.get('namespace')}
     rules = [rule for option, rule in pairwise(given) if option in ('-r', '--remap')]

@@ -50,11 +50,11 @@ def _numeric(msg_type: Any, prefix: str, depth: int) -> list[str]:
 
 def number_getter(msg_type: Any, path: str) -> Callable[[Any], float | None]:
     """
-    Return a function that takes a number out of a message, or None where an array is too short.
+    Return a function that reads a number from a message; it returns None if an array is too short.
 
     :param msg_type: class of the messages
     :param path: names with dots, items of arrays with brackets
-    :raises RoslabError: if there is no such field, or it is no number
+    :raises RoslabError: if there is no such field, or it is not a number
     """
     steps: list[str | int] = []
     here: Any = msg_type
@@ -114,7 +114,7 @@ def _no_number(msg_type: Any, path: str, kind: str) -> RoslabError:
             f'Name one of its items, as in {path + "[0]"!r}.'
         )
     return RoslabError(
-        f'The field {path!r} of {msg_type.__name__} is no number but {kind}. {_offer(msg_type)}'
+        f'The field {path!r} of {msg_type.__name__} is not a number but {kind}. {_offer(msg_type)}'
     )
 
 

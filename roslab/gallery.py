@@ -1,5 +1,5 @@
 """
-What an error means: the gallery of lesson 08, searched by the text of a message.
+Explain errors: search the gallery of lesson 08 by the text of a message.
 
 The entries are data, in ``gallery.yaml``.  Errors of a build are looked up in the table that
 ``build_messages`` uses, too.

@@ -1,5 +1,5 @@
 """
-Who publishes and who subscribes what, now, as plain data read from the live ROS graph.
+Read the publishers and subscriptions of the live ROS graph as plain data.
 
 An endpoint is *matched* if one on the other side has the same type and a QoS that fits.  The graph
 knows of endpoints that will never be matched too, so both are told apart here.

@@ -1,5 +1,5 @@
 """
-What to do next, in place of a traceback.
+Print what to do next instead of a traceback.
 
 An IPython extension that the course's kernel loads.  Some errors say less about the code than
 about the order in which cells were run, or about the notebook itself; each of these is shown as
@@ -108,8 +108,8 @@ def advice(error: BaseException, shell: Any) -> str | None:
         return _interrupted(error)
     if isinstance(error, UsageError) and (found := _MAGIC_BELOW.match(str(error))):
         return (
-            f'UsageError: {found[1]} has to be the first line of its cell. Move what stands above '
-            'it, also a comment, below it, and run the cell again.'
+            f'UsageError: {found[1]} has to be the first line of its cell. Move all lines above '
+            'it, even comments, below it, and run the cell again.'
         )
     if type(error) is NotImplementedError and _raised_by_learner(error):
         return _not_written(error)
@@ -247,7 +247,7 @@ def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: An
 
 
 def _inside_magic(trace: Any) -> Any:
-    """Return what of a traceback lies in the text of a ``%%`` cell, None if nothing does."""
+    """Return the lines of a traceback that are in a ``%%`` cell, or None."""
     inside = None
     while trace is not None:
         if trace.tb_frame.f_code.co_filename == _MAGICS:

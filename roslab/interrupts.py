@@ -67,7 +67,7 @@ class HeldInterrupts:
 
     @contextmanager
     def allowed(self) -> Iterator[None]:
-        """Let interrupts through for a while: a learner's own code may take for ever."""
+        """Let interrupts through for a while: a learner's own code may never end."""
         if not self._active:
             yield
             return

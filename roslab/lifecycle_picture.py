@@ -162,7 +162,7 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
 
 
 def _asked(current: Session, name: str) -> str:
-    """Return the state that a node of another process answers."""
+    """Ask a node of a different process for its state."""
     helper = current.helper
     client: Any = helper.create_client(GetState, f'{name}/get_state')
     try:

@@ -38,7 +38,7 @@ class Plot:
     :param seconds: length of the time axis [s]
     :param threshold: a level to compare the values with
     :raises NotHereError: if nobody has the topic
-    :raises RoslabError: if there is no such field, or it is no number
+    :raises RoslabError: if there is no such field, or it is not a number
     """
 
     def __init__(
@@ -115,7 +115,7 @@ class Plot:
         self._keep_up()
 
     def _keep_up(self) -> None:
-        """Have the picture follow, also again after stop_all() had ended the listening."""
+        """Make the picture follow, even after stop_all() has ended its subscription."""
         with HeldInterrupts():
             if self._handle is None or self._ended.is_set():
                 return

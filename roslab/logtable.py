@@ -1,5 +1,5 @@
 """
-What nodes have logged, as a table.
+Show the log lines of nodes as a table.
 
 The lines are taken where rclpy hands them to the logging library, after levels and filters such as
 ``once``.  Nothing is lost to discovery or to queues, loggers that belong to no node are seen too,

@@ -101,7 +101,7 @@ def find_topic(session: Session, topic: str, patience_s: float = DISCOVERY_S) ->
 
 def not_here(kind: str, name: str, known: Iterable[str]) -> NotHereError:
     """
-    Return the error for a name that nobody has.
+    Return the error for a name that no node has.
 
     :param kind: 'topic', 'node' or both in words
     :param name: what was asked for

@@ -24,7 +24,7 @@ class NodeLineMissingError(RoslabError, InputRejected):
 
 class ProgramsRefused(ast.NodeTransformer):
     """
-    What IPython asks before it runs a cell.
+    The hook that IPython calls before it runs a cell.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -70,7 +70,7 @@ def refuse_programs(shell: Any) -> None:
 
 
 def _goes_on(tree: ast.Module) -> bool:
-    """Return whether a cell uses ROS and spins, by a function of rclpy or a loop of its own."""
+    """Return whether a cell uses ROS and spins, with a function of rclpy or in its own loop."""
     nodes = list(ast.walk(tree))
     ros = any(isinstance(node, ast.Name) and node.id == 'rclpy' for node in nodes)
     loops = any(isinstance(node, ast.While) for node in nodes)

@@ -62,7 +62,7 @@ def _magic(shell: Any, kind: str) -> Callable[[str, str], None]:
 
 
 def _keep_empty_body(lines: list[str]) -> list[str]:
-    """Give a magic line that stands alone an empty body, which IPython itself would refuse."""
+    """Give a magic line without a body an empty one, because IPython would refuse the line."""
     alone = len(lines) == 1 and lines[0].startswith(tuple(f'%%{kind}' for kind in KINDS))
     return [*lines, '\n'] if alone else lines
 

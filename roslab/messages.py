@@ -56,7 +56,7 @@ _MARK = re.compile(r'(?m)^\[ *(\d+)(/\d+|%)\]')
 @dataclass(frozen=True)
 class BuildReport:
     """
-    What became of a build.
+    The outcome of a build.
 
     :param package: name of the package
     :param ok: whether its messages can be used

@@ -1,5 +1,5 @@
 """
-Where words and tables go.
+Print text and tables to the right place.
 
 A notebook frontend gets a table as HTML; a notebook that is executed without a frontend (nbclient,
 nbgrader) gets the same facts as plain text on stdout.  Nothing is ever written to stderr: nbgrader
@@ -38,7 +38,7 @@ class Cell:
     @property
     def has_frontend(self) -> bool:
         """
-        Return whether somebody is looking.
+        Return whether a frontend shows the output.
 
         Frontends name the cell they execute, nbclient and a console do not.
         """
@@ -82,7 +82,7 @@ def show(text: str, html: str) -> None:
 
 class ElapsedTime:
     """
-    One line that counts the seconds where a frontend shows it, and stands still elsewhere.
+    One line that counts the seconds if a frontend shows it, and never changes otherwise.
 
     :param text: what is going on
     :param always: say it also where nobody is looking

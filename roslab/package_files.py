@@ -124,5 +124,5 @@ def package(name: str | None = None) -> str:
 
 
 def learner_package() -> LearnerPackage:
-    """Return the chosen package beside the running notebook."""
+    """Return the chosen package, next to the running notebook."""
     return LearnerPackage(package(), Path.cwd())

@@ -1,5 +1,5 @@
 """
-What a node says appears with the cell that started it.
+Show the output of a node below the cell that started it.
 
 The kernel gives every line to the cell that is running.  A node that one cell started would talk
 below whatever is run next.  So each cell that starts a node has a :class:`Page`, and what the
@@ -191,7 +191,7 @@ class Pages:
         self._stream.flush()
 
     def _note(self, page: Page) -> None:
-        """Have a page shown soon; where nobody is looking, at the end of the running cell."""
+        """Show a page soon; without a frontend, at the end of the running cell."""
         if page.changed:
             return
         page.changed = True

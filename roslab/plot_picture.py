@@ -45,7 +45,7 @@ class Curve:
 
     @property
     def above(self) -> int:
-        """How many values are above the threshold."""
+        """Return how many values are above the threshold."""
         level = self.threshold
         return 0 if level is None else sum(value > level for _, value in self.finite)
 

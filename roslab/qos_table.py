@@ -1,5 +1,5 @@
 """
-Which offers satisfy which requests, found out with real publishers and subscriptions.
+Find out which offers satisfy which requests, with real publishers and subscriptions.
 
 ``qos_table('reliability')`` makes one pair for each combination, each on a topic of its own, and
 waits until *every* pair has said what became of it: matched, or refused with the event that names
@@ -139,17 +139,17 @@ class Cell:
 
     @property
     def outcome(self) -> str:
-        """What happened, in a word or two."""
+        """Return the outcome in one or two words."""
         return 'match' if self.matched else f'no: {", ".join(sorted(set(self.refused_for)))}'
 
     @property
     def shown(self) -> str:
-        """What happened, with a sign."""
+        """Return the outcome with a sign."""
         return f'{_SIGNS[self.matched]} {self.outcome}'
 
     @property
     def text(self) -> str:
-        """What happened, and the check's verdict where it differs."""
+        """Return the outcome, and the check's verdict if it differs."""
         return self.shown if self.agrees else f'{self.shown} (check: {self.check})'
 
     def __str__(self) -> str:
@@ -160,7 +160,7 @@ class Cell:
 
 class QosTable:
     """
-    What became of each pair; a notebook shows it as a table.
+    The outcome of each pair; a notebook shows it as a table.
 
     :param policy: name of the table, a key of :data:`CHOICES`
     :param first: which side of each pair was created first
@@ -184,7 +184,7 @@ class QosTable:
 
     @property
     def caption(self) -> str:
-        """What the table shows, in one sentence."""
+        """Describe the table in one sentence."""
         matched = sum(cell.matched for cell in self.cells)
         return (
             f'{self.policy.capitalize()}: {len(self.cells)} pairs, {matched} matched, '
@@ -256,7 +256,7 @@ def qos_table(policy: str = 'reliability and durability', *, first: str = 'publi
 
 @contextmanager
 def _laboratory() -> Iterator[tuple[Node, SingleThreadedExecutor]]:
-    """Give a node in a context of its own, hidden, on topics that nobody else uses."""
+    """Give a hidden node in a separate context, on topics that no other node uses."""
     context = Context()
     context.init(args=[])
     executor = SingleThreadedExecutor(context=context)

@@ -21,7 +21,7 @@ _NO_SANDBOX = (
 @dataclass
 class CheckReport:
     """
-    What the visible checks of one exercise found.
+    The findings of the visible checks of one exercise.
 
     :param exam: name of the exercise
     :param result: the verdicts, None if there are none
@@ -79,7 +79,7 @@ class CheckReport:
 
     @property
     def _remarks(self) -> list[str]:
-        """Return what there is to say beside the checks."""
+        """Return the lines to print after the checks."""
         remarks = [f'Judged: {self.judged}.'] if self.judged else []
         remarks += [
             f'{name} is older than its cell: the cell was edited, but not run. Run it, then check '

@@ -76,7 +76,7 @@ def describe(files: Sequence[SavedFile]) -> str:
 
 
 def edited_since(files: Collection[SavedFile]) -> list[str]:
-    """Return the names of the files whose cell has another text in the notebook as saved last."""
+    """Return the names of the files whose cell differs in the last saved notebook."""
     notebook = notebook_path()
     if notebook is None:
         return []

@@ -43,7 +43,7 @@ class Row:
 
     @property
     def amount(self) -> str:
-        """How many, and how often, in words."""
+        """Describe the number and the rate of the messages."""
         thing = 'mark' if self.mark else 'message'
         words = f'{len(self.times)} {thing}{"s" * (len(self.times) != 1)}'
         return words if self.rate is None else f'{words}, {self.rate:.1f} Hz'

@@ -50,7 +50,7 @@ def wait_until_in(session: Session, condition: Callable[[], T], timeout_s: float
     """
     value = wait_in(session, condition, timeout_s)
     if not value:
-        raise timeout_error(f'Waited {timeout_s:g} s for {what}, in vain.', session.hints())
+        raise timeout_error(f'Waited {timeout_s:g} s for {what} without success.', session.hints())
     return value
 
 

@@ -192,7 +192,7 @@ def load(args: argparse.Namespace) -> Outcome:
 
 
 def describe(args: argparse.Namespace) -> Outcome:
-    """Print what is known about parameters besides their values."""
+    """Print the descriptions of parameters."""
     with asking(args) as (node, name):
         descriptors = _descriptors(node, name, args.parameter_names)
     for one in descriptors:

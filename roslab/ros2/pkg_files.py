@@ -9,7 +9,7 @@ from xml.sax.saxutils import escape
 @dataclass(frozen=True)
 class NewPackage:
     """
-    What a new package is to be.
+    The settings of a new package.
 
     :param format: of its manifest, 2 or 3
     :param build_type: ament_cmake or ament_python

@@ -77,7 +77,7 @@ def meet(node: Node, service: str, limit_s: float, wait: Wait | None = None) -> 
 
 
 def _harmless(node: Node, service: str) -> tuple[Any, str] | None:
-    """Return a service of the node that offers this one which anybody may call at any time."""
+    """Return a harmless service of the node that offers the given one."""
     for base, namespace in node.get_node_names_and_namespaces():
         try:
             known = node.get_service_names_and_types_by_node(base, namespace)

@@ -28,7 +28,7 @@ def named_class(name: str) -> Any:
 
 def class_of_topic(node: Node, topic: str, *, wait: bool = False) -> Any | None:
     """
-    Return the message class of a topic; warn if nobody has it.
+    Return the message class of a topic; warn if no endpoint uses the topic.
 
     :param node: a node that knows the graph
     :param wait: whether to wait until somebody has

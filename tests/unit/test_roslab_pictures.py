@@ -363,8 +363,8 @@ def test_field_paths_reach_nested_fields_and_items_of_arrays():
     ('kind', 'path', 'said'),
     [
         (Float64, 'dta', "no field 'dta'. Numeric fields: data."),
-        (Header, 'frame_id', 'is no number but string. Numeric fields: stamp.sec, stamp.nanosec.'),
-        (Header, 'stamp', 'is no number but builtin_interfaces/Time'),
+        (Header, 'frame_id', 'not a number but string. Numeric fields: stamp.sec, stamp.nanosec.'),
+        (Header, 'stamp', 'is not a number but builtin_interfaces/Time'),
         (Int32MultiArray, 'data', "Name one of its items, as in 'data[0]'."),
         (Float64, 'data[0]', 'Numeric fields: data.'),
         (String, 'data', 'It has no numeric field; its fields: data.'),
