@@ -159,17 +159,9 @@ class ExamResult:
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> ExamResult:
         """Rebuild a result from :meth:`to_json` output."""
-        return cls(
-            exam=data['exam'],
-            checks=tuple(CheckResult.from_json(check) for check in data['checks']),
-            note=data.get('note', ''),
-            mode=data.get('mode', ''),
-            flags=tuple(data.get('flags', ())),
-            timing=dict(data.get('timing', {})),
-            recording=data.get('recording', ''),
-            not_protected=tuple(data.get('not_protected', ())),
-            pictures=dict(data.get('pictures', {})),
-        )
+        texts = {name: tuple(data.get(name, ())) for name in ('flags', 'not_protected')}
+        checks = tuple(CheckResult.from_json(check) for check in data['checks'])
+        return cls(**{**data, **texts, 'checks': checks})
 
 
 @dataclass(frozen=True)
@@ -221,11 +213,7 @@ class SubmissionResult:
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> SubmissionResult:
         """Rebuild a result from :meth:`to_json` output."""
-        return cls(
-            student=data['student'],
-            assignment=data['assignment'],
-            exams=tuple(ExamResult.from_json(exam) for exam in data['exams']),
-            problems=tuple(Problem.from_json(problem) for problem in data['problems']),
-            fault=data.get('fault', ''),
-            noticed=tuple(data.get('noticed', ())),
-        )
+        exams = tuple(ExamResult.from_json(exam) for exam in data['exams'])
+        problems = tuple(Problem.from_json(problem) for problem in data['problems'])
+        noticed = tuple(data.get('noticed', ()))
+        return cls(**{**data, 'exams': exams, 'problems': problems, 'noticed': noticed})

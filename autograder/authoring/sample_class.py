@@ -24,12 +24,10 @@ from typing import Any
 
 from autograder.errors import GraderError
 from autograder.layout import Layout
-from autograder.submission.cells import body_of, CellFile, UNSOLVED
+from autograder.submission.cells import body_of
 from autograder.submission.extract import answer_files
 from autograder.submission.notebook import marks_of, Notebook, read_release, StudentCell
 from autograder.submission.submission import rebuild
-
-MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg', 'answer': '%%answer'}
 
 
 def _bytes(notebook: Notebook) -> bytes:
@@ -37,29 +35,26 @@ def _bytes(notebook: Notebook) -> bytes:
     return (json.dumps(notebook, indent=1, ensure_ascii=False) + '\n').encode()
 
 
-def _first_node(notebook: Notebook) -> dict[str, Any]:
-    """Return the cell of the first node."""
-    for cell in notebook['cells']:
+def _first_node(notebook: Notebook) -> int:
+    """Return the place of the first node's cell."""
+    for place, cell in enumerate(notebook['cells']):
         if cell['source'].startswith('%%node') and marks_of(cell).get('solution'):
-            return dict(cell)
+            return place
     raise GraderError('The release has no %%node cell to damage.')
 
 
 def _renamed_cell(notebook: Notebook) -> bytes:
     """Copy the first node's cell, as Jupyter renames it, and delete the original."""
-    grade_id = marks_of(_first_node(notebook))['grade_id']
-    for cell in notebook['cells']:
-        if marks_of(cell).get('grade_id') == grade_id:
-            marks_of(cell)['grade_id'] = f'{grade_id}-copy1'
+    marks_of(notebook['cells'][_first_node(notebook)])['grade_id'] += '-copy1'
     return _bytes(notebook)
 
 
 def _duplicated_cell(notebook: Notebook) -> bytes:
     """Put an unfinished copy below the first node's cell."""
-    cell = json.loads(json.dumps(_first_node(notebook)))
-    cell['source'] = f'{cell["source"].splitlines()[0]}\n# second try, not finished\n'
-    places = [marks_of(other).get('grade_id') for other in notebook['cells']]
-    notebook['cells'].insert(places.index(marks_of(cell)['grade_id']) + 1, cell)
+    place = _first_node(notebook)
+    cell = notebook['cells'][place]
+    source = f'{cell["source"].splitlines()[0]}\n# second try, not finished\n'
+    notebook['cells'].insert(place + 1, {**cell, 'source': source})
     return _bytes(notebook)
 
 
@@ -117,69 +112,40 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
     release = read_release(layout.release(assignment))
     damage = str(expected_of(sample).get('notebook', ''))
     if damage == UNTOUCHED:
-        return _untouched(layout, assignment)
+        from autograder.gradebook import converters
+
+        # Not the one in the release folder, in which somebody may have solved the lesson.
+        with tempfile.TemporaryDirectory(prefix='release-') as folder:
+            converters.generate(layout, assignment, Path(folder), database=False)
+            return Path(folder, assignment, layout.release(assignment).name).read_bytes()
     if damage not in DAMAGES:
         raise GraderError(
             f'{sample.name}/expected.json: notebook is {damage!r}.',
             f'Known: {", ".join(sorted({*DAMAGES, UNTOUCHED}))}.',
         )
-    answers = _reference(layout, assignment)
-    files = {file.path: grade_id for grade_id, file in answer_files(release).items()}
+    solution = read_release(layout.solutions / assignment / layout.release(assignment).name)
+    solved = {
+        marks['grade_id']: cell
+        for cell in solution['cells']
+        if (marks := marks_of(cell)).get('solution')
+    }
+    answers = {name: body_of(cell['source']).rstrip('\n') for name, cell in solved.items()}
+    files = {file.path: (name, file) for name, file in answer_files(release).items()}
     for path in sorted(path for path in sample.rglob('*') if path.is_file()):
         inside = path.relative_to(sample).as_posix()
         if inside == 'expected.json' or '__pycache__' in inside:
             continue
-        grade_id = files.get(inside, path.stem if path.suffix == '.md' else '')
+        grade_id, file = files.get(inside, (path.stem if path.suffix == '.md' else '', None))
         if grade_id not in answers:
             known = ', '.join([*files, 'GRADE_ID.md'])
             raise GraderError(f'{sample.name}/{inside}: no such answer.', f'Known: {known}.')
-        text = path.read_text(encoding='utf-8')
-        wanted = answer_files(release).get(grade_id)
-        answers[grade_id] = f'{_magic_line(wanted)}\n{text}' if wanted else text
-    cells = [
-        StudentCell(grade_id, _kind_of(release, grade_id), text.rstrip('\n'))
-        for grade_id, text in answers.items()
-    ]
-    notebook, _ = rebuild(release, cells)
+        first = f'%%{file.kind} {file.name}\n' if file else ''
+        answers[grade_id] = (first + path.read_text(encoding='utf-8')).rstrip('\n')
+    notebook, _ = rebuild(
+        release,
+        [StudentCell(name, solved[name]['cell_type'], text) for name, text in answers.items()],
+    )
     return DAMAGES[damage](notebook)
-
-
-def _untouched(layout: Layout, assignment: str) -> bytes:
-    """
-    Return the student version as it is generated.
-
-    Not the one in the release folder if somebody has solved the lesson there.
-    """
-    release = read_release(layout.release(assignment))
-    answers = [cell['source'] for cell in release['cells'] if marks_of(cell).get('solution')]
-    if all(UNSOLVED in answer or 'YOUR ANSWER HERE' in answer for answer in answers):
-        return _bytes(release)
-    from autograder.gradebook import converters
-
-    with tempfile.TemporaryDirectory(prefix='release-') as folder:
-        converters.generate(layout, assignment, Path(folder), database=False)
-        return (Path(folder) / assignment / layout.release(assignment).name).read_bytes()
-
-
-def _magic_line(file: CellFile) -> str:
-    """Return the first line of a file's cell."""
-    return f'{MAGIC[file.kind]} {file.name}'
-
-
-def _kind_of(release: Notebook, grade_id: str) -> str:
-    """Return the cell type of an answer."""
-    kinds = {marks_of(cell).get('grade_id'): cell['cell_type'] for cell in release['cells']}
-    return str(kinds[grade_id])
-
-
-def _reference(layout: Layout, assignment: str) -> dict[str, str]:
-    """Return the reference solution's answers by grade id, with blanked solution marks."""
-    path = layout.solutions / assignment / layout.release(assignment).name
-    return {
-        marks_of(cell)['grade_id']: body_of(cell['source']).rstrip('\n')
-        for cell in read_release(path)['cells']
-        if marks_of(cell).get('solution')
-    }
 
 
 def write_sample_class(layout: Layout, folder: Path) -> int:

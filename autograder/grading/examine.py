@@ -103,27 +103,30 @@ def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamRe
 
 def _without(exam: Exam, missing: list[str]) -> ExamResult:
     """Return the result when a file is not there: what needs it fails, and says so."""
-    checks = tuple(
-        CheckResult(
-            check=check.name,
-            title=check.title,
-            verdict=Verdict.FAILED if number == 0 else Verdict.NOT_RUN,
-            points=0.0,
-            max_points=check.points,
-            expected=f'{"the files" if len(missing) > 1 else "the file"} {", ".join(missing)}'
-            if number == 0
-            else '',
-            observed='no such cell in the notebook' if number == 0 else '',
-            cause='The cell is missing, empty, or its first line is not the magic line.'
-            if number == 0
-            else '',
-            cause_id='missing_file' if number == 0 else '',
-            try_this='Put the cell back as it was released and write your answer in it.'
-            if number == 0
-            else '',
-            read=exam.read,
-            waits_for='' if number == 0 else exam.checks[0].name,
-        )
-        for number, check in enumerate(exam.checks)
+    first, *others = exam.checks
+    failed = CheckResult(
+        first.name,
+        first.title,
+        Verdict.FAILED,
+        0.0,
+        first.points,
+        expected=f'the file{"s" if len(missing) > 1 else ""} {", ".join(missing)}',
+        observed='no such cell in the notebook',
+        cause='The cell is missing, empty, or its first line is not the magic line.',
+        cause_id='missing_file',
+        try_this='Put the cell back as it was released and write your answer in it.',
+        read=exam.read,
     )
-    return ExamResult(exam.name, checks, note='Nothing was run: a file is missing.')
+    waiting = (
+        CheckResult(
+            check.name,
+            check.title,
+            Verdict.NOT_RUN,
+            0.0,
+            check.points,
+            read=exam.read,
+            waits_for=first.name,
+        )
+        for check in others
+    )
+    return ExamResult(exam.name, (failed, *waiting), note='Nothing was run: a file is missing.')

@@ -46,7 +46,7 @@ def build(source: str, package: str) -> Path:
     settings = {**os.environ, 'MAKEFLAGS': '-j4', 'ROS2_COURSE_GRADED_BUILD': '1'}
     listening, names = warm_python.listen(workspace)
     colcon = partial(warm_python.become, [shutil.which('colcon'), *command], settings | names)
-    ended = warm_python.run_beside(colcon, listening, workspace)
+    ended = warm_python.run_beside(colcon, listening)
     if ended != 0:
         sys.exit(ended)
     return workspace / 'install'

@@ -27,18 +27,12 @@ import struct
 import sys
 from typing import Any, NoReturn
 
-from system_calls import (  # type: ignore[import-not-found]  # beside this file
-    by_number,
-    filter_calls,
-    LANDLOCK_CREATE_RULESET,
-    landlock_version,
-    PR_SET_CHILD_SUBREAPER,
-    PR_SET_NO_NEW_PRIVS,
-    PR_SET_PDEATHSIG,
-    prctl,
-)
-
-ADD_RULE, RESTRICT_SELF = 445, 446  # the same on all processors
+# From linux/prctl.h and linux/seccomp.h.
+PR_SET_PDEATHSIG, PR_SET_SECCOMP, SECCOMP_MODE_FILTER = 1, 22, 2
+PR_SET_CHILD_SUBREAPER, PR_SET_NO_NEW_PRIVS = 36, 38
+# Landlock's, the same on all processors.
+CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
+ASK_VERSION = 1
 PATH_BENEATH = 1
 EXECUTE, WRITE_FILE, READ_FILE, READ_DIR = 1, 2, 4, 8
 TRUNCATE, IOCTL_DEV = 1 << 14, 1 << 15
@@ -47,6 +41,41 @@ OF_FILES = EXECUTE | WRITE_FILE | READ_FILE | TRUNCATE | IOCTL_DEV
 KNOWN_RIGHTS = (13, 14, 15, 15, 16)
 TCP_FROM, SCOPE_FROM = 4, 6
 TCP, SCOPE = 0b11, 0b11  # bind and connect; abstract sockets and signals
+
+_libc = ctypes.CDLL(None, use_errno=True)
+_libc.syscall.restype = ctypes.c_long
+
+
+def by_number(number: int, *arguments: Any) -> int:
+    """
+    Make a system call that the C library has no function for, and return what it returns.
+
+    :raises OSError: if that is an error
+    """
+    result = int(_libc.syscall(number, *arguments))
+    if result < 0:
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+    return result
+
+
+def prctl(option: int, *arguments: Any) -> None:
+    """
+    Change something about this process; section 2 of the manual describes it.
+
+    :raises OSError: if the kernel refuses
+    """
+    values = [ctypes.c_ulong(value) if isinstance(value, int) else value for value in arguments]
+    if _libc.prctl(option, *values, *[ctypes.c_ulong(0)] * (4 - len(values))) != 0:
+        raise OSError(ctypes.get_errno(), f'prctl: {os.strerror(ctypes.get_errno())}')
+
+
+def landlock_version() -> int:
+    """
+    Return which version of Landlock the kernel has.
+
+    :raises OSError: ENOSYS if it was built without, EOPNOTSUPP if it is switched off
+    """
+    return by_number(CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint(ASK_VERSION))
 
 
 def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
@@ -61,9 +90,7 @@ def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
     attributes += [TCP] if known >= TCP_FROM else []
     attributes += [SCOPE] if known >= SCOPE_FROM else []
     packed = struct.pack(f'={len(attributes)}Q', *attributes)
-    ruleset = by_number(
-        LANDLOCK_CREATE_RULESET, packed, ctypes.c_size_t(len(packed)), ctypes.c_uint(0)
-    )
+    ruleset = by_number(CREATE_RULESET, packed, ctypes.c_size_t(len(packed)), ctypes.c_uint(0))
     reading = EXECUTE | READ_FILE | READ_DIR
     for name, rights in (('read', reading), ('list', READ_DIR), ('write', everything & ~EXECUTE)):
         for path in rules[name]:
@@ -85,7 +112,9 @@ def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
         if os.path.exists(path):
             descriptors[path] = os.open(path, os.O_PATH | os.O_CLOEXEC)
     with open(rules['filter'], 'rb') as file:
-        code = file.read()
+        code = file.read()  # sock_filter records, eight bytes an instruction: seccomp(2)
+    held = ctypes.create_string_buffer(code, len(code))
+    filter_calls = struct.pack('HxxxxxxP', len(code) // 8, ctypes.addressof(held))
     if rules['uid']:
         os.setgroups([])
         os.setresgid(rules['uid'], rules['uid'], rules['uid'])
@@ -93,7 +122,7 @@ def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
     prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))
     prctl(PR_SET_NO_NEW_PRIVS, 1)
     restrict(rules, descriptors)
-    filter_calls(code)
+    prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, ctypes.c_char_p(filter_calls))
     kept = [2, *sorted(rules['inherited']), 1024]
     for below, above in pairwise(kept):
         os.closerange(below + 1, above)

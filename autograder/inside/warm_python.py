@@ -18,14 +18,11 @@ from importlib.metadata import distributions
 import os
 from pathlib import Path
 import runpy
-import select
 import signal
 import socket
 import sys
-from typing import Any, NoReturn
 
 import hand_over  # type: ignore[import-not-found]  # beside this file, inside the sandbox
-import parse_once  # type: ignore[import-not-found]
 
 IMPORTS = (
     'catkin_pkg.package',
@@ -42,7 +39,7 @@ IMPORTS = (
 )
 PLUGINS = 'colcon_core.'
 TRIAL = 'module trial { struct Trial { long number; }; };'
-MOST_BYTES = 1 << 18  # of a request: its command line and environment
+MAX_BYTES = 1 << 18  # of a request: its command line and environment
 
 
 def import_colcon() -> None:
@@ -59,30 +56,13 @@ def import_colcon() -> None:
                 point.load()
 
 
-def _import_all(folder: Path) -> None:
-    """
-    Import what the programs need; what is not there is left to the one that needs it.
-
-    :param folder: where the copies write down what they parse
-    """
-    for name in IMPORTS:
-        with contextlib.suppress(ImportError):
-            importlib.import_module(name)
-    with contextlib.suppress(ImportError):
-        from rosidl_parser import parser  # type: ignore[import-untyped]
-
-        parse = parser.get_ast_from_idl_string
-        parse(TRIAL)  # the grammar is compiled with the first text
-        parser.get_ast_from_idl_string = parse_once.parse_once(parse, folder)
-
-
 def listen(folder: Path) -> tuple[socket.socket | None, dict[str, str]]:
     """
     Listen for programs to run.
 
     :param folder: for the socket
-    :returns: the socket, and the variable that tells a build of it; nothing where there can be
-        none: where sockets are forbidden, or the folder's path is too long for one
+    :returns: the socket, and the variable that names it for a build; nothing if sockets are
+        forbidden or the folder's path is too long for one
     """
     path = str(folder / 'warm')
     try:
@@ -94,30 +74,19 @@ def listen(folder: Path) -> tuple[socket.socket | None, dict[str, str]]:
     return listening, {hand_over.SOCKET: path}
 
 
-def run_beside(
-    program: Callable[[], object], listening: socket.socket | None, folder: Path
-) -> int:
+def run_beside(program: Callable[[], object], listening: socket.socket | None) -> int:
     """
     Run a program and, until it ends, those that are handed over.
 
-    :param folder: an existing one for what is parsed
     :returns: the program's exit code, 1 if a signal ended it
     """
-    first = os.pidfd_open(_fork(program))
-    if listening:
-        _import_all(folder)  # it takes as long as the program needs to get to the first of them
-    waiting: dict[int, socket.socket] = {}
-    while True:
-        ready: list[Any] = [first, *waiting, *([listening] if listening else ())]
-        ready, _, _ = select.select(ready, [], [])
-        if first in ready:
-            return _ended(first)
-        for one in set(ready) & set(waiting):
-            with waiting.pop(one) as client, contextlib.suppress(OSError):  # it may be gone
-                client.send(bytes([_ended(one)]))
-        if listening and listening in ready:
-            client, _ = listening.accept()
-            waiting[os.pidfd_open(_fork(partial(_asked, client)))] = client
+    first = _fork(program)
+    server = _fork(partial(_serve, listening)) if listening else None
+    _, status = os.waitpid(first, 0)
+    if server:
+        os.kill(server, signal.SIGKILL)
+        os.waitpid(server, 0)
+    return os.WEXITSTATUS(status) if os.WIFEXITED(status) else 1
 
 
 def _fork(program: Callable[[], object]) -> int:
@@ -125,46 +94,55 @@ def _fork(program: Callable[[], object]) -> int:
     sys.stdout.flush()
     copy = os.fork()
     if copy == 0:
-        _be(program)
+        code = 1
+        try:
+            code = _code_of(program)
+        finally:
+            os._exit(code)
     return copy
 
 
-def _ended(copy: int) -> int:
-    """Return the exit code of a copy that has ended, 1 if a signal ended it."""
-    told = os.waitid(os.P_PIDFD, copy, os.WEXITED)
-    os.close(copy)
-    return told.si_status if told and told.si_code == os.CLD_EXITED else 1
-
-
-def _be(program: Callable[[], object]) -> NoReturn:
-    """Become a program, which ends as ``python`` would end with it."""
-    code = 1
+def _code_of(program: Callable[[], object]) -> int:
+    """Run a program and return the exit code with which ``python`` would end."""
+    said: object = 1
     try:
-        gc.disable()  # it would end before it is worth it, and copy what is shared
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        code = _exit_code(program())
+        gc.disable()  # the program ends before it is worth it, and it would copy what is shared
+        said = program()
     except SystemExit as ended:
-        code = _exit_code(ended.code)
-    except BaseException:  # as Python itself does with what nobody catches
+        said = ended.code
+    except BaseException:  # noqa: BLE001 - as Python itself ends
         sys.excepthook(*sys.exc_info())
-    finally:
-        with contextlib.suppress(OSError, ValueError):
-            sys.stdout.flush()
-            sys.stderr.flush()
-        os._exit(code)
+    if said is not None and not isinstance(said, int):
+        print(said, file=sys.stderr)
+        said = 1
+    with contextlib.suppress(OSError, ValueError):
+        sys.stdout.flush()
+        sys.stderr.flush()
+    return (said or 0) & 0xFF
 
 
-def _exit_code(said: object) -> int:
-    if said is None or isinstance(said, int):
-        return (said or 0) & 0xFF
-    print(said, file=sys.stderr)
-    return 1
+def _serve(listening: socket.socket) -> None:
+    """Run what clients ask for, each in a copy of this process, until somebody ends it."""
+    for name in IMPORTS:  # it takes as long as the build needs to get to the first of them
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
+    with contextlib.suppress(ImportError):
+        from rosidl_parser import parser  # type: ignore[import-untyped]
+
+        parser.get_ast_from_idl_string(TRIAL)  # the grammar is compiled with the first text
+    while True:
+        client, _ = listening.accept()
+        _fork(partial(_answer, client))
+        client.close()
+        # Their processor time then counts as that of this process. SIG_IGN would lose it.
+        with contextlib.suppress(ChildProcessError):
+            while os.waitpid(-1, os.WNOHANG) != (0, 0):
+                pass
 
 
-def _asked(client: socket.socket) -> None:
-    """Run what a client asks for."""
-    text, descriptors, _, _ = socket.recv_fds(client, MOST_BYTES, 3)
-    client.close()
+def _answer(client: socket.socket) -> None:
+    """Run what a client asks for and send the exit code; the socket closes if it is killed."""
+    text, descriptors, _, _ = socket.recv_fds(client, MAX_BYTES, 3)
     if not text:
         return  # the client ended before it sent a request
     for number, descriptor in enumerate(descriptors):
@@ -173,7 +151,9 @@ def _asked(client: socket.socket) -> None:
     count, *fields = os.fsdecode(text).split('\0')
     words, folder, *environment = fields[: int(count)], *fields[int(count) :]
     os.chdir(folder)
-    become(words, dict(entry.split('=', 1) for entry in environment))
+    code = _code_of(partial(become, words, dict(entry.split('=', 1) for entry in environment)))
+    with contextlib.suppress(OSError):  # the client may be gone
+        client.send(bytes([code]))
 
 
 def become(words: list[str], env: Mapping[str, str]) -> None:
@@ -182,6 +162,7 @@ def become(words: list[str], env: Mapping[str, str]) -> None:
 
     :param words: the command line without the interpreter
     """
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     os.environ.clear()
     os.environ.update(env)
     if words[0] == '-m':

@@ -27,7 +27,7 @@ from autograder.sandboxes.sandbox import Sandbox
 
 Outcome = tuple[Recording, dict[str, float]]
 """A recording, and times of the run [s]."""
-_running: dict[str, threading.Lock] = {}
+_running: dict[Path, threading.Lock] = {}
 _running_guard = threading.Lock()
 
 
@@ -65,20 +65,28 @@ def recorded(
     :param place: where to run, None for this thread
     :raises GraderError: for a fault of ours
     """
+    texts = (*files.values(), json.dumps(exam.scenario.to_json()))
+    about = {
+        'scenario': exam.scenario_digest(),
+        'files': files_digest(files),
+        'environment': environment_digest(sandbox.ros.python, texts),
+    }
 
     def run() -> Outcome:
         recording, timing = _once_or_twice(lambda: _run(exam, files, sandbox, told, place))
-        about = {
-            'scenario': exam.scenario_digest()[:32],
-            'files': files_digest(files),
-            'environment': _environment(exam, files, sandbox),
-        }
-        return Recording({**recording.header, **about}, recording.events), timing
+        notes: dict[str, Any] = {**about, 'scenario': about['scenario'][:32]}
+        notes['made_with'] = dict(made_with())
+        notes |= {'run_s': timing['run_s']} if 'run_s' in timing else {}
+        notes |= {'repeated': True} if timing.get('repeated') else {}
+        return Recording({**recording.header, **notes}, recording.events), timing
 
     if recordings is None:
         return Kept(*run())
-    path = recordings / exam.name / f'{digest(exam, files, sandbox)}.jsonl'
-    with _one_at_a_time(str(path)):
+    parts = (exam.name, about['scenario'], sandbox.mode, about['environment'], about['files'])
+    path = recordings / exam.name / f'{_digest(chr(0).join(parts))}.jsonl'
+    with _running_guard:
+        mine = _running.setdefault(path, threading.Lock())
+    with mine:
         recording, timing = _kept_or_run(path, fresh, run)
     return Kept(recording, timing, path.name if path.exists() else '')
 
@@ -106,21 +114,12 @@ def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome
         else:
             return kept, {}
     recording, timing = run()
-    recording = _for_people(recording, timing)
     recording.save(path)
     _made_now.add(path)
     return recording, timing
 
 
 _made_now: set[Path] = set()
-
-
-def _for_people(recording: Recording, timing: Mapping[str, float]) -> Recording:
-    """Return a recording that also says how long it took and which versions made it."""
-    notes: dict[str, Any] = {'made_with': dict(made_with())}
-    notes |= {'run_s': timing['run_s']} if 'run_s' in timing else {}
-    notes |= {'repeated': True} if timing.get('repeated') else {}
-    return Recording({**recording.header, **notes}, recording.events)
 
 
 def _once_or_twice(once: Callable[[], Outcome]) -> Outcome:
@@ -161,20 +160,3 @@ def files_digest(files: Mapping[str, str]) -> str:
 
 def _digest(text: str) -> str:
     return hashlib.sha256(text.encode('utf-8', 'replace')).hexdigest()[:32]
-
-
-def _one_at_a_time(key: str) -> threading.Lock:
-    with _running_guard:
-        return _running.setdefault(key, threading.Lock())
-
-
-def digest(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> str:
-    """Return the name under which a run is kept."""
-    environment = _environment(exam, files, sandbox)
-    parts = (exam.name, exam.scenario_digest(), sandbox.mode, environment, files_digest(files))
-    return _digest('\0'.join(parts))
-
-
-def _environment(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> str:
-    texts = (*files.values(), json.dumps(exam.scenario.to_json()))
-    return environment_digest(sandbox.ros.python, texts)

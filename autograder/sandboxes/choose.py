@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import os
-import platform
 import shutil
 
 from autograder.errors import SandboxUnavailable
@@ -50,10 +49,7 @@ def isolated() -> Sandbox:
     if shutil.which('bwrap') is None:
         raise SandboxUnavailable('bubblewrap is not installed.', isolation.FIX_MISSING)
     if not landlock.filter_file().is_file():
-        raise SandboxUnavailable(
-            f'There is no system-call filter for {platform.machine()}.',
-            'Add it with autograder/sandboxes/seccomp/make_filters.py.',
-        )
+        raise SandboxUnavailable(*landlock.NO_FILTER)
     # Never bubblewrap's user namespace as root: the kernel would still see uid 0 inside.
     sandbox = Sandbox('bwrap-root' if os.geteuid() == 0 else 'bwrap-user')
     try_out(sandbox)

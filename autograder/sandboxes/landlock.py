@@ -18,14 +18,18 @@ import platform
 import secrets
 
 from autograder.errors import SandboxUnavailable
-from autograder.inside import system_calls
+from autograder.inside import confine
+from autograder.sandboxes.processes import FIRST_PORT, ports, PORTS_A_DOMAIN
 from environment.ros import RosEnvironment
 from environment.ros_domain import Claim, claim, DOMAINS
 
 SYSTEM = ('/usr', '/bin', '/sbin', '/lib', '/lib64', '/etc/ld.so.cache', '/etc/alternatives')
 DEVICES = ('/dev/null', '/dev/zero', '/dev/full', '/dev/random', '/dev/urandom')
 SAME_USER_FROM = 3  # before, a program of the same user could cut the user's files short
-PORTS_A_DOMAIN, FIRST_PORT = 250, 7400
+NO_FILTER = (
+    f'There is no system-call filter for {platform.machine()}.',
+    'Add it with autograder/sandboxes/seccomp/make_filters.py.',
+)
 
 
 def refusal(root: bool) -> tuple[str, str]:
@@ -36,7 +40,7 @@ def refusal(root: bool) -> tuple[str, str]:
     :returns: why it cannot be used, and what to do; twice empty if it can
     """
     try:
-        found = system_calls.landlock_version()
+        found = confine.landlock_version()
     except OSError as error:
         what = f'This kernel has no Landlock ({error.strerror}).'
         fix = 'Add landlock to the kernel parameter lsm=..., or use a kernel from 6.2 on.'
@@ -44,12 +48,7 @@ def refusal(root: bool) -> tuple[str, str]:
     if not root and found < SAME_USER_FROM:
         what = f'Landlock {found} cannot protect files against a program of the same user.'
         return what, 'Use a kernel from 6.2 on.'
-    if not (filter_file().is_file()):
-        return (
-            f'There is no system-call filter for {platform.machine()}.',
-            'Add it with autograder/sandboxes/seccomp/make_filters.py.',
-        )
-    return '', ''
+    return ('', '') if filter_file().is_file() else NO_FILTER
 
 
 def filter_file() -> Path:
@@ -103,16 +102,13 @@ def _around(path: Path, closed: set[Path]) -> Iterator[tuple[Path, bool]]:
         yield from _around(child, closed)
 
 
-def claim_free_domain(table: str = '/proc/net/udp') -> Claim:
+def claim_free_domain() -> Claim:
     """
     Claim a random ROS domain that no kernel has claimed and no program uses, as its ports tell.
 
     :raises SandboxUnavailable: if there is none
     """
-    used = set()
-    for line in Path(table).read_text('ascii').splitlines()[1:]:
-        port = int(line.split()[1].rpartition(':')[2], 16)
-        used.add((port - FIRST_PORT) // PORTS_A_DOMAIN)
+    used = {(port - FIRST_PORT) // PORTS_A_DOMAIN for port in ports(os.getpid())}
     free = sorted(set(DOMAINS) - used)
     secrets.SystemRandom().shuffle(free)
     claimed = claim(free)

@@ -20,7 +20,6 @@ from glob import glob
 import json
 import os
 from pathlib import Path
-import platform
 import secrets
 import socket
 import subprocess
@@ -196,7 +195,7 @@ class Sandbox:
             return self._start_weak(program, limits, home, inherited)
         gate, theirs = socket.socketpair()
         info_read, info_write = os.pipe()
-        rules = os.open(HERE / 'sandboxes' / 'seccomp' / f'{platform.machine()}.bpf', os.O_RDONLY)
+        rules = os.open(landlock.filter_file(), os.O_RDONLY)
         descriptors = ['--info-fd', str(info_write), '--seccomp', str(rules)]
         try:
             options = self.bwrap(program, limits, descriptors)

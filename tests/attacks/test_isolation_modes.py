@@ -118,7 +118,7 @@ def test_a_hostile_program_reaches_nothing(world):
 
 def kernel_scopes_signals() -> bool:
     """Return whether this kernel's Landlock can restrict signals."""
-    from autograder.inside.system_calls import landlock_version
+    from autograder.inside.confine import landlock_version
 
     return landlock_version() >= 6
 

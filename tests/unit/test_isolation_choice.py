@@ -117,7 +117,7 @@ def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words
             raise OSError(38, error)
         return version
 
-    monkeypatch.setattr(landlock.system_calls, 'landlock_version', ask)
+    monkeypatch.setattr(landlock.confine, 'landlock_version', ask)
     what, fix = landlock.refusal(root)
 
     assert words in what
@@ -217,23 +217,18 @@ def test_bubblewrap_covers_the_course_s_own_answer(built):
 def test_a_domain_in_use_is_not_taken(tmp_path, monkeypatch):
     """A claim and ports in the kernel's table both mean that the domain is in use."""
     monkeypatch.setattr(ros_domain, 'NAME', str(tmp_path))
-    table = tmp_path / 'udp'
-    lines = ['  sl  local_address rem_address']
-    taken = [domain for domain in range(1, 102) if domain != 42]
-    for number, domain in enumerate(taken):
-        lines.append(f'{number}: 0100007F:{7400 + 250 * domain + 10:04X} 00000000:0000 07')
-    table.write_text('\n'.join(lines) + '\n', encoding='ascii')
+    used = {7400 + 250 * domain + 10 for domain in range(1, 102) if domain != 42}
+    monkeypatch.setattr(landlock, 'ports', lambda pid: used)
 
-    claimed = landlock.claim_free_domain(str(table))
+    claimed = landlock.claim_free_domain()
     assert claimed.domain == 42
     with pytest.raises(SandboxUnavailable, match='101 ROS domains'):
-        landlock.claim_free_domain(str(table))
+        landlock.claim_free_domain()
     claimed.holder.close()
 
-    lines.append(f'200: 00000000:{7400 + 250 * 42:04X} 00000000:0000 07')
-    table.write_text('\n'.join(lines) + '\n', encoding='ascii')
+    used.add(7400 + 250 * 42)
     with pytest.raises(SandboxUnavailable, match='101 ROS domains'):
-        landlock.claim_free_domain(str(table))
+        landlock.claim_free_domain()
 
 
 def test_what_a_program_wrote_is_counted_without_a_file_system_of_its_own(tmp_path):

@@ -26,7 +26,7 @@ def build():
     done = subprocess.run([sys.executable, '-SE', {INSIDE + '/hand_over.py'!r}, *sys.argv[2:]],
                           env={{**os.environ, **names, 'ASKED': 'yes'}})
     return done.returncode
-sys.exit(warm_python.run_beside(build, listening, Path(sys.argv[1])))
+sys.exit(warm_python.run_beside(build, listening))
 """
 # ``sys.orig_argv`` tells a process that Python started for the program from a copy of another one.
 PROGRAMS = {
