@@ -88,9 +88,8 @@ class Chosen:
     def row(self, done: str, course: Course, *why: str) -> Row:
         """Return the line of the table, which begins its notes with ``why``."""
         due = course.due.of(self.student, self.assignment) if self.when else None
-        late = late_notes(self.handed.late, self.when, due)
-        notes = (*why, *late, *self.notes)
-        return _row(self.handed, self.assignment, self.piece.place, done, notes, self.when)
+        place = self.piece.place
+        return _row(self.handed, self.assignment, place, done, why, self.notes, self.when, due)
 
 
 def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
@@ -146,10 +145,8 @@ def _unusable(handed: Handed, course: Course, wanted: str) -> str:
     """Return why nothing can be taken, before anything is read; or nothing."""
     if not student_id(handed.student):
         return 'no letter or digit in the name'
-    if handed.doubt:
-        return handed.doubt
-    if handed.instead:
-        return handed.instead
+    if why := handed.doubt or handed.instead:
+        return why
     if wanted and handed.assignment and handed.assignment != wanted:
         return f'handed in for {handed.assignment}'
     if handed.assignment and handed.assignment not in course.assignments:
@@ -161,7 +158,7 @@ def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
     """Read the notebooks, the likely ones first, no more than one student may be worth."""
     if _unusable(handed, course, wanted):
         return []
-    notebooks = [piece for piece in handed.pieces if _is_notebook(piece)]
+    notebooks = [one for one in handed.pieces if one.file.name.lower().endswith('.ipynb')]
     notebooks.sort(
         key=lambda piece: (
             not course.of_file(piece.file.name),
@@ -184,10 +181,6 @@ def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
                 why = str(error)
         seen.append(Seen(piece, digest, shared, named, why))
     return seen
-
-
-def _is_notebook(piece: Piece) -> bool:
-    return piece.file.name.lower().endswith('.ipynb')
 
 
 def _pick(
@@ -338,9 +331,7 @@ def _said(handed: Handed) -> tuple[str, ...]:
 
 
 def _left(handed: Handed, assignment: str, place: str, why: str) -> Row:
-    late = late_notes(handed.late, handed.when, None)
-    notes = (why, *late, *_said(handed))
-    return _row(handed, assignment, place, LEFT, notes, handed.when)
+    return _row(handed, assignment, place, LEFT, (why,), _said(handed), handed.when)
 
 
 def _row(
@@ -348,10 +339,14 @@ def _row(
     assignment: str,
     place: str,
     done: str,
-    notes: tuple[str, ...],
+    first: Sequence[str],
+    notes: Sequence[str],
     when: datetime | None,
+    due: datetime | None = None,
 ) -> Row:
+    """Return a line, with what is to be said first and whether the work is late."""
     student = student_id(handed.student)
     person = '' if handed.person == student else handed.person
     handed_in = f'{when:%Y-%m-%d %H:%M}' if when else ''
-    return Row(student, assignment, place, done, notes, person, handed_in)
+    said = (*first, *late_notes(handed.late, when, due), *notes)
+    return Row(student, assignment, place, done, said, person, handed_in)

@@ -141,7 +141,7 @@ def traces(layout: Layout, student: str) -> Traces:
         student,
         tuple(marks.get(student, ())),
         tuple(one for one, students in results.items() if student in students),
-        tuple(one for one in layout.assignments() if student in _journal(layout, one)),
+        tuple(one for one in layout.assignments() if student in noted(journal(layout, one))),
         people.get(student, ''),
         tuple(one.reason for one in missing),
         tuple(above / student for above in made if student in _folders(above)),
@@ -211,10 +211,6 @@ join assignment on assignment.id = submitted_assignment.assignment_id
 group by submitted_assignment.student_id, assignment.name
 order by assignment.name
 """
-
-
-def _journal(layout: Layout, assignment: str) -> set[str]:
-    return set(noted(journal(layout, assignment)))
 
 
 def _forget_name(layout: Layout, student: str) -> None:

@@ -8,7 +8,7 @@ the same command continues it.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 import json
@@ -34,12 +34,10 @@ from autograder.gradebook.cell_points import refuse_unfit_points
 from autograder.gradebook.copies import refuse_damaged
 from autograder.gradebook.live_entry import Entering, Guard
 from autograder.grading.pipeline import (
-    Done,
     Engine,
     grade_class,
     Graded,
     grading_engine,
-    Lesson,
     load_lesson,
     SandboxEngine,
 )
@@ -47,7 +45,7 @@ from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.runs.pool import grading_folder, Pool, processors
 from autograder.sandboxes.isolation import banner, not_protected, WEAK
-from autograder.submission.inbox import discover, students_in, Submission, without_notebooks
+from autograder.submission.inbox import discover, students_in, without_notebooks
 
 AHEAD = 64
 """Runs that a scheduler has before it needs them: workers that come later find something to do."""
@@ -307,21 +305,25 @@ def _grade_assignment(
 ) -> list[SubmissionResult]:
     """Grade one assignment of a class, record it, write the reports, print the table."""
     lesson = load_lesson(layout, assignment, engine)
-    submissions = _submissions(layout, lesson, submitted)
+    submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())
     if not submissions:
         return []
-    others = _others(layout, assignment, submitted, {one.student for one in submissions})
+    # Read before anything is run: results that cannot be read cost no grading.
+    others: Sequence[SubmissionResult] = ()
+    if submitted.resolve() != layout.submitted.resolve():
+        others = results_of_others(layout, assignment, {one.student for one in submissions})
     guard = guard or Guard(layout)
     entering = Entering(layout, lesson, guard)
     began = time.monotonic()
     totals = Totals()
-    with progress(len(submissions) * len(lesson.exams), assignment) as show:
+    runs = len(submissions) * len(lesson.exams)
+    with progress(runs, assignment, totals=totals) as show:
         graded = grade_class(
             submissions,
             lesson,
             engine,
             jobs,
-            _both(totals.add, show),
+            show,
             meanwhile=entering.meanwhile if _enters(engine) else lambda ready: None,
         )
     graded_s = time.monotonic() - began
@@ -353,27 +355,6 @@ def _some(names: Sequence[str]) -> str:
     return f'{named} and {len(names) - MAX_NAMED} more' if names[MAX_NAMED:] else named
 
 
-def _submissions(layout: Layout, lesson: Lesson, submitted: Path) -> tuple[Submission, ...]:
-    """Return what was handed in for an assignment."""
-    try:
-        return discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
-    except OSError as error:
-        raise UsageError(f'{submitted}: cannot be read: {error.strerror}.') from error
-
-
-def _others(
-    layout: Layout, assignment: str, submitted: Path, students: Collection[str]
-) -> tuple[SubmissionResult, ...]:
-    """
-    Return the results that stay: of those who are not in a folder that is not the course's own.
-
-    It is read before anything is run, so that results that cannot be read cost no grading.
-    """
-    if submitted.resolve() == layout.submitted.resolve():
-        return ()
-    return results_of_others(layout, assignment, students)
-
-
 def _report(
     layout: Layout,
     assignment: str,
@@ -401,14 +382,6 @@ def _report(
     if where:
         told.print(where, highlight=False, soft_wrap=True)
     return unwritten
-
-
-def _both(one: Callable[[Done], None], two: Callable[[Done], None]) -> Callable[[Done], None]:
-    def tell(done: Done) -> None:
-        one(done)
-        two(done)
-
-    return tell
 
 
 def _summary(graded: Sequence[Graded], graded_s: float, total_s: float, totals: Totals) -> str:
