@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import chain
 import json
 import math
@@ -105,10 +105,6 @@ class ClassNumbers:
     lacks: tuple[str, ...]
     exams: dict[str, dict[str, tuple[str, ...]]]
     versions: dict[str, str]
-
-    def to_json(self) -> dict[str, Any]:
-        """Return JSON types only."""
-        return asdict(self)
 
 
 def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:

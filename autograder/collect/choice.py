@@ -22,6 +22,7 @@ from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Handed, Piece
 from autograder.collect.source.times import late_notes, read_time, STAMP
 from autograder.collect.table import LEFT, Row
+from autograder.results import first_of
 from autograder.submission.ids import student_id
 from autograder.submission.tree import NotTakenInError, UnreadableError
 
@@ -170,15 +171,14 @@ def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
     seen, left = [], MOST_BYTES_EACH
     for count, piece in enumerate(notebooks):
         named, digest, shared, why = course.named(piece.file.parts), '', {}, ''
-        if count >= MOST_NOTEBOOKS or left <= 0:
-            why = f'not looked at, after {count} other notebooks'
-        else:
-            try:
-                data = piece.file.read()
-                left -= len(data)
-                digest, shared = hashlib.sha256(data).hexdigest(), course.shared(data)
-            except UnreadableError as error:
-                why = str(error)
+        try:
+            if count >= MOST_NOTEBOOKS or left <= 0:
+                raise UnreadableError(f'not looked at, after {count} other notebooks')
+            data = piece.file.read()
+            left -= len(data)
+            digest, shared = hashlib.sha256(data).hexdigest(), course.shared(data)
+        except UnreadableError as error:
+            why = str(error)
         seen.append(Seen(piece, digest, shared, named, why))
     return seen
 
@@ -192,13 +192,11 @@ def _pick(
     :param only: whether everything was handed in for this assignment
     """
     fitting = [one for one in seen if one.content == assignment]
+    fitting = fitting or _without_cells(seen, assignment, course, only)
     if not fitting:
-        fitting = _without_cells(seen, assignment, course, only)
-        if not fitting:
-            return None
-    newest: dict[tuple[str, ...], Seen] = {}
-    for one in sorted(fitting, key=lambda one: one.piece.turn):
-        newest[one.piece.file.parts] = one
+        return None
+    by_turn = sorted(fitting, key=lambda one: one.piece.turn)
+    newest = {one.piece.file.parts: one for one in by_turn}
 
     def merit(one: Seen) -> tuple[int, bool, bool, int, bool, int]:
         file = one.piece.file
@@ -257,10 +255,8 @@ def _time(
     if not handed.stamped:
         return handed.when, ()
     beside = (assignment, STAMP)  # as nbgrader lays it; elsewhere it is some other file
-    if piece.file.parts[:-1] != beside[:-1]:
-        return None, ()
     file = next((one.file for one in handed.pieces if one.file.parts == beside), None)
-    if file is None:
+    if file is None or piece.file.parts[:-1] != beside[:-1]:
         return None, ()
     try:
         when, note = read_time(file.read()[:100].decode('utf-8', 'replace'))
@@ -285,7 +281,9 @@ def _others(
         about = goal or next((one.content or one.named for one in there), '')
         if not there and place not in taken:
             names = [piece.file.name for piece in handed.pieces if piece.place == place]
-            yield _left(handed, goal, place, f'no notebook, only {_list(names, ", ")}'[:160])
+            yield _left(
+                handed, goal, place, f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]
+            )
         reasons = [
             _why_not(one, chosen, goal)
             for one in there
@@ -295,11 +293,10 @@ def _others(
             or (single and one.content not in ('', goal))
         ]
         if reasons:
-            yield _left(handed, about, place, _list(reasons, '; '))
+            yield _left(handed, about, place, first_of(reasons, NAMES_SHOWN, '; '))
 
 
 def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
-    """Return why a notebook is not taken."""
     path = one.piece.file.path[:80]
     if one.why:
         return f'{path}: {one.why}'
@@ -316,12 +313,6 @@ def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
     if goal or one.named:
         return f'{path}: no cell of {goal or one.named} is in it, and it is not the only notebook'
     return f'{path}: no assignment of this course; name it with --assignment'
-
-
-def _list(names: Sequence[str], between: str) -> str:
-    """Return the first names, and how many more there are."""
-    more = [f'{len(names) - NAMES_SHOWN} more'] if len(names) > NAMES_SHOWN else []
-    return between.join([*names[:NAMES_SHOWN], *more])
 
 
 def _said(handed: Handed) -> tuple[str, ...]:

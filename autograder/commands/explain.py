@@ -151,7 +151,6 @@ def results_of(
 def _find(
     layout: Layout, student: str, check: str, assignment: str | None
 ) -> tuple[SubmissionResult, ExamResult, CheckResult]:
-    """Return the one verdict that is meant."""
     wanted_exam, _, name = check.rpartition('/')
     there: list[str] = []
     found = []
