@@ -6,7 +6,7 @@ Nothing here knows ROS, Jupyter or nbgrader.  Everything converts to and from JS
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from enum import Enum
 from typing import Any
@@ -27,6 +27,12 @@ def shortened(text: str, most: int = 60) -> str:
     :param most: length of what is returned [characters]
     """
     return text if len(text) <= most else f'{text[: most - 1]}\N{HORIZONTAL ELLIPSIS}'
+
+
+def first_of(names: Sequence[str], most: int, between: str = ', ') -> str:
+    """Return the first of some names, and how many there are besides."""
+    more = f' and {len(names) - most} more' if len(names) > most else ''
+    return between.join(names[:most]) + more
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from itertools import chain
 import json
 import math
 from pathlib import Path
@@ -104,10 +105,6 @@ class ClassNumbers:
     lacks: tuple[str, ...]
     exams: dict[str, dict[str, tuple[str, ...]]]
     versions: dict[str, str]
-
-    def to_json(self) -> dict[str, Any]:
-        """Return JSON types only."""
-        return asdict(self)
 
 
 def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
@@ -216,29 +213,28 @@ def _headers(layout: Layout, exams: Sequence[ExamResult]) -> list[tuple[str, Hea
 
 def _origins(headers: Sequence[tuple[str, Header]]) -> dict[str, dict[str, tuple[str, ...]]]:
     """Return for each exam what its recordings were made with; more than one digest is odd."""
-    found: dict[str, dict[str, dict[str, None]]] = {}
-    for exam, header in headers:
-        digests = found.setdefault(exam, {'scenario': {}, 'environment': {}})
-        for name, seen in digests.items():
-            if name in header:
-                seen[str(header[name])[:DIGEST_CHARS]] = None
     return {
-        exam: {name: tuple(seen) for name, seen in digests.items()}
-        for exam, digests in found.items()
+        exam: {
+            name: _texts([header for one, header in headers if one == exam], name)
+            for name in ('scenario', 'environment')
+        }
+        for exam in dict.fromkeys(exam for exam, _ in headers)
     }
 
 
 def _versions(headers: Sequence[tuple[str, Header]]) -> dict[str, str]:
     """Return what the recordings say they were made with: this machine may have changed since."""
-    found: dict[str, dict[str, None]] = {}
-    for _, header in headers:
-        named = header.get('made_with')
-        named = dict(named) if isinstance(named, dict) else {}
-        if 'environment' in header:
-            named['environment'] = str(header['environment'])[:DIGEST_CHARS]
-        for name, text in named.items():
-            found.setdefault(name, {})[str(text)] = None
-    return {name: ' and '.join(texts) for name, texts in found.items()}
+    made = [one['made_with'] for _, one in headers if isinstance(one.get('made_with'), dict)]
+    found = {name: _texts(made, name, None) for name in dict.fromkeys(chain(*made))}
+    found['environment'] = _texts([header for _, header in headers], 'environment')
+    return {name: ' and '.join(texts) for name, texts in found.items() if texts}
+
+
+def _texts(
+    headers: Sequence[Header], name: str, most: int | None = DIGEST_CHARS
+) -> tuple[str, ...]:
+    """Return what headers say of one thing, each text once."""
+    return tuple(dict.fromkeys(str(one[name])[:most] for one in headers if name in one))
 
 
 def _header(path: Path) -> Header:

@@ -22,6 +22,7 @@ from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Handed, Piece
 from autograder.collect.source.times import late_notes, read_time, STAMP
 from autograder.collect.table import LEFT, Row
+from autograder.results import first_of
 from autograder.submission.ids import student_id
 from autograder.submission.tree import NotTakenInError, UnreadableError
 
@@ -88,9 +89,8 @@ class Chosen:
     def row(self, done: str, course: Course, *why: str) -> Row:
         """Return the line of the table, which begins its notes with ``why``."""
         due = course.due.of(self.student, self.assignment) if self.when else None
-        late = late_notes(self.handed.late, self.when, due)
-        notes = (*why, *late, *self.notes)
-        return _row(self.handed, self.assignment, self.piece.place, done, notes, self.when)
+        place = self.piece.place
+        return _row(self.handed, self.assignment, place, done, why, self.notes, self.when, due)
 
 
 def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
@@ -146,10 +146,8 @@ def _unusable(handed: Handed, course: Course, wanted: str) -> str:
     """Return why nothing can be taken, before anything is read; or nothing."""
     if not student_id(handed.student):
         return 'no letter or digit in the name'
-    if handed.doubt:
-        return handed.doubt
-    if handed.instead:
-        return handed.instead
+    if why := handed.doubt or handed.instead:
+        return why
     if wanted and handed.assignment and handed.assignment != wanted:
         return f'handed in for {handed.assignment}'
     if handed.assignment and handed.assignment not in course.assignments:
@@ -161,7 +159,7 @@ def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
     """Read the notebooks, the likely ones first, no more than one student may be worth."""
     if _unusable(handed, course, wanted):
         return []
-    notebooks = [piece for piece in handed.pieces if _is_notebook(piece)]
+    notebooks = [one for one in handed.pieces if one.file.name.lower().endswith('.ipynb')]
     notebooks.sort(
         key=lambda piece: (
             not course.of_file(piece.file.name),
@@ -173,21 +171,16 @@ def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
     seen, left = [], MOST_BYTES_EACH
     for count, piece in enumerate(notebooks):
         named, digest, shared, why = course.named(piece.file.parts), '', {}, ''
-        if count >= MOST_NOTEBOOKS or left <= 0:
-            why = f'not looked at, after {count} other notebooks'
-        else:
-            try:
-                data = piece.file.read()
-                left -= len(data)
-                digest, shared = hashlib.sha256(data).hexdigest(), course.shared(data)
-            except UnreadableError as error:
-                why = str(error)
+        try:
+            if count >= MOST_NOTEBOOKS or left <= 0:
+                raise UnreadableError(f'not looked at, after {count} other notebooks')
+            data = piece.file.read()
+            left -= len(data)
+            digest, shared = hashlib.sha256(data).hexdigest(), course.shared(data)
+        except UnreadableError as error:
+            why = str(error)
         seen.append(Seen(piece, digest, shared, named, why))
     return seen
-
-
-def _is_notebook(piece: Piece) -> bool:
-    return piece.file.name.lower().endswith('.ipynb')
 
 
 def _pick(
@@ -199,13 +192,11 @@ def _pick(
     :param only: whether everything was handed in for this assignment
     """
     fitting = [one for one in seen if one.content == assignment]
+    fitting = fitting or _without_cells(seen, assignment, course, only)
     if not fitting:
-        fitting = _without_cells(seen, assignment, course, only)
-        if not fitting:
-            return None
-    newest: dict[tuple[str, ...], Seen] = {}
-    for one in sorted(fitting, key=lambda one: one.piece.turn):
-        newest[one.piece.file.parts] = one
+        return None
+    by_turn = sorted(fitting, key=lambda one: one.piece.turn)
+    newest = {one.piece.file.parts: one for one in by_turn}
 
     def merit(one: Seen) -> tuple[int, bool, bool, int, bool, int]:
         file = one.piece.file
@@ -264,10 +255,8 @@ def _time(
     if not handed.stamped:
         return handed.when, ()
     beside = (assignment, STAMP)  # as nbgrader lays it; elsewhere it is some other file
-    if piece.file.parts[:-1] != beside[:-1]:
-        return None, ()
     file = next((one.file for one in handed.pieces if one.file.parts == beside), None)
-    if file is None:
+    if file is None or piece.file.parts[:-1] != beside[:-1]:
         return None, ()
     try:
         when, note = read_time(file.read()[:100].decode('utf-8', 'replace'))
@@ -292,7 +281,9 @@ def _others(
         about = goal or next((one.content or one.named for one in there), '')
         if not there and place not in taken:
             names = [piece.file.name for piece in handed.pieces if piece.place == place]
-            yield _left(handed, goal, place, f'no notebook, only {_list(names, ", ")}'[:160])
+            yield _left(
+                handed, goal, place, f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]
+            )
         reasons = [
             _why_not(one, chosen, goal)
             for one in there
@@ -302,11 +293,10 @@ def _others(
             or (single and one.content not in ('', goal))
         ]
         if reasons:
-            yield _left(handed, about, place, _list(reasons, '; '))
+            yield _left(handed, about, place, first_of(reasons, NAMES_SHOWN, '; '))
 
 
 def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
-    """Return why a notebook is not taken."""
     path = one.piece.file.path[:80]
     if one.why:
         return f'{path}: {one.why}'
@@ -325,12 +315,6 @@ def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
     return f'{path}: no assignment of this course; name it with --assignment'
 
 
-def _list(names: Sequence[str], between: str) -> str:
-    """Return the first names, and how many more there are."""
-    more = [f'{len(names) - NAMES_SHOWN} more'] if len(names) > NAMES_SHOWN else []
-    return between.join([*names[:NAMES_SHOWN], *more])
-
-
 def _said(handed: Handed) -> tuple[str, ...]:
     """Return what the source says beside, and what became of the name."""
     same = student_id(handed.student) == handed.student
@@ -338,9 +322,7 @@ def _said(handed: Handed) -> tuple[str, ...]:
 
 
 def _left(handed: Handed, assignment: str, place: str, why: str) -> Row:
-    late = late_notes(handed.late, handed.when, None)
-    notes = (why, *late, *_said(handed))
-    return _row(handed, assignment, place, LEFT, notes, handed.when)
+    return _row(handed, assignment, place, LEFT, (why,), _said(handed), handed.when)
 
 
 def _row(
@@ -348,10 +330,14 @@ def _row(
     assignment: str,
     place: str,
     done: str,
-    notes: tuple[str, ...],
+    first: Sequence[str],
+    notes: Sequence[str],
     when: datetime | None,
+    due: datetime | None = None,
 ) -> Row:
+    """Return a line, with what is to be said first and whether the work is late."""
     student = student_id(handed.student)
     person = '' if handed.person == student else handed.person
     handed_in = f'{when:%Y-%m-%d %H:%M}' if when else ''
-    return Row(student, assignment, place, done, notes, person, handed_in)
+    said = (*first, *late_notes(handed.late, when, due), *notes)
+    return Row(student, assignment, place, done, said, person, handed_in)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 import sys
-from typing import Any
 
 from rich.console import Console
 from rich.table import Table
@@ -38,10 +37,6 @@ class Row:
     notes: tuple[str, ...] = ()
     person: str = ''
     handed_in: str = ''
-
-    def to_json(self) -> dict[str, Any]:
-        """Return JSON types only."""
-        return asdict(self)
 
 
 def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:

@@ -57,7 +57,6 @@ def sample_class_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _sample_class(chosen: argparse.Namespace) -> int:
-    """Write the bundled class."""
     layout = Layout.here()
     folder = (chosen.to or layout.submitted).resolve()
     count = write_sample_class(layout, folder)

@@ -123,7 +123,6 @@ def refuse(error: Exception, as_json: bool) -> None:
 
 
 def _what_and_fix(error: Exception) -> tuple[str, str]:
-    """Return what went wrong and what to do about it."""
     if isinstance(error, GraderError):
         return error.what, error.fix
     if isinstance(error, ModuleNotFoundError):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from contextlib import nullcontext
+from dataclasses import asdict
 import json
 from pathlib import Path
 import sys
@@ -73,7 +74,7 @@ def run(chosen: argparse.Namespace) -> int:
             said = f'The {count} example students were taken out of {to.name}/ and the gradebook.'
             print(said, file=sys.stderr)
     if chosen.json:
-        print(json.dumps([row.to_json() for row in rows]))
+        print(json.dumps([asdict(row) for row in rows]))
     else:
         print_rows(rows, to, write)
         if missing := read_not_collected(layout):

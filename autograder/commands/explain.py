@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 import hashlib
 from importlib.metadata import PackageNotFoundError, version
@@ -31,7 +32,7 @@ from autograder.grading.again import NothingRuns
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
 from autograder.judging.deviation import Deviation, deviation
 from autograder.layout import Layout
-from autograder.recording import Event, Recording
+from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, shortened, SubmissionResult
 from autograder.runs.kept import files_digest
 from autograder.runs.version import ROS_PACKAGES
@@ -105,7 +106,9 @@ def evidence(
     found = _files(lesson, exam, student, folder)
     files = found or {}
     path = layout.recordings / exam.name / exam_result.recording
-    recording = _recording(path) if exam_result.recording else None
+    recording = None
+    with suppress(RecordingInvalid):
+        recording = Recording.load(path) if exam_result.recording else None
     return {
         'student': student,
         'assignment': result.assignment,
@@ -148,7 +151,6 @@ def results_of(
 def _find(
     layout: Layout, student: str, check: str, assignment: str | None
 ) -> tuple[SubmissionResult, ExamResult, CheckResult]:
-    """Return the one verdict that is meant."""
     wanted_exam, _, name = check.rpartition('/')
     there: list[str] = []
     found = []
@@ -174,13 +176,6 @@ def _files(lesson: Lesson, exam: Exam, student: str, submitted: Path) -> Mapping
             opened = open_one(submission, lesson)
             return extract(opened, [exam], lesson.release, lesson.notebook)[exam.name].files
     return None
-
-
-def _recording(path: Path) -> Recording | None:
-    try:
-        return Recording.load(path)
-    except RecordingInvalid:
-        return None
 
 
 def _now(
@@ -250,19 +245,19 @@ def _around(
     last = where.index if where else len(events)
     inputs = [event for event in events[: last + 1] if event['event'] == 'input']
     return {
-        'deviation': None if where is None else _moment(events, where),
-        'seen': [_numbered(events, one) for one in shown],
+        'deviation': None
+        if where is None
+        else {
+            'index': where.index,
+            'clock_ns': events[where.index].get('clock_ns'),
+            'how': HOW[where.how],
+        },
+        'seen': [
+            {'index': one, 'line': live_line(events[one]), 'event': dict(events[one])}
+            for one in shown
+        ],
         'inputs_before': [dict(event) for event in inputs],
     }
-
-
-def _moment(events: Sequence[Event], where: Deviation) -> dict[str, Any]:
-    clock_ns = events[where.index].get('clock_ns')
-    return {'index': where.index, 'clock_ns': clock_ns, 'how': HOW[where.how]}
-
-
-def _numbered(events: Sequence[Event], index: int) -> dict[str, Any]:
-    return {'index': index, 'line': live_line(events[index]), 'event': dict(events[index])}
 
 
 def _versions() -> dict[str, str]:

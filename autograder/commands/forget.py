@@ -17,7 +17,7 @@ from pathlib import Path
 import shutil
 import time
 
-from sqlalchemy import inspect, text
+from sqlalchemy import text
 
 from autograder.classroom.course_lock import alone
 from autograder.classroom.not_collected import forget_not_collected, read_not_collected
@@ -25,10 +25,11 @@ from autograder.classroom.people import namesake, read_people
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.namesakes import keep_namesakes, read_namesakes
 from autograder.commands import OK
+from autograder.commands.grade import short
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.files import json_bytes, keep
-from autograder.gradebook.connection import connected
+from autograder.gradebook.connection import query
 from autograder.gradebook.copies import keep_copy
 from autograder.gradebook.forget import forget_made
 from autograder.gradebook.journal import journal, noted
@@ -49,7 +50,7 @@ def run(chosen: argparse.Namespace) -> int:
     with alone(layout, 'forget') if chosen.yes else nullcontext():
         found = [traces(layout, student) for student in chosen.students]
         for one in found:
-            print('\n'.join(one.lines(layout)))
+            print(printable('\n'.join(one.lines(layout))))
         if chosen.yes:
             copies = [forget(layout, one.student) for one in found]
     if not chosen.yes:
@@ -88,25 +89,21 @@ class Traces:
 
     def lines(self, layout: Layout) -> Iterator[str]:
         """Yield what would go, and what would not."""
-        yield printable(f'{self.student}:')
+        yield f'{self.student}:'
         yield from (f'  gradebook: {mark}' for mark in self.marks)
         if self.results:
             yield f'  reports: result and page of {", ".join(self.results)}'
         if self.journals:
             yield f'  journal of what was entered: {", ".join(self.journals)}'
         if self.name:
-            yield printable(f'  name: {self.name}')
-        for reason in self.refused:
-            yield printable(f'  reports: {reason}')
-        for folder in self.made:
-            yield printable(f'  folder: {folder.relative_to(layout.root)}')
+            yield f'  name: {self.name}'
+        yield from (f'  reports: {reason}' for reason in self.refused)
+        yield from (f'  folder: {short(folder, layout)}' for folder in self.made)
         if self.moved:
-            yield printable(
-                f'  moved to {_forgotten(layout).relative_to(layout.root)}, as it would be graded '
-                f'again: {self.moved.relative_to(layout.root)}'
-            )
+            to, folder = short(_forgotten(layout), layout), short(self.moved, layout)
+            yield f'  moved to {to}, as it would be graded again: {folder}'
         if self.left:
-            yield printable(f'  left as it is: {self.left.relative_to(layout.root)}')
+            yield f'  left as it is: {short(self.left, layout)}'
 
 
 def traces(layout: Layout, student: str) -> Traces:
@@ -141,7 +138,7 @@ def traces(layout: Layout, student: str) -> Traces:
         student,
         tuple(marks.get(student, ())),
         tuple(one for one, students in results.items() if student in students),
-        tuple(one for one in layout.assignments() if student in _journal(layout, one)),
+        tuple(one for one in layout.assignments() if student in noted(journal(layout, one))),
         people.get(student, ''),
         tuple(one.reason for one in missing),
         tuple(above / student for above in made if student in _folders(above)),
@@ -161,9 +158,8 @@ def forget(layout: Layout, student: str) -> Path | None:
     copy = keep_copy(layout)
     # What was handed in moves first: a grading that finds it would undo everything else.
     if found.moved:
-        place = (
-            _forgotten(layout) / f'{student}_{time.strftime("%Y-%m-%d_%H%M%SZ", time.gmtime())}'
-        )
+        now = time.strftime('%Y-%m-%d_%H%M%SZ', time.gmtime())
+        place = _forgotten(layout) / f'{student}_{now}'
         place.parent.mkdir(exist_ok=True)
         found.moved.rename(place)
     forget_not_collected(layout, student)
@@ -188,15 +184,12 @@ def _folders(above: Path) -> set[str]:
 
 def _marks(layout: Layout) -> dict[str, list[str]]:
     """Return what the gradebook has, by student."""
-    found: dict[str, list[str]] = {}
-    with connected(layout) as gradebook:
-        if gradebook is None or not inspect(gradebook).has_table('grade'):
-            return {}
-        for (student,) in gradebook.execute(text('select id from student')):
-            found[str(student)] = []
-        for student, assignment, automatic, by_hand in gradebook.execute(text(_SUMS)):
-            given = f', {number(by_hand)} of them given by hand' if by_hand is not None else ''
-            found[str(student)].append(f'{assignment}, {number(automatic)} points{given}')
+    found: dict[str, list[str]] = {
+        str(student): [] for (student,) in query(layout, text('select id from student'))
+    }
+    for student, assignment, automatic, by_hand in query(layout, text(_SUMS)):
+        given = f', {number(by_hand)} of them given by hand' if by_hand is not None else ''
+        found[str(student)].append(f'{assignment}, {number(automatic)} points{given}')
     return {student: marks or ['no submission'] for student, marks in found.items()}
 
 
@@ -211,10 +204,6 @@ join assignment on assignment.id = submitted_assignment.assignment_id
 group by submitted_assignment.student_id, assignment.name
 order by assignment.name
 """
-
-
-def _journal(layout: Layout, assignment: str) -> set[str]:
-    return set(noted(journal(layout, assignment)))
 
 
 def _forget_name(layout: Layout, student: str) -> None:

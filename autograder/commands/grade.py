@@ -8,7 +8,7 @@ the same command continues it.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 import json
@@ -34,20 +34,18 @@ from autograder.gradebook.cell_points import refuse_unfit_points
 from autograder.gradebook.copies import refuse_damaged
 from autograder.gradebook.live_entry import Entering, Guard
 from autograder.grading.pipeline import (
-    Done,
     Engine,
     grade_class,
     Graded,
     grading_engine,
-    Lesson,
     load_lesson,
     SandboxEngine,
 )
 from autograder.layout import Layout
-from autograder.results import SubmissionResult
+from autograder.results import first_of, SubmissionResult
 from autograder.runs.pool import grading_folder, Pool, processors
 from autograder.sandboxes.isolation import banner, not_protected, WEAK
-from autograder.submission.inbox import discover, students_in, Submission, without_notebooks
+from autograder.submission.inbox import discover, students_in, without_notebooks
 
 AHEAD = 64
 """Runs that a scheduler has before it needs them: workers that come later find something to do."""
@@ -58,7 +56,6 @@ class NotEnteredError(GraderError):
     """The results are there, but they could not all be entered or written."""
 
     def __init__(self, what: str, results: Sequence[SubmissionResult]) -> None:
-        """Keep the results, which are reported anyway."""
         super().__init__(what)
         self.results = tuple(results)
 
@@ -111,7 +108,6 @@ def add_yes(command: argparse.ArgumentParser) -> None:
 
 
 def _positive(text: str) -> int:
-    """Read a whole number of at least one."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f'expected a whole number of at least 1, got {text!r}')
     return int(text)
@@ -143,16 +139,15 @@ def run(chosen: argparse.Namespace) -> int:
 
 def _fit_together(chosen: argparse.Namespace) -> None:
     """Refuse options of which one would be ignored."""
-    if chosen.cluster and chosen.allow_weak:
-        raise UsageError(
-            f'--allow-weak {chosen.allow_weak}: expected none with --cluster, whose workers '
-            'isolate fully or refuse. Try: leave it out'
-        )
-    if chosen.cluster and chosen.jobs:
-        raise UsageError(
-            f'--jobs {chosen.jobs}: expected none with --cluster, whose workers say how many runs '
-            'they take. Try: leave it out'
-        )
+    for name, value, why in (
+        ('--allow-weak', chosen.allow_weak, 'isolate fully or refuse'),
+        ('--jobs', chosen.jobs, 'say how many runs they take'),
+    ):
+        if chosen.cluster and value:
+            raise UsageError(
+                f'{name} {value}: expected none with --cluster, whose workers {why}. '
+                'Try: leave it out'
+            )
 
 
 def _grade_all(
@@ -289,7 +284,6 @@ def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path
 
 
 def _assignments(layout: Layout, chosen: str | None) -> tuple[str, ...]:
-    """Return which assignments to grade."""
     known = layout.assignments()
     if not known:
         raise UsageError('notebooks/ holds no assignment. Generate it with: make release')
@@ -307,21 +301,25 @@ def _grade_assignment(
 ) -> list[SubmissionResult]:
     """Grade one assignment of a class, record it, write the reports, print the table."""
     lesson = load_lesson(layout, assignment, engine)
-    submissions = _submissions(layout, lesson, submitted)
+    submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())
     if not submissions:
         return []
-    others = _others(layout, assignment, submitted, {one.student for one in submissions})
+    # Read before anything is run: results that cannot be read cost no grading.
+    others: Sequence[SubmissionResult] = ()
+    if submitted.resolve() != layout.submitted.resolve():
+        others = results_of_others(layout, assignment, {one.student for one in submissions})
     guard = guard or Guard(layout)
     entering = Entering(layout, lesson, guard)
     began = time.monotonic()
     totals = Totals()
-    with progress(len(submissions) * len(lesson.exams), assignment) as show:
+    runs = len(submissions) * len(lesson.exams)
+    with progress(runs, assignment, totals=totals) as show:
         graded = grade_class(
             submissions,
             lesson,
             engine,
             jobs,
-            _both(totals.add, show),
+            show,
             meanwhile=entering.meanwhile if _enters(engine) else lambda ready: None,
         )
     graded_s = time.monotonic() - began
@@ -334,9 +332,10 @@ def _grade_assignment(
         summary += f' {kept} were in the gradebook as they are.'
     if lowered:
         said = 'Fewer points than before' if guard.yes else 'Left as they are in the gradebook'
-        summary += f' {said}: {_some(lowered)}.'
+        summary += f' {said}: {first_of(lowered, MAX_NAMED)}.'
     if folders := without_notebooks(submitted, layout.assignments()):
-        summary += f' Not graded, as no notebook of the course is in them: {_some(folders)}.'
+        some = printable(first_of(folders, MAX_NAMED))
+        summary += f' Not graded, as no notebook of the course is in them: {some}.'
     if others:
         summary += f' Not in this folder, kept as they were: {len(others)} others.'
     unwritten = _report(layout, assignment, results, others, summary, told)
@@ -345,33 +344,6 @@ def _grade_assignment(
     if trouble := ' '.join(dict.fromkeys(filter(None, (refused, unwritten)))):
         raise NotEnteredError(trouble, results)
     return results
-
-
-def _some(names: Sequence[str]) -> str:
-    """Name the first of some folders, and say how many there are besides."""
-    named = ', '.join(printable(name) for name in names[:MAX_NAMED])
-    return f'{named} and {len(names) - MAX_NAMED} more' if names[MAX_NAMED:] else named
-
-
-def _submissions(layout: Layout, lesson: Lesson, submitted: Path) -> tuple[Submission, ...]:
-    """Return what was handed in for an assignment."""
-    try:
-        return discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
-    except OSError as error:
-        raise UsageError(f'{submitted}: cannot be read: {error.strerror}.') from error
-
-
-def _others(
-    layout: Layout, assignment: str, submitted: Path, students: Collection[str]
-) -> tuple[SubmissionResult, ...]:
-    """
-    Return the results that stay: of those who are not in a folder that is not the course's own.
-
-    It is read before anything is run, so that results that cannot be read cost no grading.
-    """
-    if submitted.resolve() == layout.submitted.resolve():
-        return ()
-    return results_of_others(layout, assignment, students)
 
 
 def _report(
@@ -403,16 +375,7 @@ def _report(
     return unwritten
 
 
-def _both(one: Callable[[Done], None], two: Callable[[Done], None]) -> Callable[[Done], None]:
-    def tell(done: Done) -> None:
-        one(done)
-        two(done)
-
-    return tell
-
-
 def _summary(graded: Sequence[Graded], graded_s: float, total_s: float, totals: Totals) -> str:
-    """Say how many, how long and how isolated."""
     reviews = sum(bool(one.result.review) for one in graded)
     some = f'{len(graded)} submission{"s" * (len(graded) != 1)}'
     parts = [f'{some} in {total_s:.1f} s ({graded_s:.1f} s of it running)']

@@ -83,16 +83,19 @@ class Totals:
 
 
 @contextmanager
-def progress(total: int, what: str, line_s: float = LINE_S) -> Iterator[Callable[[Done], None]]:
+def progress(
+    total: int, what: str, line_s: float = LINE_S, totals: Totals | None = None
+) -> Iterator[Callable[[Done], None]]:
     """
     Show what is done, what is left and what came of it.
 
     :param total: how many runs there will be
     :param what: name of what is graded
     :param line_s: time between two lines where no terminal is, or in CI
+    :param totals: what is to be counted in
     :returns: what to call after each run, from any thread
     """
-    totals, console = Totals(), Console(stderr=True)
+    totals, console = totals or Totals(), Console(stderr=True)
     if not is_alive(console):
         with _lines(totals, total, what, line_s):
             yield totals.add

@@ -288,17 +288,10 @@ def changes(before: ExamResult | None, after: ExamResult) -> list[Changed]:
     for name in dict.fromkeys((*old, *new)):
         one, two = old.get(name), new.get(name)
         if one is None or two is None or _shown(one) != _shown(two):
-            found.append(
-                Changed(
-                    after.exam,
-                    name,
-                    one.verdict.value if one else 'no such check',
-                    two.verdict.value if two else 'no such check',
-                    one.points if one else 0.0,
-                    two.points if two else 0.0,
-                    _why(one, two),
-                )
-            )
+            was, now = (x.verdict.value if x else 'no such check' for x in (one, two))
+            before_it, after_it = (x.points if x else 0.0 for x in (one, two))
+            why = _why(one, two)
+            found.append(Changed(after.exam, name, was, now, before_it, after_it, why))
     return found
 
 

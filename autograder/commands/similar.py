@@ -30,7 +30,6 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def _percent(text: str) -> float:
-    """Read a number from 1 to 100."""
     try:
         value = float(text)
     except ValueError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import asdict
 import json
 
 from autograder.classroom.class_report import write_class_report
@@ -43,7 +44,7 @@ def run(chosen: argparse.Namespace) -> int:
     layout = Layout.here()
     found = [class_numbers(layout, one) for one in graded(layout, chosen.assignment)]
     if chosen.json:
-        print(json.dumps([one.to_json() for one in found]))
+        print(json.dumps([asdict(one) for one in found]))
     else:
         print('\n\n'.join(stats_text(one) for one in found))
     return FOR_REVIEW if any(one.review for one in found) else OK

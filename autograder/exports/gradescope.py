@@ -76,7 +76,6 @@ def _about(result: SubmissionResult) -> str:
 
 
 def _test(exam: ExamResult, check: CheckResult, place: str, visibility: str) -> dict[str, Any]:
-    """Return one check as a test case."""
     return {
         'name': printable(f'{exam.exam}: {check.title}'),
         'number': place,

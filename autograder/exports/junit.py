@@ -45,7 +45,6 @@ def clean(text: str) -> str:
 
 
 def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
-    """Return one exam of one submission."""
     suite = _new_suite(f'{result.assignment}/{result.student}/{exam.exam}')
     for check in exam.checks:
         case = _case(suite, result, f'{exam.exam}/{check.check}')

@@ -24,17 +24,8 @@ FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '�
 LATER_CELL = re.compile(r'(?<![;"\s])((?=["\s]*[;\t\r\n])[;"\s]+)([=+\-@＝＋－＠])')
 """Where a cell would begin in a spreadsheet that parts at semicolons, tabs or lines."""
 
-MARKS = (
-    'assignment',
-    'student',
-    'name',
-    'status',
-    'points',
-    'max_points',
-    'first_cause',
-    'flags',
-)
-CHECKS = (
+MARKS = ['assignment', 'student', 'name', 'status', 'points', 'max_points', 'first_cause', 'flags']
+CHECKS = [
     'assignment',
     'student',
     'status',
@@ -45,7 +36,7 @@ CHECKS = (
     'max_points',
     'cause_id',
     'cause',
-)
+]
 
 Cell = str | float | None
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
-from sqlalchemy import Connection, create_engine, make_url
+from sqlalchemy import Connection, create_engine, inspect, make_url
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, SQLAlchemyError
 from sqlalchemy.pool import NullPool
 
@@ -109,3 +110,15 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
             yield gradebook
     except SQLAlchemyError as error:
         raise refusal(layout, error) from error
+
+
+def query(layout: Layout, statement: Any, table: str = 'grade', **values: str) -> Sequence[Any]:
+    """
+    Return the rows of a query, none if the gradebook or a table of it is not there yet.
+
+    :raises GraderError: if it cannot be asked
+    """
+    with connected(layout) as gradebook:
+        if gradebook is None or not inspect(gradebook).has_table(table):
+            return ()
+        return gradebook.execute(statement, values).all()

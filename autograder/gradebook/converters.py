@@ -199,7 +199,6 @@ class _Errors(logging.Handler):
     """Keeps what nbgrader reports as an error."""
 
     def __init__(self) -> None:
-        """Start with no errors."""
         super().__init__(logging.ERROR)
         self.lines: list[str] = []
 

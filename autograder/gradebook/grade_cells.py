@@ -88,7 +88,6 @@ def _about(result: SubmissionResult, exam: ExamResult, nb: NotebookNode) -> list
 
 
 def _text(text: str) -> NotebookNode:
-    """Return a cell output of plain text."""
     return new_output('stream', name='stdout', text=text)
 
 

@@ -22,7 +22,7 @@ import zlib
 from sqlalchemy import inspect, text
 
 from autograder.files import keep
-from autograder.gradebook.connection import connected, refused
+from autograder.gradebook.connection import connected, query, refused
 from autograder.gradebook.settings import gradebook_file, load_config
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
@@ -175,12 +175,9 @@ def shown(layout: Layout, assignment: str) -> Rows:
     :raises GraderError: if it cannot be asked
     """
     rows: Rows = {}
-    with connected(layout) as gradebook:
-        if gradebook is None or not inspect(gradebook).has_table('grade'):
-            return {}
-        for student, cell, *facts in gradebook.execute(text(SHOWN), {'assignment': assignment}):
-            score, *times = facts
-            rows.setdefault(str(student), {})[str(cell)] = [score, *map(str, times)]
+    for student, cell, *facts in query(layout, text(SHOWN), assignment=assignment):
+        score, *times = facts
+        rows.setdefault(str(student), {})[str(cell)] = [score, *map(str, times)]
     return rows
 
 

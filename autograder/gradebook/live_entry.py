@@ -83,7 +83,6 @@ class Entering:
     """
 
     def __init__(self, layout: Layout, lesson: Lesson, guard: Guard | None = None) -> None:
-        """Enter nothing yet."""
         self.layout, self.lesson, self.guard = layout, lesson, guard or Guard(layout)
         self.begin = cache(lambda: begin_to_enter(layout, lesson.assignment, self.guard))
         self.ready: list[Graded] = []
@@ -96,13 +95,12 @@ class Entering:
         if self.works:
             try:
                 self.begin()
-                self._enter_together()
+                if len(self.ready) >= TOGETHER:
+                    self._enter_together()
             except Exception:  # noqa: BLE001 - whatever it is, it costs nobody else's run
                 self.works = False
 
     def _enter_together(self) -> None:
-        if len(self.ready) < TOGETHER:
-            return
         together, self.ready = self.ready, []
         new, refused = enter(self.layout, self.lesson, together, self.begin, self.guard)
         self.works = not refused

@@ -76,16 +76,8 @@ _PICTURE_ATTRIBUTES = [
 _STYLE = CSSSanitizer(
     allowed_css_properties=[
         *('display', 'grid-template-columns', 'gap', 'margin', 'padding', 'float', 'width'),
-        *(
-            'max-width',
-            'min-width',
-            'height',
-            'text-align',
-            'line-height',
-            'font-weight',
-            'overflow-x',
-        ),
-        *('overflow-wrap', 'border-left', 'color'),
+        *('max-width', 'min-width', 'height', 'text-align', 'line-height', 'font-weight'),
+        *('overflow-x', 'overflow-wrap', 'border-left', 'color'),
     ]
 )
 

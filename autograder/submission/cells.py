@@ -28,18 +28,29 @@ ANSWER_MAX = 2000
 MAGIC_LINE_MAX = 200
 """Characters of a magic line; file names are at most 255 bytes long."""
 
-_KINDS = {
-    '%%node': 'node',
-    '%%rosmsg': 'rosmsg',
-    '%%rospkg': 'rospkg',
-    '%%answer': 'answer',
-}
 _SOLUTION_MARKS = ('### BEGIN SOLUTION', '### END SOLUTION')
 _SOMETHING = re.compile(r'\S')
-_NODE_NAME = re.compile(r'^[A-Za-z][A-Za-z0-9_]*$')
-_MESSAGE_NAME = re.compile(r'^[A-Z][A-Za-z0-9]*$')
 _ODD = re.compile(r'[\\0-9]')
-_ANSWER_NAME = re.compile(r'^[a-z][a-z0-9_]*$')
+_RULES = {
+    'node': (
+        re.compile(r'[A-Za-z][A-Za-z0-9_]*'),
+        'expected letters, digits and underscores, as in %%node temp_publisher',
+    ),
+    'rosmsg': (
+        re.compile(r'[A-Z][A-Za-z0-9]*'),
+        'a message name starts with a capital letter and has only letters and digits, as in '
+        '%%rosmsg Speed',
+    ),
+    'rospkg': (
+        re.compile('|'.join(map(re.escape, PACKAGE_FILES))),
+        f'expected one of {", ".join(PACKAGE_FILES)}',
+    ),
+    'answer': (
+        re.compile(r'[a-z][a-z0-9_]*'),
+        'expected the name of a question, as in %%answer q01',
+    ),
+}
+"""For each kind, how a name has to be, in two ways."""
 
 
 class CellSyntaxError(ValueError):
@@ -100,24 +111,9 @@ def check_name(kind: str, name: str) -> None:
     :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
     :raises CellSyntaxError: with the rule and an example
     """
-    if kind == 'node' and not _NODE_NAME.match(name):
-        raise CellSyntaxError(
-            f'%%node {name}: expected letters, digits and underscores, as in '
-            f'%%node temp_publisher, got {name!r}.'
-        )
-    if kind == 'rosmsg' and not _MESSAGE_NAME.match(name):
-        raise CellSyntaxError(
-            f'%%rosmsg {name}: a message name starts with a capital letter and has only letters '
-            f'and digits, as in %%rosmsg Speed, got {name!r}.'
-        )
-    if kind == 'rospkg' and name not in PACKAGE_FILES:
-        raise CellSyntaxError(
-            f'%%rospkg {name}: expected one of {", ".join(PACKAGE_FILES)}, got {name!r}.'
-        )
-    if kind == 'answer' and not _ANSWER_NAME.match(name):
-        raise CellSyntaxError(
-            f'%%answer {name}: expected the name of a question, as in %%answer q01, got {name!r}.'
-        )
+    wanted, rule = _RULES[kind]
+    if not wanted.fullmatch(name):
+        raise CellSyntaxError(f'%%{kind} {name}: {rule}, got {name!r}.')
 
 
 def parse_cell(source: str) -> CellFile | None:
@@ -130,14 +126,15 @@ def parse_cell(source: str) -> CellFile | None:
     source = source.replace('\r\n', '\n')
     line, start = first_line(source)
     word, _, name = line.replace('\t', ' ').partition(' ')
-    if word not in _KINDS:
+    kind = word.removeprefix('%%')
+    if kind == word or kind not in _RULES:
         return None
     if len(line) > MAGIC_LINE_MAX:
         raise CellSyntaxError(
             f'{word}: expected a first line of at most {MAGIC_LINE_MAX} characters, got '
             f'{len(line)}. Write {word} and a name, and the file below it.'
         )
-    kind, name = _KINDS[word], name.strip(' ')
+    name = name.strip(' ')
     check_name(kind, name)
     below = source[start + len(line) + 1 :]
     return CellFile(kind, name, body_of(below), source.count('\n', 0, start) + 1)

@@ -20,8 +20,6 @@ from autograder.submission.submission import Opened
 CHECK_PREFIX = 'check_'
 """The check cell of an exam has this and the exam's name as its grade id."""
 
-_MAGIC = {'node': '%%node', 'rosmsg': '%%rosmsg', 'rospkg': '%%rospkg', 'answer': '%%answer'}
-
 
 @dataclass(frozen=True)
 class ExamFiles:
@@ -103,7 +101,7 @@ def _read(
     source: str, wanted: CellFile, grade_id: str, where: str
 ) -> tuple[CellFile | None, Problem | None]:
     """Read one answer as the file it has to be."""
-    line = f'{_MAGIC[wanted.kind]} {wanted.name}'
+    line = f'%%{wanted.kind} {wanted.name}'
     got = ''
     try:
         found = parse_cell(source)

@@ -82,7 +82,6 @@ class _Objects:
     repeated = ''
 
     def __call__(self, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        """Make one object."""
         made = dict(pairs)
         if len(made) != len(pairs) and not self.repeated:
             self.repeated = Counter(name for name, _ in pairs).most_common(1)[0][0]

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from autograder.exam.exam import Exam
-from autograder.results import ExamResult
+from autograder.results import ExamResult, first_of
 from autograder.submission.reading import read_file
 
 MAX_FILES = 200
@@ -67,8 +67,7 @@ def what_is_there(files: Mapping[str, str]) -> str:
     if not files:
         return 'no file of a package'
     names = [name if name.isprintable() else repr(name) for name in files]
-    more = f' and {len(names) - 8} more' if len(names) > 8 else ''
-    return f'only {", ".join(names[:8])}{more}'
+    return f'only {first_of(names, 8)}'
 
 
 def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:

@@ -65,16 +65,12 @@ def open_submission(
             replace(problem, cells=answers, unusable=True) for problem in (*problems, *found)
         ]
         return Opened(notebook, tuple(blamed))
-    if answers and not _grade_ids(release) & {cell.grade_id for cell in cells}:
+    ids = {marks_of(cell).get('grade_id', '') for cell in release['cells']} - {''}
+    if answers and ids.isdisjoint(cell.grade_id for cell in cells):
         got = f'{len(cells)} other cells' if cells else 'a notebook without cells'
         nothing = Problem(where, 'cells of this assignment', got, FRESH_COPY, answers, True)
         return Opened(notebook, (*problems, nothing, *found, *more))
     return Opened(notebook, (*problems, *found, *more), changes(release, cells))
-
-
-def _grade_ids(release: Notebook) -> set[str]:
-    """Return the grade ids of all cells that have one."""
-    return {marks_of(cell).get('grade_id', '') for cell in release['cells']} - {''}
 
 
 def answer_ids(release: Notebook) -> Iterator[str]:
@@ -99,7 +95,8 @@ def rebuild(
     """
     notebook = copy.deepcopy(release)
     problems: list[Problem] = []
-    by_file = _by_file(student or ())
+    # The first cell for each file that a magic line names.
+    by_file = {path: one for one in reversed(student or ()) if (path := _path(one.source))}
     by_id: dict[str, list[StudentCell]] = {}
     for found in student or ():
         by_id.setdefault(found.grade_id, []).append(found)
@@ -156,16 +153,6 @@ def _missing_answer(cell: Notebook, by_file: Mapping[str, StudentCell], spot: st
         title = f'grade id {name[:60]!r}' if name else 'no grade id'
         got = f'no such cell, only a cell for {wanted} with {title}'
     return Problem(spot, 'the cell with the answer', got, FRESH_COPY, (grade_id,))
-
-
-def _by_file(cells: Sequence[StudentCell]) -> dict[str, StudentCell]:
-    """Return the first cell for each file that a magic line names."""
-    found: dict[str, StudentCell] = {}
-    for cell in cells:
-        path = _path(cell.source)
-        if path:
-            found.setdefault(path, cell)
-    return found
 
 
 def _path(source: str) -> str:

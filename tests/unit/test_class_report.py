@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from html.parser import HTMLParser
 from itertools import pairwise
 import json
@@ -215,7 +215,7 @@ class TestNumbers:
 
     def test_numbers_are_json(self):
         """For ``stats --json``."""
-        data = json.loads(json.dumps(numbers_of(*CLASS.results[:3]).to_json()))
+        data = json.loads(json.dumps(asdict(numbers_of(*CLASS.results[:3]))))
 
         assert set(data) == set(ClassNumbers.__dataclass_fields__)
 

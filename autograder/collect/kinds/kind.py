@@ -8,46 +8,31 @@ whole class is read.  Each entry on that level that is not a submission gets a r
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from autograder.collect.kinds import canvas, exchange, folders, gradescope, moodle
 from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Handed, Left, Level, level
 from autograder.explaining.feedback import printable
+from autograder.results import first_of
 from autograder.submission.tree import NotTakenInError, Tree
 
 FOLDER, EXCHANGE = 'folder', 'exchange'
 NAMES_SHOWN = 3
 
 
-@dataclass(frozen=True)
-class System:
-    """
-    What names things in a way of its own.
-
-    :param expected: its names, in words
-    :param claims: returns how many entries of a level are named so
-    :param read: yields what they are
-    :param own: entries that are the system's own
-    :param single: whether each of its downloads is of one assignment
-    """
-
-    expected: str
-    claims: Callable[[Level], int]
-    read: Callable[[Level], Iterable[Handed | Left]]
-    own: frozenset[str] = frozenset()
-    single: bool = True
-
-
-SYSTEMS = {
-    'canvas': System(canvas.EXPECTED, canvas.claims, canvas.read),
-    'moodle': System(moodle.EXPECTED, moodle.claims, moodle.read),
-    'gradescope': System(
-        gradescope.EXPECTED, gradescope.claims, gradescope.read, frozenset({gradescope.METADATA})
-    ),
-    EXCHANGE: System(exchange.EXPECTED, exchange.claims, exchange.read, single=False),
+SYSTEMS: Mapping[str, Any] = {
+    'canvas': canvas,
+    'moodle': moodle,
+    'gradescope': gradescope,
+    EXCHANGE: exchange,
 }
+"""
+What names things in a way of its own.  Each module says what its names are (``EXPECTED``), how
+many entries of a level are named so (``claims``), and what they are (``read``).
+"""
 
 
 @dataclass(frozen=True)
@@ -55,7 +40,7 @@ class Found:
     """
     What is in a source.
 
-    :param single: whether all of it was handed in for one assignment
+    :param single: whether all of it was handed in for one assignment, as systems give it
     """
 
     kind: str
@@ -83,23 +68,22 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
         expected, found = folders.EXPECTED, list(folders.read(place, course, prefix))
         _used(tree, prefix, place.entries)
     else:
-        system = SYSTEMS[chosen]
         if prefix:
             raise NotTakenInError(
                 f'{tree.name}: expected folders of students for --prefix, got names of {chosen}.',
                 'Try: leave out --prefix',
             )
-        expected = system.expected
+        expected, system = SYSTEMS[chosen].EXPECTED, SYSTEMS[chosen]
         found = list(system.read(place)) if system.claims(place) else []
     handed = tuple(one for one in found if isinstance(one, Handed))
     if kind and not handed:
         raise _nothing(tree, kind, expected)
     left = [one for one in found if isinstance(one, Left)]
     known = {name for one in handed for name in one.places} | {one.place for one in left}
-    known |= SYSTEMS[chosen].own if chosen in SYSTEMS else frozenset()
+    known |= {gradescope.METADATA} if chosen == 'gradescope' else set()
     why = f'not named as {chosen} names what is handed in'
     left += [Left(name, why) for name in place.entries if name not in known]
-    return Found(chosen, handed, tuple(left), chosen in SYSTEMS and SYSTEMS[chosen].single)
+    return Found(chosen, handed, tuple(left), chosen not in (FOLDER, EXCHANGE))
 
 
 def _used(tree: Tree, prefix: str, names: Sequence[str]) -> None:
@@ -173,7 +157,4 @@ def _nothing(tree: Tree, kind: str, expected: str) -> NotTakenInError:
 
 
 def _shown(names: Sequence[str]) -> str:
-    """Return the first names, and how many more there are."""
-    shown = ', '.join(printable(name)[:60] for name in names[:NAMES_SHOWN]) or 'nothing'
-    more = f' and {len(names) - NAMES_SHOWN} more' if len(names) > NAMES_SHOWN else ''
-    return f'{shown}{more}'
+    return first_of([printable(name)[:60] for name in names], NAMES_SHOWN) or 'nothing'

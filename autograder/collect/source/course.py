@@ -29,7 +29,6 @@ class Course:
     """
 
     def __init__(self, layout: Layout) -> None:
-        """Read nothing yet."""
         self.layout = layout
 
     @cached_property

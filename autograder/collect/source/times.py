@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta, timezone
 import re
 
-from sqlalchemy import DateTime, inspect, Interval, text
+from sqlalchemy import DateTime, Interval, text
 
 from autograder.errors import GraderError
-from autograder.gradebook.connection import connected
+from autograder.gradebook.connection import query
 from autograder.layout import Layout
 
 STAMP = 'timestamp.txt'
@@ -126,19 +126,16 @@ def due_dates(layout: Layout) -> DueDates:
     dates = text(_DATES).columns(duedate=DateTime())
     extensions = text(_EXTENSIONS).columns(extension=Interval())
     try:
-        with connected(layout) as gradebook:
-            if gradebook is None or not inspect(gradebook).has_table('assignment'):
-                return DueDates()
-            return DueDates(
-                {
-                    str(name): date.replace(tzinfo=timezone.utc)
-                    for name, date in gradebook.execute(dates)
-                },
-                {
-                    (str(student), str(name)): more
-                    for student, name, more in gradebook.execute(extensions)
-                },
-            )
+        return DueDates(
+            {
+                str(name): date.replace(tzinfo=timezone.utc)
+                for name, date in query(layout, dates, 'assignment')
+            },
+            {
+                (str(one), str(name)): more
+                for one, name, more in query(layout, extensions, 'assignment')
+            },
+        )
     except (GraderError, ValueError, ImportError) as error:
         what = ' '.join(str(error).split())[:120]
         return DueDates(problem=f'no due dates, the gradebook cannot be read: {what}')
