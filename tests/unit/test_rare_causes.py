@@ -7,6 +7,7 @@ import pytest
 from autograder.exam.exam import Failed, Run
 from autograder.exams.readings import Reading, Sent
 from autograder.exams.visible import (
+    map_server,
     sensor_watch,
     talker,
     temperature_message,
@@ -69,6 +70,26 @@ def test_burst_of_which_a_part_is_lost_is_told_apart():
 
     assert found is not None
     assert found.cause_id == 'burst_is_cut'
+
+
+@pytest.mark.parametrize(('late_s', 'cause_id'), [(0.1, ''), (0.5, 'first_map_late')])
+def test_first_map_is_there_before_anybody_comes(late_s, cause_id):
+    """A timer that publishes it some time after the start is seen by the first listener."""
+    joined = {'event': 'joined', 'listener': 'early', 'clock_ns': 10**9, 'matched': True}
+    first = {
+        'event': 'message',
+        'topic': '/map',
+        'listener': 'early',
+        'after_input': None,
+        'clock_ns': 10**9 + round(late_s * 1e9),
+        'data': {'data': 'unknown'},
+    }
+    run = Run({}, Recording({}, (joined, first, *ENDS)), map_server.exam.facts)
+
+    if cause_id:
+        assert why(map_server.has_a_map_from_the_start, run).cause_id == cause_id
+    else:
+        map_server.has_a_map_from_the_start(run)
 
 
 @pytest.mark.parametrize(
