@@ -70,12 +70,9 @@ def discover(
     :returns: one entry per student who handed in something that may be meant for it
     :raises OSError: if the folder of the class itself cannot be read
     """
-    found = []
-    for name in students_in(submitted, {assignment, *known}):
-        submission = _student(submitted / name, assignment, notebook, known)
-        if submission is not None:
-            found.append(submission)
-    return tuple(found)
+    names = students_in(submitted, {assignment, *known})
+    found = (_student(submitted / name, assignment, notebook, known) for name in names)
+    return tuple(one for one in found if one is not None)
 
 
 def students_in(submitted: Path, assignments: Collection[str]) -> list[str]:
