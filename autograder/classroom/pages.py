@@ -64,29 +64,6 @@ def write_reports(
         )
         _put(pages / page_name(result.student), with_unique_ids(page))
     index = pages / 'index.html'
-    _put(index, _index(templates, assignment, results, summary, people, missing))
-    for path in (pages / 'students').iterdir():
-        if f'students/{path.name}' not in written:
-            path.unlink()
-    return index
-
-
-def _put(path: Path, text: str) -> None:
-    """Put a page in its place; a reader sees the old one or the new one."""
-    unfinished = path.with_name(f'.{path.name}')
-    unfinished.write_text(text, encoding='utf-8')
-    unfinished.replace(path)
-
-
-def _index(
-    templates: Environment,
-    assignment: str,
-    results: Sequence[SubmissionResult],
-    summary: str,
-    people: Mapping[str, str],
-    missing: Sequence[NotCollected],
-) -> str:
-    """Return the page with all students."""
     rows = [
         {
             'student': result.student,
@@ -98,7 +75,7 @@ def _index(
         }
         for result in results
     ]
-    return templates.get_template('index.html.j2').render(
+    page = templates.get_template('index.html.j2').render(
         assignment=assignment,
         rows=rows,
         reviews=sum(bool(result.review) for result in results),
@@ -110,6 +87,18 @@ def _index(
         missing=missing,
         names=names_to_write_to(missing),
     )
+    _put(index, page)
+    for path in (pages / 'students').iterdir():
+        if f'students/{path.name}' not in written:
+            path.unlink()
+    return index
+
+
+def _put(path: Path, text: str) -> None:
+    """Put a page in its place; a reader sees the old one or the new one."""
+    unfinished = path.with_name(f'.{path.name}')
+    unfinished.write_text(text, encoding='utf-8')
+    unfinished.replace(path)
 
 
 def worth_a_look(results: Sequence[SubmissionResult]) -> list[tuple[str, tuple[str, ...]]]:

@@ -83,8 +83,7 @@ def owner_rule(layout: Layout, trust_names: bool = False) -> OwnerRule:
 
 def with_owners_checked(handed: Iterable[Handed], rule: OwnerRule) -> tuple[Handed, ...]:
     """Return deliveries of an exchange, with a doubt for those that somebody else owns."""
-    found = []
-    for one in handed:
-        doubt = rule.doubt(one.student, one.owners)
-        found.append(replace(one, doubt=f'{doubt}; {ADVICE}') if doubt else one)
-    return tuple(found)
+    doubts = ((one, rule.doubt(one.student, one.owners)) for one in handed)
+    return tuple(
+        replace(one, doubt=f'{doubt}; {ADVICE}') if doubt else one for one, doubt in doubts
+    )

@@ -160,14 +160,11 @@ def _take(several: Sequence[Chosen], course: Course, to: Path, write: bool) -> l
         notes = [f'the newest of {len(several)} with a cell of the assignment']
     try:
         done, said = lay(newest, course.file_names[newest.assignment], to, write)
-        notes = [said, *notes] if said else notes
     except OSError as error:
-        done = LEFT
-        notes.insert(0, f'cannot be written: {(error.strerror or "error").lower()}')
+        done, said = LEFT, f'cannot be written: {(error.strerror or "error").lower()}'
     except UnreadableError as error:
-        done = LEFT
-        notes.insert(0, str(error))
-    rows = [newest.row(done, course, *notes)]
+        done, said = LEFT, str(error)
+    rows = [newest.row(done, course, *filter(None, (said, *notes)))]
     for one in others:
         odd = one.strange and not newest.strange
         rows.append(one.row(LEFT, course, 'another one was taken' if odd else 'an earlier one'))

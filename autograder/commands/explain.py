@@ -25,12 +25,12 @@ from autograder.classroom.results_of_class import graded
 from autograder.commands import OK
 from autograder.commands.rejudge import again
 from autograder.errors import GraderError, RecordingInvalid
-from autograder.exam.exam import Check, Exam, Run
+from autograder.exam.exam import Exam, Run
 from autograder.explaining.feedback import number, points_of, printable
 from autograder.explaining.live import live_line
 from autograder.grading.again import NothingRuns
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
-from autograder.judging.deviation import Deviation, deviation
+from autograder.judging.deviation import deviation
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, shortened, SubmissionResult
@@ -218,40 +218,29 @@ def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[s
 
 def _last_words(recording: Recording) -> list[str]:
     """Return the last lines that the program printed, of the stream with its errors if any."""
-    for name in ('stderr', 'stdout'):
-        lines = [
-            line for line in str(recording.process.get(name, '')).splitlines() if line.strip()
-        ]
-        if lines:
-            return lines[-LAST_WORDS:]
-    return []
+    streams = (str(recording.process.get(name, '')) for name in ('stderr', 'stdout'))
+    said = next((text for text in streams if text.strip()), '')
+    return [line for line in said.splitlines() if line.strip()][-LAST_WORDS:]
 
 
 def _around(
     exam: Exam, name: str, files: Mapping[str, str], recording: Recording
 ) -> dict[str, Any]:
     """Return the first deviation, what was seen around it, and what was sent before."""
-    check: Check | None = next((one for one in exam.checks if one.name == name), None)
-    where: Deviation | None = None
-    if check is not None:
-        where = deviation(check, Run(files, recording, exam.facts))
+    checks = [one for one in exam.checks if one.name == name]
+    where = deviation(checks[0], Run(files, recording, exam.facts)) if checks else None
     events = recording.events
     seen = [number for number, event in enumerate(events) if live_line(event)]
-    if where is None:
-        shown = seen[: BEFORE + AFTER]
-    else:
-        shown = [one for one in seen if one <= where.index][-BEFORE - 1 :]
-        shown += [one for one in seen if one > where.index][:AFTER]
-    last = where.index if where else len(events)
+    moment, last, shown = None, len(events), seen[: BEFORE + AFTER]
+    if where is not None:
+        last = where.index
+        clock_ns = events[last].get('clock_ns')
+        moment = {'index': last, 'clock_ns': clock_ns, 'how': HOW[where.how]}
+        shown = [one for one in seen if one <= last][-BEFORE - 1 :]
+        shown += [one for one in seen if one > last][:AFTER]
     inputs = [event for event in events[: last + 1] if event['event'] == 'input']
     return {
-        'deviation': None
-        if where is None
-        else {
-            'index': where.index,
-            'clock_ns': events[where.index].get('clock_ns'),
-            'how': HOW[where.how],
-        },
+        'deviation': moment,
         'seen': [
             {'index': one, 'line': live_line(events[one]), 'event': dict(events[one])}
             for one in shown
@@ -262,12 +251,9 @@ def _around(
 
 def _versions() -> dict[str, str]:
     found = {'python': platform.python_version(), 'kernel': platform.release()}
-    for name in ROS_PACKAGES:
-        try:
+    for name in reversed(ROS_PACKAGES):  # the first that is installed counts
+        with suppress(PackageNotFoundError):
             found['rclpy'] = version(name)
-            break
-        except PackageNotFoundError:
-            continue
     return found
 
 

@@ -7,6 +7,7 @@ from the pace so far, which equal and kept submissions make faster than it will 
 
 from __future__ import annotations
 
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -34,24 +35,19 @@ LINE_S = 5.0
 class Totals:
     """What came of a class so far; told from any thread."""
 
-    full: int = 0
-    less: int = 0
-    review: int = 0
-    seconds: dict[str, float] = field(default_factory=dict)
+    counts: Counter[str] = field(default_factory=Counter)
+    seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
     _guard: threading.Lock = field(default_factory=threading.Lock, repr=False)
 
     def add(self, done: Done) -> None:
         """Count one."""
         with self._guard:
             if isinstance(done.outcome, GraderError):
-                self.review += 1
+                self.counts['for review'] += 1
                 return
-            if done.outcome.points >= done.outcome.max_points:
-                self.full += 1
-            else:
-                self.less += 1
-            took = self.seconds.get(done.student, 0.0) + done.outcome.ran_s
-            self.seconds[done.student] = took
+            full = done.outcome.points >= done.outcome.max_points
+            self.counts['full marks' if full else 'less'] += 1
+            self.seconds[done.student] += done.outcome.ran_s
 
     @property
     def slowest(self) -> tuple[str, float]:
@@ -65,14 +61,12 @@ class Totals:
     @property
     def count(self) -> int:
         """Return how many runs are over."""
-        return self.full + self.less + self.review
+        return self.counts.total()
 
     def text(self) -> str:
         """Return the totals in a few words."""
-        words = [f'{self.full} full marks', f'{self.less} less']
-        if self.review:
-            words.append(f'{self.review} for review')
-        return ', '.join(words)
+        words = ['full marks', 'less', *(['for review'] if self.counts['for review'] else [])]
+        return ', '.join(f'{self.counts[word]} {word}' for word in words)
 
     def slowest_text(self) -> str:
         """Return who took longest in a few words, empty if that is not known."""

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from autograder.classroom.results_of_class import ClassResults, has_mark
 from autograder.errors import GraderError
-from autograder.gradebook.connection import connected
 from autograder.gradebook.lowered import mark_of
+from autograder.gradebook.settings import has_gradebook
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 
@@ -80,9 +80,8 @@ def from_gradebook(
         f'{assignment}: expected it in the gradebook, got none.',
         'Try: make grade, or --points automatic for the points of the checks alone',
     )
-    with connected(layout) as answers:
-        if answers is None:
-            raise missing  # opening would make an empty one
+    if not has_gradebook(layout):
+        raise missing  # opening would make an empty one
     entered: dict[str, Mark] = {}
     with opened_gradebook(layout) as gradebook:
         try:

@@ -12,7 +12,7 @@ from sqlalchemy.pool import NullPool
 
 from autograder.errors import GraderError
 from autograder.gradebook.copies import copies, refuse_damaged
-from autograder.gradebook.settings import gradebook_file, load_config
+from autograder.gradebook.settings import gradebook_file, has_gradebook, load_config
 from autograder.layout import Layout
 
 FILE_ADVICE = {
@@ -83,8 +83,7 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
 
     :raises GraderError: if it cannot be reached or read, with its address but no password
     """
-    path = gradebook_file(layout)
-    if path is not None and not path.is_file():
+    if not has_gradebook(layout):
         yield None
         return
     refuse_damaged(layout)

@@ -10,7 +10,7 @@ from autograder.classroom.results_of_class import results_file, results_of_other
 from autograder.errors import GraderError
 from autograder.gradebook.journal import drop
 from autograder.gradebook.record import forget_students
-from autograder.gradebook.settings import gradebook_file
+from autograder.gradebook.settings import has_gradebook
 from autograder.layout import Layout
 
 
@@ -19,14 +19,9 @@ def forget_made(layout: Layout, students: Collection[str]) -> None:
     # A gradebook that is empty while its journals are not is refused as damaged.
     for assignment in layout.assignments():
         drop(layout, assignment, students)
-    _forget_in_gradebook(layout, students)
-    _forget_in_reports(layout, students)
-
-
-def _forget_in_gradebook(layout: Layout, students: Collection[str]) -> None:
-    file = gradebook_file(layout)
-    if file is None or file.is_file():
+    if has_gradebook(layout):
         forget_students(layout, students)
+    _forget_in_reports(layout, students)
 
 
 def _forget_in_reports(layout: Layout, students: Collection[str]) -> None:

@@ -8,19 +8,19 @@ given by hand stay, and the late policy takes its share of both.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from autograder.explaining.feedback import number, printable
-from autograder.gradebook.connection import connected
 from autograder.gradebook.record import timestamp_of
-from autograder.gradebook.settings import load_config
+from autograder.gradebook.settings import has_gradebook, load_config
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 
 if TYPE_CHECKING:
     from nbformat import NotebookNode
-    from nbgrader.api import Gradebook, SubmittedAssignment
+    from nbgrader.api import SubmittedAssignment
 
 
 @dataclass(frozen=True)
@@ -49,31 +49,22 @@ def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> l
     :param graded: what is about to be entered
     :raises GraderError: if the gradebook cannot be read
     """
-    with connected(layout) as there:
-        if there is None:
-            return []  # opening would make a gradebook
-    from autograder.gradebook.converters import opened_gradebook
-
-    with opened_gradebook(layout) as gradebook:
-        return list(_lowered(layout, lesson, graded, gradebook))
-
-
-def _lowered(
-    layout: Layout, lesson: Lesson, graded: Sequence[Graded], gradebook: Gradebook
-) -> Iterator[LoweredMark]:
-    """Compare one submission after the other."""
+    if not has_gradebook(layout):
+        return []  # opening would make one
     from nbformat import from_dict
     from nbgrader.api import MissingEntry
 
+    from autograder.gradebook.converters import opened_gradebook
     from autograder.gradebook.grade_cells import is_check
 
+    found: list[LoweredMark] = []
     checks = [cell for cell in from_dict(lesson.release).cells if is_check(cell)]
-    for one in graded:
-        try:
-            submission = gradebook.find_submission(lesson.assignment, one.result.student)
-        except MissingEntry:
-            continue
-        yield from _compare(layout, one, submission, checks)
+    with opened_gradebook(layout) as gradebook:
+        for one in graded:
+            with suppress(MissingEntry):
+                submission = gradebook.find_submission(lesson.assignment, one.result.student)
+                found += _compare(layout, one, submission, checks)
+    return found
 
 
 def _compare(

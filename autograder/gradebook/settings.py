@@ -33,3 +33,9 @@ def gradebook_file(layout: Layout) -> Path | None:
     """Return the file of the gradebook, there or not, None if a server keeps it."""
     place, found, path = str(load_config(layout).CourseDirectory.db_url).partition('sqlite:///')
     return Path(path) if found and not place else None
+
+
+def has_gradebook(layout: Layout) -> bool:
+    """Return whether there is a gradebook; one on a server counts as there."""
+    path = gradebook_file(layout)
+    return path is None or path.is_file()

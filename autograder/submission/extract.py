@@ -101,25 +101,18 @@ def _read(
     source: str, wanted: CellFile, grade_id: str, where: str
 ) -> tuple[CellFile | None, Problem | None]:
     """Read one answer as the file it has to be."""
-    line = f'%%{wanted.kind} {wanted.name}'
-    got = ''
+    line, first = f'%%{wanted.kind} {wanted.name}', first_line(source)[0].strip()
     try:
         found = parse_cell(source)
     except CellSyntaxError:
-        found, got = None, _quoted(source)
+        found = None
     if found is not None and found.path == wanted.path:
         return found, None
     problem = Problem(
         f'{where}, cell {grade_id}',
         f'the first line {line}',
-        got or _quoted(source),
+        repr(first[:60]) if first else 'an empty cell',
         f'write {line} as the first line again',
         (grade_id,),
     )
     return None, problem
-
-
-def _quoted(source: str) -> str:
-    """Quote the first line with something on it, shortened."""
-    line = first_line(source)[0].strip()
-    return repr(line[:60]) if line else 'an empty cell'

@@ -70,12 +70,9 @@ def discover(
     :returns: one entry per student who handed in something that may be meant for it
     :raises OSError: if the folder of the class itself cannot be read
     """
-    found = []
-    for name in students_in(submitted, {assignment, *known}):
-        submission = _student(submitted / name, assignment, notebook, known)
-        if submission is not None:
-            found.append(submission)
-    return tuple(found)
+    names = students_in(submitted, {assignment, *known})
+    found = (_student(submitted / name, assignment, notebook, known) for name in names)
+    return tuple(one for one in found if one is not None)
 
 
 def students_in(submitted: Path, assignments: Collection[str]) -> list[str]:
@@ -157,12 +154,9 @@ def _student(
         )
         return Submission(readable[:MAX_NAME_CHARS], folder, None, (problem,), recordable=False)
     where = f'submitted/{name}'
-    try:
-        if not stat.S_ISDIR(os.lstat(folder).st_mode):
-            return Submission(name, folder, None, (_no_folder(where),))
-        inside = sorted(os.listdir(folder))
-    except OSError as error:
-        return Submission(name, folder, None, (unreadable(where, error),))
+    inside, problems = _inside(folder, where)
+    if problems:
+        return Submission(name, folder, None, problems)
     if assignment in inside:
         return open_folder(folder / assignment, name, notebook)
     strange = [entry for entry in inside if entry not in known and not entry.startswith('.')]
@@ -184,12 +178,9 @@ def open_folder(folder: Path, student: str, notebook: str) -> Submission:
     :param notebook: file name of the released notebook
     """
     where = f'submitted/{student}/{folder.name}'
-    try:
-        if not stat.S_ISDIR(os.lstat(folder).st_mode):
-            return Submission(student, folder, None, (_no_folder(where),))
-        inside = sorted(os.listdir(folder))
-    except OSError as error:
-        return Submission(student, folder, None, (unreadable(where, error),))
+    inside, problems = _inside(folder, where)
+    if problems:
+        return Submission(student, folder, None, problems)
     notes: tuple[Problem, ...] = ()
     chosen = notebook
     if notebook not in inside:
@@ -204,6 +195,11 @@ def open_folder(folder: Path, student: str, notebook: str) -> Submission:
     return Submission(student, folder, problems=notes, path=folder / chosen)
 
 
-def _no_folder(where: str) -> Problem:
-    """Return the problem that a folder is needed and something else is there."""
-    return Problem(where, 'a folder', 'a link or a file', SUBMIT_AGAIN)
+def _inside(folder: Path, where: str) -> tuple[list[str], tuple[Problem, ...]]:
+    """Return the sorted names in a real folder, or why there are none."""
+    try:
+        if stat.S_ISDIR(os.lstat(folder).st_mode):
+            return sorted(os.listdir(folder)), ()
+    except OSError as error:
+        return [], (unreadable(where, error),)
+    return [], (Problem(where, 'a folder', 'a link or a file', SUBMIT_AGAIN),)

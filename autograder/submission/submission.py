@@ -59,26 +59,19 @@ def open_submission(
     """
     cells, found = read_notebook(data, where) if data is not None else (None, ())
     notebook, more = rebuild(release, cells, where)
-    answers = tuple(answer_ids(release))
+    released = [marks_of(cell) for cell in release['cells']]
+    answers = tuple(marks['grade_id'] for marks in released if marks.get('solution'))
     if cells is None:
         blamed = [
             replace(problem, cells=answers, unusable=True) for problem in (*problems, *found)
         ]
         return Opened(notebook, tuple(blamed))
-    ids = {marks_of(cell).get('grade_id', '') for cell in release['cells']} - {''}
+    ids = {marks.get('grade_id', '') for marks in released} - {''}
     if answers and ids.isdisjoint(cell.grade_id for cell in cells):
         got = f'{len(cells)} other cells' if cells else 'a notebook without cells'
         nothing = Problem(where, 'cells of this assignment', got, FRESH_COPY, answers, True)
         return Opened(notebook, (*problems, nothing, *found, *more))
     return Opened(notebook, (*problems, *found, *more), changes(release, cells))
-
-
-def answer_ids(release: Notebook) -> Iterator[str]:
-    """Yield the grade ids of all cells that students fill in."""
-    for cell in release['cells']:
-        marks = marks_of(cell)
-        if marks.get('solution'):
-            yield marks['grade_id']
 
 
 def rebuild(

@@ -62,7 +62,10 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     :param prefix: what is taken off the names of folders
     :raises NotTakenInError: if the source is not what its names or ``kind`` say
     """
-    chosen, place = (kind, _claimed(tree, kind)) if kind else _recognised(tree)
+    chosen, place = (kind, None) if kind else _recognised(tree)
+    if chosen in SYSTEMS and place is None:
+        claimed = (one for one in _levels(tree) if SYSTEMS[chosen].claims(one))
+        place = next(claimed, level(tree))
     if chosen == FOLDER or place is None:
         place = folders.level_of(tree, course)
         expected, found = folders.EXPECTED, list(folders.read(place, course, prefix))
@@ -112,13 +115,6 @@ def _recognised(tree: Tree) -> tuple[str, Level | None]:
             'Try: the folder of the course, or its inbound/',
         )
     return FOLDER, None
-
-
-def _claimed(tree: Tree, kind: str) -> Level | None:
-    """Return the outermost level of which a system explains anything."""
-    if kind == FOLDER:
-        return None
-    return next((place for place in _levels(tree) if SYSTEMS[kind].claims(place)), level(tree))
 
 
 def _levels(tree: Tree) -> Iterator[Level]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 import re
 
@@ -21,15 +22,11 @@ def _plain(text: str) -> str:
     return text.replace('_', '-').lower()
 
 
+@dataclass
 class Course:
-    """
-    The assignments of a course; nothing is read before it is asked for.
+    """The assignments of a course; nothing is read before it is asked for."""
 
-    :param layout: of the course
-    """
-
-    def __init__(self, layout: Layout) -> None:
-        self.layout = layout
+    layout: Layout
 
     @cached_property
     def assignments(self) -> tuple[str, ...]:

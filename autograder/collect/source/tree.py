@@ -1,5 +1,5 @@
 """
-A class as a source: how much of it is read, and what in it is nobody's work.
+A class as a source: how much of it is read, and what does not count as work.
 
 What programs leave next to people's work is not listed and does not count as files of the class,
 because a student's workspace must not make a class too large.
