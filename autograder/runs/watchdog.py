@@ -20,6 +20,8 @@ PROBE_S = 10.0  # processor time of the probe beyond the program's: then it figh
 # Real time in which virtual time stands still and nobody computes. A thread that waits for a disk
 # looks like one that waits for a child of vfork; somebody may stop the probe and let it go on.
 OUTSIDE_S, DISK_S, BUILD_S = 0.3, 3.0, 20.0
+# A program that prints waits for us; more than the pipe holds shows that it went on meanwhile.
+PIPE = 1 << 16  # bytes
 MOST_WALL_S = 600.0  # before a machine counts as too busy for a verdict
 
 
@@ -74,7 +76,7 @@ class Watchdog:
         others_ns = sum(sum(used_ns(pid)) for pid in self.others)
         used_s = max(0, student_ns + others_ns - self.used_ns) / 1e9
         self.used_ns = student_ns + others_ns
-        stands_still = self._stands_still(recorded, begun, self.looked - before, used_s)
+        stands_still = self._stands_still(recorded, printed, begun, self.looked - before, used_s)
         return (
             self._too_long(begun, others_ns / 1e9, stands_still)
             or ('output_limit' if printed > self.limits.output else '')
@@ -101,7 +103,9 @@ class Watchdog:
         # A sandbox's folders have a size of their own.
         return 'disk_limit' if self.student.home and size > self.limits.folder else ''
 
-    def _stands_still(self, recorded: int, begun: bool, passed_s: float, used_s: float) -> bool:
+    def _stands_still(
+        self, recorded: int, printed: int, begun: bool, passed_s: float, used_s: float
+    ) -> bool:
         """
         Return whether no process has computed for too long since virtual time last moved.
 
@@ -109,12 +113,13 @@ class Watchdog:
         stopped for a second leaves the program its own 0.3 s.
 
         :param recorded: bytes that came from the probe
+        :param printed: bytes that came from the program
         :param begun: whether a node was seen
         :param passed_s: real time since the last look
         :param used_s: processor time since then, of the program, the probe and the driver
         """
         everyone = (self.student.pid, *self.others)
-        progress = (self.clock.jumps, recorded)
+        progress = (self.clock.jumps, recorded, printed // PIPE)
         if progress != self.progress:
             self.progress, self.still_s = progress, {}
         elif not any(b'R' in states(pid) for pid in everyone):

@@ -54,7 +54,7 @@ def _secret_words(exam: Exam) -> set[str]:
 
 def _secret_numbers(exam: Exam) -> Iterator[float]:
     """Yield the numbers that an exam sends, except those that every lesson shows."""
-    public = {float(word) for word in PUBLIC if word.isdigit()} | {30.01, 29.99}
+    public = {float(word) for word in PUBLIC if word.isdigit()} | {30.01, 30.004, 29.99}
     yield from {float(one) for one in sent_by(exam) if isinstance(one, (int, float))} - public
 
 

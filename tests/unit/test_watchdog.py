@@ -17,6 +17,7 @@ def look(monkeypatch):
     """Return a function that looks a number of times at processes in a state, 0.1 s apart."""
     clock = SimpleNamespace(now=0.0, jumps=0)
     state = {}
+    printed = [0]
     monkeypatch.setattr(watchdog.time, 'monotonic', lambda: clock.now)
     monkeypatch.setattr(watchdog, 'states', lambda pid: state[pid])
     monkeypatch.setattr(watchdog, 'usage', lambda pid: (0, 0.0))
@@ -27,11 +28,12 @@ def look(monkeypatch):
     )
     dog = watchdog.Watchdog(student, (PROBE,), Limits(), clock, builds=False)
 
-    def look(times: int, program: bytes, probe: bytes) -> str:
+    def look(times: int, program: bytes, probe: bytes, prints: int = 0) -> str:
         state.update({PROGRAM: program, PROBE: probe})
         for _ in range(times):
             clock.now += 0.1
-            if said := dog.look(recorded=0, printed=0, begun=True):
+            printed[0] += prints
+            if said := dog.look(recorded=0, printed=printed[0], begun=True):
                 return said
         return ''
 
@@ -56,3 +58,9 @@ def test_a_program_that_waits_for_a_disk_has_three_seconds(look):
     """So does one that waits for a child of vfork, which looks the same."""
     assert look(30, b'D', b'S') == ''
     assert look(3, b'D', b'S') == 'waits_outside'
+
+
+def test_a_program_whose_output_is_read_slowly_does_not_wait_outside(look):
+    """More than a pipe holds was read, so it wrote; a few bytes now and then prove nothing."""
+    assert look(20, b'S', b'S', prints=100_000) == ''
+    assert look(20, b'S', b'S', prints=10) == 'waits_outside'
