@@ -1,4 +1,4 @@
-"""Where a check first saw something else: the check names a moment, or the shortest beginning shows it."""
+"""Find where a check first saw something else: a moment that it names, or the shortest beginning."""
 
 from __future__ import annotations
 
