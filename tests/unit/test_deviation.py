@@ -1,4 +1,4 @@
-"""Find where a check first saw something else: a moment that it names, or the shortest beginning."""
+"""Find where a check first saw something else: the check names it, or the shortest beginning."""
 
 from __future__ import annotations
 

@@ -27,14 +27,14 @@ SHORT_S = 0.1
 
 @lru_cache(maxsize=64)  # Python needs a second for a line with thousands of f-strings
 def without_texts(code: str) -> str:
-    """Return code with blanks for its comments and texts; lines and columns stay."""
+    """Return code with blanks for its comments and texts, as far as Python can read it."""
     texts = list(io.StringIO(code))
     # Characters, as a line may have thousands of texts.
     lines = [list(text) for text in texts]
-    try:
-        tokens = list(tokenize.generate_tokens(io.StringIO(code).readline))
-    except (tokenize.TokenError, SyntaxError, ValueError, RecursionError, MemoryError):
-        return code
+    tokens: list[tokenize.TokenInfo] = []
+    with suppress(tokenize.TokenError, SyntaxError, ValueError, RecursionError, MemoryError):
+        for token in tokenize.generate_tokens(io.StringIO(code).readline):
+            tokens.append(token)
     for token in tokens:
         if tokenize.tok_name[token.type] not in _TEXTS:
             continue
