@@ -135,6 +135,11 @@ By not providing "Find(?P<dependency>\w+)\.cmake"
 There is no package '{dependency}'.
 Check its spelling, as in builtin_interfaces, rosidl_default_generators, ament_cmake.
 
+dependencies_keyword|{file}
+the passed file '(?P<file>\w+_interfaces|\w+_msgs)' doesn't exist
+CMakeLists.txt names '{file}' as a file, and it is a package.
+Write DEPENDENCIES before the packages: DEPENDENCIES {file}.
+
 file_not_listed|{file}
 the passed file '(?P<file>[^']*)' doesn't exist
 CMakeLists.txt names '{file}', and there is no such file.

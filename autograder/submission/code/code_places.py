@@ -15,29 +15,21 @@ _LEAVE_OUT = ('throttle_duration_sec', 'once', 'skip_first')
 _SEEDS = ('seed', 'Random', 'RandomState', 'default_rng')
 
 
-def _of_callbacks(tree: ast.Module) -> Iterator[ast.Call]:
-    """Yield the calls in functions, but for those that run once: ``__init__()`` and ``main()``."""
-    left: list[tuple[ast.AST, str]] = [(tree, '')]
-    for node, inside in left:
-        for child in ast.iter_child_nodes(node):
-            function = isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef))
-            left.append((child, getattr(child, 'name', '') if function else inside))
-            if isinstance(child, ast.Call) and inside not in ('', '__init__', 'main'):
-                yield child
-
-
 def leaves_out(files: Mapping[str, str], names: Collection[str]) -> str:
     """
     Return the argument with which every log call of a level leaves lines out, or nothing.
 
-    :param names: of the calls, such as ``warn`` and ``warning``; those that run once do not count
+    :param names: of the calls, such as ``warn`` and ``warning``; those of callbacks count
     """
     found: list[str] = []
     for tree in trees(files):
-        for call in _of_callbacks(tree):
-            if isinstance(call.func, ast.Attribute) and call.func.attr in names:
-                told = [one for one in call.keywords if one.arg in _LEAVE_OUT]
-                found.append(next((str(one.arg) for one in told if not _is_off(one.value)), ''))
+        for _, body in bodies_of_callbacks(tree):
+            for call in ast.walk(body):
+                if isinstance(call, ast.Call) and last_name(call.func) in names:
+                    told = (one for one in call.keywords if one.arg in _LEAVE_OUT)
+                    found.append(
+                        next((str(one.arg) for one in told if not _is_off(one.value)), '')
+                    )
     return found[0] if found and all(found) else ''
 
 
