@@ -45,7 +45,6 @@ MOST_LINES = 40
 WIDEST = 120
 HOW = {
     'named': 'the check names this moment',
-    'looked_at': 'the check gave up at this event',
     'cut': 'up to here the recording alone brings this verdict',
     'ended': 'the run ended early, and this is how',
     'end': 'only the whole run shows it',

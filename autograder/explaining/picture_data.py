@@ -309,7 +309,7 @@ def _first_difference(check: Check, run: Run, failure: Failed, unit: str) -> flo
     if len(run.recording.events) > MOST_EVENTS:
         return None
     where = deviation(check, run)
-    if where is None or where.how not in ('named', 'looked_at', 'cut'):
+    if where is None or where.how not in ('named', 'cut'):
         return None
     moment = _moment(run.recording.events[where.index], unit)
     return None if moment is None else round(moment, 3)

@@ -9,18 +9,23 @@ it reads text that may come from anybody.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 import re
 import xml.etree.ElementTree as ElementTree
 
 from autograder.exam.exam import Cause, Failed, Run
-from autograder.judging.causes.builds import diagnose, NO_MESSAGES
+from autograder.judging.causes.builds import diagnose, Diagnosis, NO_MESSAGES
 from autograder.judging.causes.ended import close_name
+from autograder.judging.causes.rows import rows
 
 Fields = Sequence[tuple[str, str]]
 """Types and names of fields, in order."""
 
 PRIMITIVE = re.compile(r'bool|byte|char|float32|float64|u?int(?:8|16|32|64)|w?string')
+A_FIELD = 'A field is: type, space, name, and perhaps a default. An = makes a constant.'
+A_CONSTANT = 'A constant has an = sign between its name and its value.'
+LONGEST_CMAKE = 20_000
+"""Characters; the lesson's file has 700."""
 _ELEMENT = re.compile(r'[\w/]*')
 _BOUNDS = (
     (re.compile(r'\[(\d+)\]$'), '[{0}] is exactly {0}'),
@@ -73,7 +78,7 @@ def _why_fields(found: Fields, wanted: Fields, text: str) -> Cause:
     types = {name: kind for kind, name in wanted}
     wrong = [field for field in found if field not in wanted]
     if wrong:
-        cause = _why_line(*wrong[0], types) or _why_type(*wrong[0], types)
+        cause = _why_wrong(*wrong[0], types)
         more = '; '.join(' '.join(field).strip()[:40] for field in wrong[1:4])
         return replace(cause, text=f'{cause.text} Also to mend: {more}' if more else cause.text)
     names = [name for _, name in found]
@@ -81,11 +86,7 @@ def _why_fields(found: Fields, wanted: Fields, text: str) -> Cause:
     for line in map(str.strip, text.splitlines()):
         code = line.partition('#')[0]
         if any(re.search(rf'\b{name}\b', code) for name in missing):
-            return Cause(
-                'field_line',
-                f'This line defines no field: {line[:60]}',
-                'A field is: type, space, name, and perhaps a default. An = makes a constant.',
-            )
+            return Cause('field_line', f'This line defines no field: {line[:60]}', A_FIELD)
     if missing:
         return Cause(
             'field_missing',
@@ -103,86 +104,56 @@ def _why_fields(found: Fields, wanted: Fields, text: str) -> Cause:
     )
 
 
-def _why_line(kind: str, name: str, types: Mapping[str, str]) -> Cause | None:
-    """Explain a line that is not written as a field is."""
+def _why_wrong(kind: str, name: str, types: Mapping[str, str]) -> Cause:
+    """Explain a line that is no field of the specification."""
     line = f'{kind} {name}'.strip()[:60]
     bare = _ELEMENT.match(name)[0]  # type: ignore[index]  # it matches anything
-    if bare in types and name != bare:
-        right = f'{types[bare]} {bare}'
-        if name[len(bare)] in '[<':
-            return Cause(
-                'bound_behind_name',
-                f'The bound stands behind the name in: {line}',
-                f'It belongs to the type: {right}',
-            )
-        return Cause(
-            'punctuation', f'{name[len(bare) :][:5]!r} is too much in: {line}', f'Write: {right}'
-        )
-    first = kind.rstrip(':')
+    more, first = name[len(bare) :][:5], kind.rstrip(':')
+    if bare in types and more[:1] in ('[', '<'):
+        slip = f'The bound stands behind the name in: {line}'
+        return Cause('bound_behind_name', slip, f'It belongs to the type: {types[bare]} {bare}')
+    if bare in types and more:
+        slip = f'{more!r} is too much in: {line}'
+        return Cause('punctuation', slip, f'Write: {types[bare]} {bare}')
     if first in types:
-        return Cause(
-            'name_first',
-            f'The name stands before the type in: {line}',
-            f'The type comes first: {types[first]} {first}',
-        )
+        slip = f'The name stands before the type in: {line}'
+        return Cause('name_first', slip, f'The type comes first: {types[first]} {first}')
     if name.startswith(('<', '[')):
         return Cause('split_type', f'A space divides the type in: {line}', 'Write no space in it.')
     if not name:
-        return Cause(
-            'field_line', f'This line defines no field: {line}', 'A field is: type, space, name.'
-        )
-    return None
-
-
-def _why_type(kind: str, name: str, types: Mapping[str, str]) -> Cause:
-    """Explain a field of which the name or the type is wrong."""
+        return Cause('field_line', f'This line defines no field: {line}', A_FIELD)
     kind, shown = kind[:60], name[:40]
     if name.isupper():
-        return Cause(
-            'constant_without_equals',
-            f'{kind} {shown} is read as a field, and there is no such field.',
-            'A constant has an = sign between its name and its value.',
-        )
-    if name not in types:
-        near = close_name(name, types)
-        return Cause(
-            'field_name',
-            f'There is no field {shown!r} in the specification.',
-            f'Did you mean {near}?' if near else 'Compare with the table.',
-        )
-    wanted = types[name]
+        slip = f'{kind} {shown} is read as a field, and there is no such field.'
+        return Cause('constant_without_equals', slip, A_CONSTANT)
+    if name in types:
+        return _why_type(kind, shown, types[name])
+    near = close_name(name, types)
+    advice = f'Did you mean {near}?' if near else 'Compare with the table.'
+    return Cause('field_name', f'There is no field {shown!r} in the specification.', advice)
+
+
+def _why_type(kind: str, name: str, wanted: str) -> Cause:
+    """Explain a field of another type."""
     element, right = (_ELEMENT.match(one)[0] for one in (kind, wanted))  # type: ignore[index]
     package, _, last = wanted.partition('/')
+    write = f'Write {wanted}.'
     if last and '.' in kind:
-        return Cause(
-            'dotted_type',
-            f'{kind} is Python; in a .msg file a type of another package has a slash.',
-            f'Write {wanted}.',
-        )
+        slip = f'{kind} is Python; in a .msg file a type of another package has a slash.'
+        return Cause('dotted_type', slip, write)
     if kind == f'{package}/msg/{last}':
-        return Cause(
-            'msg_in_type',
-            f'{kind} is the name on the command line; a .msg file leaves the /msg out.',
-            f'Write {wanted}.',
-        )
+        slip = f'{kind} is the name on the command line; a .msg file leaves the /msg out.'
+        return Cause('msg_in_type', slip, write)
     if last and kind == last:
-        return Cause(
-            'type_without_package',
-            f'{kind} alone is looked for in your own package.',
-            f'Write {wanted}.',
-        )
+        slip = f'{kind} alone is looked for in your own package.'
+        return Cause('type_without_package', slip, write)
     if element == right:
-        return Cause(
-            'bound',
-            f'{kind} {shown} has another bound, or none.',
-            f'{_bound_of(wanted)}: {wanted} {name}',
-        )
-    known = '/' in kind or PRIMITIVE.fullmatch(element)
-    return Cause(
-        'field_type' if known else 'unknown_type',
-        f'{shown} has the type {kind}' + ('.' if known else ', which .msg files do not know.'),
-        f'Its type is {wanted}.',
-    )
+        slip = f'{kind} {name} has another bound, or none.'
+        return Cause('bound', slip, f'{_bound_of(wanted)}: {wanted} {name}')
+    if '/' in kind or PRIMITIVE.fullmatch(element):
+        return Cause('field_type', f'{name} has the type {kind}.', f'Its type is {wanted}.')
+    slip = f'{name} has the type {kind}, which .msg files do not know.'
+    return Cause('unknown_type', slip, f'Its type is {wanted}.')
 
 
 def _bound_of(wanted: str) -> str:
@@ -192,55 +163,28 @@ def _bound_of(wanted: str) -> str:
     return 'No bound is asked for'
 
 
-@dataclass(frozen=True)
-class Declaration:
-    """
-    Something that ``package.xml`` has to say (REP 149).
+_DECLARATIONS = """
+<buildtool_depend>ament_cmake</buildtool_depend>
+buildtool_depend
+ament_cmake builds this package, and has to be there first.
 
-    :param line: how the lesson writes it
-    :param name: the package or group
-    :param ways: sets of tags that all say it
-    :param why: what it is good for
-    """
+<buildtool_depend>rosidl_default_generators</buildtool_depend>
+buildtool_depend|build_depend|depend
+The generators turn the .msg file into code while the package is built.
 
-    line: str
-    name: str
-    ways: tuple[str, ...]
-    why: str
+<depend>builtin_interfaces</depend>
+depend|build_depend exec_depend
+Time is a type of builtin_interfaces, when the package is built and when it is used.
 
+<exec_depend>rosidl_default_runtime</exec_depend>
+exec_depend|depend
+Programs that use the message need the runtime of generated code.
 
-DECLARATIONS = (
-    Declaration(
-        '<buildtool_depend>ament_cmake</buildtool_depend>',
-        'ament_cmake',
-        ('buildtool_depend',),
-        'ament_cmake builds this package, and has to be there first.',
-    ),
-    Declaration(
-        '<buildtool_depend>rosidl_default_generators</buildtool_depend>',
-        'rosidl_default_generators',
-        ('buildtool_depend', 'build_depend', 'depend'),
-        'The generators turn the .msg file into code while the package is built.',
-    ),
-    Declaration(
-        '<depend>builtin_interfaces</depend>',
-        'builtin_interfaces',
-        ('depend', 'build_depend exec_depend'),
-        'Time is a type of builtin_interfaces, when the package is built and when it is used.',
-    ),
-    Declaration(
-        '<exec_depend>rosidl_default_runtime</exec_depend>',
-        'rosidl_default_runtime',
-        ('exec_depend', 'depend'),
-        'Programs that use the message need the runtime of generated code.',
-    ),
-    Declaration(
-        '<member_of_group>rosidl_interface_packages</member_of_group>',
-        'rosidl_interface_packages',
-        ('member_of_group',),
-        'By this group ROS 2 knows packages that have messages.',
-    ),
-)
+<member_of_group>rosidl_interface_packages</member_of_group>
+member_of_group
+By this group ROS 2 knows packages that have messages.
+"""
+"""Rows of three: what ``package.xml`` has to say (REP 149), tags that all say it, and why."""
 
 
 def require_declarations(text: str, package: str) -> None:
@@ -259,10 +203,11 @@ def require_declarations(text: str, package: str) -> None:
             why=Cause('xml', 'A tag is not closed, or is misspelled.', 'Look at that line.'),
         ) from None
     have = {(child.tag, (child.text or '').strip()) for child in root}
+    declarations = rows(_DECLARATIONS)
     missing = {
-        one.line: _why_not_declared(one, have)
-        for one in DECLARATIONS
-        if not any({(tag, one.name) for tag in way.split()} <= have for way in one.ways)
+        line: _why_not_declared(line, have, why)
+        for line, ways, why in declarations
+        if not any({(tag, _named(line)) for tag in way.split()} <= have for way in ways.split('|'))
     }
     name, kind = root.findtext('name', '').strip(), root.findtext('export/build_type', '').strip()
     if name != package:
@@ -271,7 +216,7 @@ def require_declarations(text: str, package: str) -> None:
         line = '<export><build_type>ament_cmake</build_type></export>'
         missing[line] = 'Only packages of type ament_cmake can have messages.'
     if missing:
-        total = len(DECLARATIONS) + 2
+        total = len(declarations) + 2
         first = next(iter(missing))
         raise Failed(
             expected='the declarations of the lesson, all of them',
@@ -281,17 +226,78 @@ def require_declarations(text: str, package: str) -> None:
         )
 
 
-def _why_not_declared(wanted: Declaration, have: set[tuple[str, str]]) -> str:
+def _named(line: str) -> str:
+    """Return what stands between the tags of a line."""
+    return line.partition('>')[2].partition('<')[0]
+
+
+def _why_not_declared(line: str, have: set[tuple[str, str]], why: str) -> str:
     for tag, name in sorted(have):
-        if name == wanted.name:
-            return f'{name} is declared by <{tag[:40]}>, which says something else. {wanted.why}'
-    return wanted.why
+        if name == _named(line):
+            return f'{name} is declared by <{tag[:40]}>, which says something else. {why}'
+    return why
+
+
+def require_registered(text: str) -> None:
+    """
+    Fail if a package is built and does not tell ROS 2 that it is there.
+
+    :param text: a CMakeLists.txt; one that another command is missing in is no case for this
+    """
+    bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE]).lower()
+    called = re.findall(r'\b(ament_(?:auto_)?package|rosidl_generate_interfaces)\s*\(', bare)
+    if set(called) == {'rosidl_generate_interfaces'}:
+        raise Failed(
+            expected='a package that ROS 2 finds once it is installed',
+            observed='CMakeLists.txt without ament_package()',
+            share=0.5,
+            why=Cause(
+                'not_registered',
+                'Without ament_package() nothing tells ROS 2 that the package is there: other '
+                'packages and ros2 interface do not find it.',
+                'End CMakeLists.txt with ament_package().',
+            ),
+        )
+
+
+def commands_of(text: str) -> list[tuple[str, list[str]]]:
+    """
+    Read a CMake file as (command, arguments) pairs.
+
+    :param text: command names are lower-cased, comments and quotes dropped, and variables of
+        ``set``, ``list(APPEND)`` and ``project`` put in; bracket arguments and generator
+        expressions are not understood, and lessons do not use them
+    """
+    bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE])
+    variables: dict[str, str] = {}
+    found = []
+    for match in re.finditer(r'(?<!\w)([A-Za-z_]\w{0,63})\s{0,99}\(([^()]*)\)', bare):
+        name = match[1].lower()
+        given = re.sub(r'\$\{(\w+)\}', lambda used: variables.get(used[1], used[0]), match[2])
+        words = re.findall(r'[^\s";]+', given)
+        if name == 'project' and words:
+            variables['PROJECT_NAME'] = words[0]
+        elif name == 'set' and words:
+            variables[words[0]] = ' '.join(words[1:])
+        elif name == 'list' and words[:1] == ['APPEND'] and len(words) > 1:
+            variables[words[1]] = ' '.join([variables.get(words[1], ''), *words[2:]])
+        found.append((name, words))
+    return found
+
+
+def mistake_in_build(run: Run) -> Diagnosis:
+    """Return what the tools printed as a build failed."""
+    process = run.recording.process
+    output = ''.join(str(process.get(name, '')) for name in ('stderr', 'stdout'))
+    found = diagnose(output, run.files)
+    if not found.cause and 'Traceback' in output and 'echo_node.py' in output:
+        return NO_MESSAGES
+    return found
 
 
 def why_no_build(run: Run) -> Cause:
     """Explain a message package of which no message came, from how its build ended."""
-    process = run.recording.process
-    killed = str(process.get('killed', ''))
+    killed = str(run.recording.process.get('killed', ''))
     if killed:
         how = ENDED.get(killed, 'it used more than it may')
         return Cause(
@@ -299,13 +305,12 @@ def why_no_build(run: Run) -> Cause:
             f'The build was ended: {how}.',
             'Run build_messages() in the notebook; look for a command that does not end.',
         )
-    output = ''.join(str(process.get(name, '')) for name in ('stderr', 'stdout'))
-    found = diagnose(output, run.files)
-    if not found.cause and 'Traceback' in output and 'echo_node.py' in output:
-        found = NO_MESSAGES
+    found = mistake_in_build(run)
+    if not found.cause:
+        return Cause(
+            'build',
+            f'colcon stops: {found.error}',
+            'Run build_messages() and read the first error.',
+        )
     where = '' if found.error.startswith(found.where) else f'{found.where}: '
-    return Cause(
-        found.cause or 'build',
-        f'{where}{found.error}' if found.cause else f'colcon stops: {found.error}',
-        found.advice if found.cause else 'Run build_messages() and read the first error.',
-    )
+    return Cause(found.cause, f'{where}{found.error}', found.advice)

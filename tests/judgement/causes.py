@@ -113,8 +113,10 @@ def template(node: ast.AST) -> str:
 def _in_tables() -> Iterator[Written]:
     """Yield the causes whose names come from tables."""
     for kind in exception_table.KINDS:
-        text, try_this = (re.sub(r'\\\d', '…', said) for said in (kind.text, kind.try_this))
-        yield Written(kind.cause_id, f'{text}.', try_this, 'exception_table')
+        text, try_this = (
+            re.sub(r'\\\d|\{\w+\}', '…', said) for said in (kind.text, kind.try_this)
+        )
+        yield Written(kind.cause_id, text, try_this, 'exception_table')
     for name, (what, why) in ended.LIMITS.items():
         yield Written(name, f'The program was ended: {what}.', f'Look for {why}.', 'ended')
     for mistake in builds.MISTAKES:

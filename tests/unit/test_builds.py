@@ -46,6 +46,9 @@ PRINTED = {
     + '  not been found before using find_package()\n',
     'package_not_found': 'CMake Error at CMakeLists.txt:4 (find_package):\n'
     '  By not providing "Findbuiltin_interface.cmake" in CMAKE_MODULE_PATH this\n',
+    'dependencies_keyword': GENERATE
+    + "  rosidl_generate_interfaces() the passed file 'builtin_interfaces' doesn't\n"
+    + '  exist relative to the CMAKE_CURRENT_SOURCE_DIR\n',
     'file_not_listed': GENERATE
     + "  rosidl_generate_interfaces() the passed file 'msg/temperature.msg' doesn't\n"
     + '  exist relative to the CMAKE_CURRENT_SOURCE_DIR\n',

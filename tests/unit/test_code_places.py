@@ -7,7 +7,6 @@ import pytest
 from autograder.submission.code.code_places import (
     leaves_out,
     logs_with_python,
-    outer_scope,
     seed_in_callback,
 )
 
@@ -82,20 +81,3 @@ def test_loggers_of_python_are_told_from_those_of_nodes(line, names, found):
 def test_seed_counts_where_a_callback_comes_to_it(line, call, found):
     """A seed in __init__() or in what main() calls is as it should be."""
     assert seed_in_callback(node(line, call)) == found
-
-
-@pytest.mark.parametrize(
-    ('code', 'found'),
-    [
-        ('n = 0\ndef tick():\n    n += 1\n', 'global'),
-        ('def main():\n    n = 0\n    def tick():\n        n += 1\n', 'nonlocal'),
-        ('n = 0\ndef main():\n    def tick():\n        n += 1\n', 'global'),
-        ('n = 0\ndef tick():\n    global n\n    n += 1\n', ''),
-        ('class N:\n    n = 0\n    def tick(self):\n        n += 1\n', ''),
-        ('def tick():\n    if a:\n        n = 1\n    print(n)\n', ''),
-        ('def tick(:\n', ''),
-    ],
-)
-def test_name_outside_is_reached_by_its_own_word(code, found):
-    """A class attribute is not a variable of the methods."""
-    assert outer_scope(code, 'n') == found

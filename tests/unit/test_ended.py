@@ -194,7 +194,7 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
         ),
         # What one call of it has served, may be the question itself.
         ('rclpy.spin_once(node)  # for a while', 'spins_once', 'serves one callback'),
-        ('for node in nodes:\n    rclpy.spin_once(node)', 'exited_early', 'before anything'),
+        ('for node in nodes:\n    rclpy.spin_once(node)', 'exited_early', 'was at work'),
     ],
 )
 def test_program_that_ends_in_a_callback_is_not_told_to_spin(code, cause_id, words):

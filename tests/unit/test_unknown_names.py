@@ -200,9 +200,9 @@ def test_other_underscores_than_those_of_init_are_named(above, error, cause_id):
 @pytest.mark.parametrize(
     ('above', 'line', 'words'),
     [
-        ('n = 0\ndef tick():\n', '    n += 1', 'write global n as its first line'),
-        ('def main():\n  n = 0\n  def tick():\n', '    n += 1', 'write nonlocal n as'),
-        ('def tick():\n', '    n = n + 1', 'write global n as the first line in it'),
+        ('n = 0\ndef tick():\n', '    n += 1', 'global n, or, inside'),
+        ('def main():\n  n = 0\n  def tick():\n', '    n += 1', 'inside another def, nonlocal n'),
+        ('def tick():\n', '    n = n + 1', 'make it above the def'),
         ('class T:\n  def tick(self):\n', '    n += 1', 'keep it as self.n'),
         ('n = 0\nclass T:\n  def tick(self):\n', '    n += 1', 'keep it as self.n'),
         ('class T:\n  def f(self, a):\n    if a:\n      n = 1\n', '    print(n)', 'every way'),

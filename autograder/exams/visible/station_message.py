@@ -8,14 +8,18 @@ is built, and the hash of the built type is read from the graph.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
-from autograder.exams.visible.temperature_message import require_registered
 from autograder.judging.causes.ended import close_name
-from autograder.judging.message_package import require_declarations, require_fields, why_no_build
+from autograder.judging.message_package import (
+    require_declarations,
+    require_fields,
+    require_registered,
+    why_no_build,
+)
 
 MSG, MANIFEST, CMAKE = 'msg/Station.msg', 'package.xml', 'CMakeLists.txt'
 PACKAGE = 'station_interfaces'
@@ -41,8 +45,8 @@ def constants_of(text: str) -> dict[str, tuple[str, str]]:
     :param text: a .msg file
     """
     found = {}
-    for line in text.splitlines():
-        match = _CONSTANT.fullmatch(line.partition('#')[0].strip())
+    for line in _lines(text):
+        match = _CONSTANT.fullmatch(line)
         if match and not match[1].endswith('<'):
             found[match[2]] = (match[1], match[3])
     return found
@@ -93,38 +97,36 @@ def _why_constant(name: str, found: Mapping[str, tuple[str, str]], text: str) ->
         slip = f'{name} has the type {kind[:40]}.'
         return Cause('constant_type', slip, f'A state is a small number: {right}')
     if kind:
-        slip = f'{name} has the value {value[:20]}.'
-        if whole(value) is None:
-            slip = f'The value of {name} is {value[:20]}, which is no whole number.'
-        return Cause('constant_value', slip, f'Write: {right}')
+        more = '' if whole(value) is not None else ', which is no whole number'
+        return Cause(
+            'constant_value', f'{name} has the value {value[:20]}{more}.', f'Write: {right}'
+        )
     other = next((one for one in found if one.upper() == name), '') or close_name(name, found)
     if other and other not in CONSTANTS:
-        capitals = ' Capitals count.' if other.upper() == name else ''
-        return Cause('constant_name', f'The constant is called {other[:40]}.{capitals}', right)
-    for line in (one.partition('#')[0].strip() for one in text.splitlines()):
-        if re.search(rf'\b{name}\b', line, re.IGNORECASE):
-            return Cause(
-                'constant_line',
-                f'This line makes no constant: {line[:60]}',
-                f'A constant is a type, a name in capitals, = and a value: {right}',
-            )
+        return Cause('constant_name', f'The constant is called {other[:40]}.', f'Write: {right}')
+    line = next((one for one in _lines(text) if re.search(rf'(?i)\b{name}\b', one)), '')
+    if line:
+        advice = f'A constant is a type, a name in capitals, = and a value: {right}'
+        return Cause('constant_line', f'This line makes no constant: {line[:60]}', advice)
     return Cause('constant_missing', f'{name} is missing.', f'Add the line: {right}')
+
+
+def _lines(text: str) -> list[str]:
+    """Return the lines of a message definition without comments."""
+    return [line.partition('#')[0].strip() for line in text.splitlines()]
 
 
 def _why_other(name: str) -> Cause:
     """Explain a constant that is not asked for."""
     if name in [field for _, field in FIELDS]:
-        return Cause(
-            'constant_for_default',
-            f'An = makes a constant of {name}, and a constant is no field.',
-            'A default has no = sign: type, name, value.',
-        )
+        slip = f'An = makes a constant of {name}, and a constant is no field.'
+        return Cause('constant_for_default', slip, 'A default has no = sign: type, name, value.')
     return Cause('constant_extra', f'The constant {name[:40]} is not asked for.', 'Remove it.')
 
 
 def starts_at_the_lowest(run: Run) -> None:
     """A new message has the temperature -40.0, by a default in the file, and no other default."""
-    lines = [line.partition('#')[0].strip() for line in run.files.get(MSG, '').splitlines()]
+    lines = _lines(run.files.get(MSG, ''))
     words = [line.split() for line in lines if '=' not in line.replace('<=', '')]
     defaults = {
         line[1]: ' '.join(line[2:]) for line in words if line[2:] and line[1].isidentifier()
@@ -135,7 +137,7 @@ def starts_at_the_lowest(run: Run) -> None:
         expected='float64 temperature -40.0, and no other default',
         observed='; '.join(f'{name} {value}' for name, value in defaults.items())[:200]
         or 'no default',
-        why=_why_default(defaults, '\n'.join(lines)),
+        why=_why_default(defaults, lines),
     )
 
 
@@ -147,31 +149,22 @@ def number(text: str) -> float | None:
         return None
 
 
-def _why_default(defaults: Mapping[str, str], text: str) -> Cause:
+def _why_default(defaults: Mapping[str, str], lines: Sequence[str]) -> Cause:
     right = 'Write: float64 temperature -40.0'
-    for line in text.splitlines():
+    for line in lines:
         if re.search(r'\btemperature\b', line) and '=' in line:
-            return Cause(
-                'default_with_equals', f'An = makes a constant, no default: {line[:60]}', right
-            )
+            slip = f'An = makes a constant, no default: {line[:60]}'
+            return Cause('default_with_equals', slip, right)
     others = [name for name in defaults if name != 'temperature']
     if others:
-        return Cause(
-            'other_default',
-            f'{others[0][:40]} has something behind its name, which is read as a default: '
-            f'{defaults[others[0]][:40]}',
-            f'Only temperature has a default. {right}',
-        )
-    if 'temperature' in defaults:
-        slip = f'The default of temperature is {defaults["temperature"][:40]}'
-        if number(defaults['temperature']) is None:
-            slip += ', which is no number'
-        return Cause('default_value', f'{slip}.', right)
-    return Cause(
-        'no_default',
-        'temperature has no default, so a new message says 0.0.',
-        f'A default stands behind the name, without =. {right}',
-    )
+        slip = f'{others[0][:40]} has something behind its name, which is read as a default: '
+        advice = f'Only temperature has a default. {right}'
+        return Cause('other_default', f'{slip}{defaults[others[0]][:40]}', advice)
+    if value := defaults.get('temperature', ''):
+        more = '' if number(value) is not None else ', which is no number'
+        return Cause('default_value', f'The default of temperature is {value[:40]}{more}.', right)
+    slip = 'temperature has no default, so a new message says 0.0.'
+    return Cause('no_default', slip, f'A default stands behind the name, without =. {right}')
 
 
 def declares_its_dependencies(run: Run) -> None:

@@ -9,13 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 import random
-import re
 from typing import Any
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, Scenario
-from autograder.judging.causes.ended import close_name
-from autograder.judging.message_package import require_declarations, require_fields, why_no_build
+from autograder.judging.message_package import (
+    commands_of,
+    mistake_in_build,
+    require_declarations,
+    require_fields,
+    require_registered,
+    why_no_build,
+)
 
 FIELDS = (
     ('float64', 'temperature_value'),
@@ -24,8 +29,6 @@ FIELDS = (
     ('string', 'sensor_id'),
 )
 TYPE = 'temp_monitor_pkg/msg/Temperature'
-LONGEST_CMAKE = 20_000  # characters; the lesson's file has 700
-COMMANDS = {'project', 'find_package', 'rosidl_generate_interfaces', 'ament_package'}
 NEEDED = ('builtin_interfaces', 'rosidl_default_generators')
 MSG, MANIFEST, CMAKE = 'msg/Temperature.msg', 'package.xml', 'CMakeLists.txt'
 
@@ -38,55 +41,6 @@ def defines_the_fields(run: Run) -> None:
 def declares_its_dependencies(run: Run) -> None:
     """package.xml declares what generating and using the message needs."""
     require_declarations(_text(run, MANIFEST), 'temp_monitor_pkg')
-
-
-def commands_of(text: str) -> list[tuple[str, list[str]]]:
-    """
-    Read a CMake file as (command, arguments) pairs.
-
-    :param text: command names are lower-cased, comments and quotes dropped, and variables of
-        ``set``, ``list(APPEND)`` and ``project`` put in; bracket arguments and generator
-        expressions are not understood, and lessons do not use them
-    """
-    bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE])
-    variables: dict[str, str] = {}
-    found = []
-    for match in re.finditer(r'(?<!\w)([A-Za-z_]\w{0,63})\s{0,99}\(([^()]*)\)', bare):
-        name = match[1].lower()
-        given = re.sub(r'\$\{(\w+)\}', lambda used: variables.get(used[1], used[0]), match[2])
-        words = re.findall(r'[^\s";]+', given)
-        if name == 'project' and words:
-            variables['PROJECT_NAME'] = words[0]
-        elif name == 'set' and words:
-            variables[words[0]] = ' '.join(words[1:])
-        elif name == 'list' and words[:1] == ['APPEND'] and len(words) > 1:
-            variables[words[1]] = ' '.join([variables.get(words[1], ''), *words[2:]])
-        found.append((name, words))
-    return found
-
-
-def require_registered(text: str) -> None:
-    """
-    Fail if a package is built and does not tell ROS 2 that it is there.
-
-    :param text: a CMakeLists.txt; one that another command is missing in is no case for this
-    """
-    bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE])
-    called = re.findall(
-        r'\b(ament_(?:auto_)?package|rosidl_generate_interfaces)\s*\(', bare.lower()
-    )
-    if set(called) == {'rosidl_generate_interfaces'}:
-        raise Failed(
-            expected='a package that ROS 2 finds once it is installed',
-            observed='CMakeLists.txt without ament_package()',
-            share=0.5,
-            why=Cause(
-                'not_registered',
-                'Without ament_package() nothing tells ROS 2 that the package is there: other '
-                'packages and ros2 interface do not find it.',
-                'End CMakeLists.txt with ament_package().',
-            ),
-        )
 
 
 def _require_required(found: Sequence[tuple[str, list[str]]]) -> None:
@@ -114,16 +68,17 @@ def generates_the_interface(run: Run) -> None:
         _require_required(found)
         return  # however else it is written, it does what it has to
     packages = {words[0] for name, words in found if name == 'find_package' and words}
-    words = _generated(found)
+    words = next((words for name, words in found if name == 'rosidl_generate_interfaces'), [])
+    projects = [words[:1] for name, words in found if name == 'project']
     wanted = (
-        ('project(temp_monitor_pkg)', ('project', ['temp_monitor_pkg']) in _heads(found)),
+        ('project(temp_monitor_pkg)', ['temp_monitor_pkg'] in projects),
         ('find_package(ament_cmake REQUIRED)', 'ament_cmake' in packages),
         (
             'find_package(rosidl_default_generators REQUIRED)',
             'rosidl_default_generators' in packages,
         ),
         (f'rosidl_generate_interfaces(${{PROJECT_NAME}} "{MSG}" ...)', MSG in words),
-        ('DEPENDENCIES builtin_interfaces', 'builtin_interfaces' in _after_dependencies(words)),
+        ('DEPENDENCIES builtin_interfaces', 'builtin_interfaces' in _after('DEPENDENCIES', words)),
         ('ament_package()', any(name == 'ament_package' for name, _ in found)),
     )
     missing = [text for text, there in wanted if not there]
@@ -132,8 +87,9 @@ def generates_the_interface(run: Run) -> None:
             expected='the commands of the lesson, all of them',
             observed='missing: ' + ', '.join(missing),
             share=round(0.5 * (1 - len(missing) / len(wanted)), 2) if len(missing) < 3 else 0,
-            why=_why_cmake(_text(run, CMAKE))
-            or Cause(
+            why=why_no_build(run)
+            if CMAKE in mistake_in_build(run).where
+            else Cause(
                 'cmake',
                 'CMake generates only what it is told to, from packages that it has found.',
                 f'Add {missing[0]}.',
@@ -141,57 +97,8 @@ def generates_the_interface(run: Run) -> None:
         )
 
 
-def _why_cmake(text: str) -> Cause | None:
-    """Explain commands that are there and not as they should be."""
-    found = commands_of(text)
-    words = _generated(found)
-    bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE])
-    if bare.count('(') != bare.count(')'):
-        return Cause(
-            'cmake_syntax',
-            'There are not as many closing brackets as opening ones.',
-            'End each command with its own closing bracket.',
-        )
-    names = {name for name, _ in found}
-    for name in sorted(names - COMMANDS):
-        near = close_name(name, COMMANDS - names)
-        if near:
-            slip = f'There is no command {name[:60]}().'
-            return Cause('unknown_command', slip, f'Its name is {near}.')
-    projects = [words[0] for name, words in found if name == 'project' and words]
-    if projects and projects[0] != 'temp_monitor_pkg':
-        return Cause(
-            'name_mismatch',
-            f'project() has the name {projects[0][:60]}, and the package has another one.',
-            'Write project(temp_monitor_pkg).',
-        )
-    files = [word for word in words if word.endswith('.msg')]
-    if files and MSG not in files:
-        return Cause(
-            'file_not_listed',
-            f'{files[0][:60]} is handed to the generators, and the file is {MSG}.',
-            'Write it letter by letter as the file is called, with its folder.',
-        )
-    if 'builtin_interfaces' in words and 'DEPENDENCIES' not in words:
-        return Cause(
-            'dependencies_keyword',
-            'builtin_interfaces is there, and the word before it is not DEPENDENCIES.',
-            'Write DEPENDENCIES builtin_interfaces.',
-        )
-    return None
-
-
-def _generated(found: Sequence[tuple[str, list[str]]]) -> list[str]:
-    generated = (words for name, words in found if name == 'rosidl_generate_interfaces')
-    return next(generated, [])
-
-
-def _heads(found: Sequence[tuple[str, list[str]]]) -> list[tuple[str, list[str]]]:
-    return [(name, words[:1]) for name, words in found]
-
-
-def _after_dependencies(words: list[str]) -> list[str]:
-    return words[words.index('DEPENDENCIES') :] if 'DEPENDENCIES' in words else []
+def _after(word: str, words: list[str]) -> list[str]:
+    return words[words.index(word) :] if word in words else []
 
 
 def travelled(run: Run) -> bool:
@@ -209,10 +116,9 @@ def builds_and_travels(run: Run) -> None:
     echoed = recording.messages('/echo_out')
     expected = f'{len(run.facts["sent"])} messages sent and received back unchanged'
     if not recording.nodes:
-        why = why_no_build(run)
-        if why.cause_id == 'file_not_listed':  # CMake takes any word for the name of a file
-            why = _why_cmake(_text(run, CMAKE)) or why
-        raise Failed(expected='a package that builds', observed='no built message', why=why)
+        raise Failed(
+            expected='a package that builds', observed='no built message', why=why_no_build(run)
+        )
     ends = recording.endpoints('subscription', '/echo_in')
     raise Failed(
         expected=expected,

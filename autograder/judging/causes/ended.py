@@ -15,19 +15,10 @@ from autograder.exam.exam import Cause, Run
 from autograder.judging.causes import not_answering as stalled
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.tracebacks import traceback_of
-from autograder.submission.code.learners_code import without_texts
+from autograder.submission.code.learners_code import Code, texts_in
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
-# The usual last line, sys.exit(main()), ends nothing before its time.
-_EXIT = re.compile(r'\b(?:sys\.|os\._)?(?:exit|quit)\((?!\s*main\()')
-_GOES_ON = re.compile(r'\bspin\(|\bwhile\b')
-_OTHER_MAIN = re.compile(r'\b__name__\s*==\s*([\'"])(?!__main__\1)')
-_MAIN = re.compile(r'\b__name__\s*==\s*[\'"]__main__\b')
-_BROAD = re.compile(r'\bexcept[^\S\n]*(?::|(?:\([^\S\n]*)?(?:Base)?Exception\b)')
-_CALLS_BACK = re.compile(r'create_(?:timer|subscription|service|rate)\b')
-_PERIOD = re.compile(r'\b(create_timer|Timer)\(\s*([\w.]{1,60})\s*,')
-# Blanks within a line only: with \s, a file of line ends is searched anew from each of them.
-_CONSTANT = re.compile(r'^[ \t]*([\w.]{1,60})[ \t]*=[ \t]*([\d.]{1,20})', re.MULTILINE)
+_CALLS_BACK = {'create_timer', 'create_subscription', 'create_service', 'create_rate'}
 
 LONG_S = 50.0
 """A period [s] that no exercise has; who writes it thinks of milliseconds."""
@@ -82,8 +73,8 @@ def why_it_ended(run: Run) -> Cause | None:
             'A node lives until it is stopped: rclpy.spin(node), and no sys.exit() in a callback.',
         )
     if code == 0:
-        return _why_over(run)
-    if code is not None and _EXIT.search('\n'.join(run.files.values())):
+        return _why_over(run, Code(run.files))
+    if code is not None and Code(run.files).ends_itself:
         if not recording.nodes:
             return Cause(
                 'ends_itself',
@@ -101,13 +92,11 @@ def why_it_ended(run: Run) -> Cause | None:
     return None
 
 
-def _why_over(run: Run) -> Cause:
+def _why_over(run: Run, code: Code) -> Cause:
     """Explain a program that came to its end by itself, by what it says."""
-    code = '\n'.join(map(without_texts, run.files.values()))
     # Half a second later it was still there, so it is no matter of a single spin_once().
-    if run.recording.of('graph', when='start') and _GOES_ON.search(code):
-        ends_itself = _EXIT.search(code) or 'SystemExit' in code
-        if _BROAD.search(code) and not ends_itself:
+    if run.recording.of('graph', when='start') and ('spin' in code.calls or code.loops):
+        if code.catches_all and not code.ends_itself:
             return Cause(
                 'swallowed',
                 'Your node was at work, and then the program ended by itself. Your code catches '
@@ -121,32 +110,22 @@ def _why_over(run: Run) -> Cause:
             'A node lives until it is stopped: rclpy.spin(node) in main(). To leave a callback, '
             'use return, and neither exit() nor SystemExit.',
         )
-    # An entry point names main() in a text, so this one looks at texts, too.
-    written = '\n'.join(run.files.values())
-    if 'def main' in written and not re.search(
-        r'^(?![^\S\n]*(?:async )?def ).*(?:\bmain[^\S\n]*[]}(),]|[:.=][^\S\n]*main\b)',
-        written,
-        re.MULTILINE,
-    ):
+    texts = texts_in(run.files)
+    # An entry point names main() in a text.
+    unused = code.defines_unused('main') and not any(text.endswith(':main') for text in texts)
+    if unused or ('__name__' in code.names and '__main__' not in texts):
         return Cause(
             'main_not_called',
             'Your program defines main() and never calls it.',
             "Write as its last lines: if __name__ == '__main__': and below it, indented, main().",
         )
-    if 'def main' in written and _OTHER_MAIN.search(written) and not _MAIN.search(written):
-        return Cause(
-            'main_not_called',
-            'Your program defines main() and never calls it: __name__ is compared with another '
-            "word than '__main__'.",
-            "Write as its last lines: if __name__ == '__main__': and below it, indented, main().",
-        )
-    if 'spin_once' in code and not re.search(r'\b(?:while|for)\b', code):
+    if 'spin_once' in code.calls and not code.loops:
         return Cause(
             'spins_once',
             'spin_once() serves one callback and returns, and then the program ends.',
             'Call rclpy.spin(node), which goes on until the program is stopped.',
         )
-    if code.strip() and 'spin' not in code:
+    if code.names and not _spins(code):
         return Cause(
             'no_spin',
             'Nothing in your code spins the node, so the program runs to its end at once.',
@@ -158,6 +137,10 @@ def _why_over(run: Run) -> Cause:
         'The program ended by itself before anything could happen.',
         'Does main() call rclpy.spin(node)? Without it the program runs to its end at once.',
     )
+
+
+def _spins(code: Code) -> bool:
+    return any(name.startswith('spin') for name in code.names)
 
 
 def close_name(wanted: str, names: Iterable[str]) -> str:
@@ -180,17 +163,13 @@ def why_no_node(run: Run, wanted: str) -> Cause:
             f'There is a node called {near[1:]}.',
             f"Give super().__init__() the name '{wanted.rpartition('/')[2]}'.",
         )
-    return (
-        why_it_ended(run)
-        or stalled.why_thread_ended(run)
-        or _why_unseen('\n'.join(run.files.values()))
-    )
+    return why_it_ended(run) or stalled.why_thread_ended(run) or _why_unseen(Code(run.files))
 
 
-def _why_destroyed(code: str) -> Cause | None:
+def _why_destroyed(code: Code) -> Cause | None:
     """Explain a node that is destroyed before it is spun; a lifecycle node can be seen even so."""
-    destroyed, spun = code.find('.destroy_node('), code.find('spin(')
-    if not 0 <= destroyed < spun:
+    destroyed, spun = (code.calls.get(name, ()) for name in ('destroy_node', 'spin'))
+    if not destroyed or not spun or destroyed[0].lineno >= spun[0].lineno:
         return None
     return Cause(
         'destroyed_early',
@@ -199,11 +178,11 @@ def _why_destroyed(code: str) -> Cause | None:
     )
 
 
-def _why_unseen(code: str) -> Cause:
+def _why_unseen(code: Code) -> Cause:
     """Explain a program that runs and shows no node, by what it says."""
     if destroyed := _why_destroyed(code):
         return destroyed
-    if 'super().__init__' in code or 'create_node' in code or 'Node(' in code:
+    if any(name.endswith('Node') or name in ('__init__', 'create_node') for name in code.calls):
         return Cause(
             'no_node',
             'The program runs, and no node could be seen, although your code has one.',
@@ -303,17 +282,17 @@ def why_silent(run: Run) -> Cause | None:
 
 def _why_nobody_answers(run: Run) -> Cause:
     """Explain a node that is there at the end and not spun then, by what the code says."""
-    code = '\n'.join(map(without_texts, run.files.values()))
-    own = stalled.why_it_sleeps(run) or stalled.why_it_loops(run) or _why_destroyed(code)
+    code = Code(run.files)
+    own = stalled.why_it_sleeps(run) or stalled.why_it_loops(code) or _why_destroyed(code)
     if own:
         return own
-    if 'Executor(' in code and 'add_node(' not in code:
+    if any(name.endswith('Executor') for name in code.calls) and 'add_node' not in code.names:
         return Cause(
             'never_spun',
             'Your executor has no node, so no callback ever runs.',
             'Call executor.add_node(node) for each node before executor.spin().',
         )
-    if re.search(r'\bspin', code):
+    if _spins(code):
         return Cause(
             'blocked',
             'Your node answers nothing at the end: a callback does not return, or your program '
@@ -330,16 +309,11 @@ def _why_nobody_answers(run: Run) -> Cause:
 
 def why_late(run: Run) -> Cause | None:
     """Explain a timer whose first call is far away, because its period is in other units."""
-    code = '\n'.join(run.files.values())
-    constants: dict[str, str] = {}
-    for name, number in _CONSTANT.findall(code):
-        constants.setdefault(name, number)
-    for timer, written in dict.fromkeys(_PERIOD.findall(code)):
-        try:
-            period_s = float(constants.get(written, written))
-        except ValueError:
-            continue
-        if period_s >= LONG_S:
+    code = Code(run.files)
+    for timer in ('create_timer', 'Timer'):
+        for period_s in code.first_numbers(timer):
+            if period_s < LONG_S:
+                continue
             return Cause(
                 'period_unit',
                 f'{timer}() gets {period_s:g}, and that is seconds: the first call comes '
@@ -353,14 +327,14 @@ def why_no_message(run: Run) -> Cause:
     """Explain a node that lives, whose publisher is right, and from which nothing comes."""
     if found := why_silent(run):
         return found
-    code = '\n'.join(run.files.values())
-    if code.strip() and '.publish(' not in code:
+    code = Code(run.files)
+    if code.names and 'publish' not in code.names:
         return Cause(
             'never_publishes',
             'Your code never calls publish().',
             'Call self.publisher.publish(message) in the callback.',
         )
-    if code.strip() and not _CALLS_BACK.search(code):
+    if code.names and not _CALLS_BACK & code.names:
         return Cause(
             'no_timer',
             'Your code creates no timer, so nothing calls the method that publishes.',

@@ -15,7 +15,6 @@ from autograder.exam.exam import Cause
 from autograder.judging.causes.exception_table import KINDS
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.judging.causes.unknown_names import (
-    home_cause,
     homes,
     import_cause,
     init_cause,
@@ -26,27 +25,17 @@ from autograder.layout import Layout
 
 __all__ = ['exception_cause']
 
-_CALLBACK = re.compile(r'callback should be either be callable')
 _ARGUMENTS = re.compile(
-    r'(?P<callee>[\w.<>]{1,120})\(\) (?P<said>'
-    r'takes (?:from \d+ to )?\d+ positional arguments? but \d+ '
-    r'(?:positional arguments? \(and .{1,40}\) )?w(?:as|ere) given|'
-    r"(?P<missing>missing) \d+ required positional arguments?: [\w', ]{1,200}|"
+    r'(?P<callee>[\w.<>]{1,120})\(\) (?P<said>takes .*given|(?P<missing>missing) .*|'
     r"got an unexpected keyword argument '\w{1,60}')"
 )
-_OF_NOTEBOOKS = re.compile(
-    r'!\s*[A-Za-z]|%%\w|%(?:autoreload|cd|conda|config|env|load_ext|matplotlib|pip|pwd|reset|run|'
-    r'time|timeit)(?:\s|$)'
-)
 _FIELD = re.compile(r"The '(\w{1,60})' field must be ([^:]{1,80})")
-_ATTRIBUTE = re.compile(r"^AttributeError: '([A-Z]\w{0,40})' object has no attribute '(\w{1,60})'")
-_CALLED = re.compile(r'\b([A-Z]\w{0,40})\(')
+_ATTRIBUTE = re.compile(r"^AttributeError: '([A-Z]\w{0,40})' object has no attribute '([a-z]\w*)")
 _MESSAGE_IMPORT = re.compile(r'\bfrom[ \t]+(\w+)\.msg[ \t]+import[ \t]+(\([^)]{0,999}\)|[^\n#]+)')
 _SUBSCRIPTION = re.compile(
     r'create_subscription\(\s*(?:msg_type=)?(\w{1,60})\s*,[^,]{1,80},\s*'
     r'(?:callback=)?(?:\w{1,60}\.)?(\w{1,60})'
 )
-_SELF = 'self is counted, and filled in by itself.'
 _HOLDS_MORE = ('Header', 'ColorRGBA', 'Empty')
 
 MOST_SUBSCRIPTIONS = 20
@@ -70,74 +59,58 @@ SIGNATURES = {
 }
 """How functions of rclpy are called."""
 
-WANTED = (
-    ('a set or sequence', 'Give it a list of such values: [1.0, 2.0].'),
-    (
-        "sub message of type 'Time'",
-        'Add .to_msg(), which makes a stamp of a time: self.get_clock().now().to_msg().',
-    ),
-    (r"sub message of type '(\w+)'", r'Put a whole \1 there, or fill in its fields one by one.'),
-    (
-        "'(?:sec|nanosec)' field must be of type 'int'",
-        'Take the whole stamp from the clock of the node: self.get_clock().now().to_msg(). A '
-        'number with a fraction is made whole by int(value).',
-    ),
-    ("type 'int'", 'It needs a whole number: int(value), or // where you divide.'),
-    ("type 'str'", "It needs a text: str(value), or an f-string: f'{value}'."),
-    ("type 'float'", 'A number is no text, and 25 is no float: write 25.0, or float(value).'),
-    ("type 'bool'", 'Write True or False, without quotes.'),
-    (r' in \[', 'The number is too small or too large for this field: keep it within the limits.'),
-    ('', 'Give it a value of that type.'),
-)
+WANTED = {
+    'a set or sequence': 'Give it a list of such values: [1.0, 2.0].',
+    "sub message of type 'Time'": 'Add .to_msg(), which makes a stamp of a time: '
+    'self.get_clock().now().to_msg().',
+    r"sub message of type '(\w+)'": r'Put a whole \1 there, or fill in its fields one by one.',
+    "'(?:sec|nanosec)' field must be of type 'int'": 'Take the whole stamp from the clock of the '
+    'node: self.get_clock().now().to_msg(). A number with a fraction is made whole by int(value).',
+    "type 'int'": 'It needs a whole number: int(value), or // where you divide.',
+    "type 'str'": "It needs a text: str(value), or an f-string: f'{value}'.",
+    "type 'float'": 'A number is no text, and 25 is no float: write 25.0, or float(value).',
+    "type 'bool'": 'Write True or False, without quotes.',
+    r' in \[': 'The number is too small or too large for this field: keep it within the limits.',
+    '': 'Give it a value of that type.',
+}
 """What to do about a field, by the end of rclpy's message; the first that is found."""
 
 
 def exception_cause(trace: Traceback) -> Cause:
     """Name what a program died of, with the line of the learner's cell."""
-    if trace.kind == 'NotImplementedError':
-        return Cause(
-            'not_started',
-            f'The exercise still raises NotImplementedError{trace.where}.',
-            'Replace that line with your own code and run the cell again.',
-        )
-    if trace.error == 'AssertionError':
-        # So rclpy checks the types of some arguments.
-        return Cause(
-            'assertion',
-            f'An assertion fails{trace.where}, and says no more.',
-            'Is there a value of a type that does not belong there, such as 0.3 for a Duration?',
-        )
     return (
         init_cause(trace)
-        or _kind_cause(trace)
+        or _known_cause(trace)
         or local_cause(trace)
         or _arguments_cause(trace)
-        or _unreadable(trace)
         or import_cause(trace)
         or name_cause(trace)
-        or home_cause(trace)
         or _field_cause(trace)
         or _no_field_cause(trace)
         or _whole_message_cause(trace)
-        or _attribute_cause(trace)
         or _any_cause(trace)
     )
 
 
-def _kind_cause(trace: Traceback) -> Cause | None:
-    """Explain an exception that the table of kinds knows."""
+def _known_cause(trace: Traceback) -> Cause | None:
+    """Explain an exception that the table knows."""
     for kind in KINDS:
-        found = re.search(kind.says, f'{trace.error}\n{trace.code}')
-        if kind.kind in ('', trace.kind) and found:
-            place = trace.place if kind.spins else trace.where if kind.placed else ''
-            text, try_this = found.expand(kind.text), found.expand(kind.try_this)
-            return Cause(kind.cause_id, f'{text}{place}.', try_this)
+        if found := re.search(kind.says, trace.said):
+            text = kind.text.replace('{where}', trace.where).replace('{place}', trace.place)
+            return Cause(kind.cause_id, found.expand(text), found.expand(kind.try_this))
     return None
 
 
 def _any_cause(trace: Traceback) -> Cause:
     """Pass on what Python says, with the line, because feedback shows no traceback."""
     code = trace.code[:100]
+    if 'has no attribute' in trace.error:
+        return Cause(
+            'no_attribute',
+            f'Something is used{trace.where} that is not there: {trace.error}',
+            'Is it spelled as where it is made, and made before it is used? self.name = ... '
+            'belongs into __init__().',
+        )
     if trace.spun or not code:
         advice = 'Start the node in a cell: the traceback there shows the lines that led to it.'
     elif code.startswith('raise'):
@@ -154,116 +127,61 @@ def _any_cause(trace: Traceback) -> Cause:
     )
 
 
-def _attribute_cause(trace: Traceback) -> Cause | None:
-    """Explain something behind a dot that is not there."""
-    if trace.kind != 'AttributeError' or 'has no attribute' not in trace.error:
-        return None
-    return Cause(
-        'no_attribute',
-        f'Something is used{trace.where} that is not there: {trace.error}',
-        'Is it spelled as where it is made, and made before it is used? self.name = ... '
-        'belongs into __init__().',
-    )
-
-
 def _arguments_cause(trace: Traceback) -> Cause | None:
     """Explain a function that gets another number of arguments than it takes."""
-    if trace.kind not in ('TypeError', 'RuntimeError'):
-        return None
     found = _ARGUMENTS.search(trace.error)
-    if found is None:
-        return _callback_cause('', trace) if _CALLBACK.search(trace.error) else None
-    owner, _, name = found['callee'].rpartition('.')
-    owner, name = owner.rpartition('.')[2], name[:60]
-    if name == '__init__':
-        return _made_cause(owner[:60], found['said'], trace)
-    if found['missing'] and name in ('create_publisher', 'create_subscription'):
-        return Cause(
-            'no_depth',
-            f'{name}() gets too few arguments{trace.where}: {found["said"]}',
-            "create_publisher($type, '$topic', 10): type, name, and the depth of the queue; a "
-            'subscription takes its callback before the depth.',
-        )
-    theirs = name in trace.defined and (owner in ('', '<locals>') or owner in trace.own)
-    if theirs and found['missing'] and _handed_over(name, trace.code):
+    if trace.kind != 'TypeError' or found is None:
+        return None
+    path, said = found['callee'].split('.'), found['said']
+    name, owner = path[-1], ''.join(path[-2:-1])
+    made = name == '__init__'
+    theirs = (
+        owner in trace.own if made else name in trace.own and owner in ('', '<locals>', *trace.own)
+    )
+    call = rf'(?:self\.)?{re.escape(name)}\(\)'
+    if made and (cause := None if theirs else _by_name_cause(owner, said, trace)):
+        return cause
+    # The line hands on what the call returns.
+    if (
+        theirs
+        and found['missing']
+        and re.search(rf'[(,=]\s*{call}|^{call}\s*[,)]', trace.bare_code)
+    ):
         return Cause(
             'called_not_passed',
             f'{name}() is called{trace.where}, where it should be passed on.',
             f'Write the method without parentheses: self.{name}.',
         )
-    if trace.spun:
-        return _callback_cause(name, trace)
-    advice = SIGNATURES.get(name, f'Look how {name}() is called in the lesson.')
+    if trace.spun and not made:
+        called = 'A callback' if name == '<lambda>' else f'{name}()'
+        return Cause(
+            'callback_arguments',
+            f'{called} gets another number of arguments than its def line has{trace.where}.',
+            'A subscription hands over the message, an event callback gets the event, a timer '
+            'gives nothing; and a method has self first: def take(self, message).',
+        )
+    advice = SIGNATURES.get(name, f'Look how {owner if made else name}() is called in the lesson.')
     if theirs:
-        advice = f'Compare the call with its line def {name}(...); {_SELF}'
-    return _wrong_call(name, found['said'], trace, advice)
+        advice = (
+            f'Compare the call with its line def {name}(...); self is counted, and filled in by '
+            'itself.'
+        )
+    called = owner if made else name
+    return Cause('arguments', f'{called}() is called wrongly{trace.where}: {said}.', advice)
 
 
-def _handed_over(name: str, code: str) -> bool:
-    """Tell whether a line calls a function to hand on what it returns."""
-    call = rf'(?:self\.)?{name}\(\)'
-    return bool(re.search(rf'[(,]\s*{call}|\w={call}|^{call}\s*[,)]', code))
-
-
-def _wrong_call(name: str, said: str, trace: Traceback, advice: str) -> Cause:
-    """Pass on what Python says of a call."""
-    return Cause('arguments', f'{name}() is called wrongly{trace.where}: {said}.', advice)
-
-
-def _callback_cause(name: str, trace: Traceback) -> Cause:
-    """Explain a callback that does not take what it is given."""
-    called = 'A callback' if name in ('', '<lambda>') else f'{name}()'
-    return Cause(
-        'callback_arguments',
-        f'{called} gets another number of arguments than its def line has{trace.where}.',
-        'A subscription hands over the message, an event callback gets the event, a timer gives '
-        'nothing; and a method has self first: def take(self, message).',
-    )
-
-
-def _made_cause(name: str, said: str, trace: Traceback) -> Cause:
-    """Explain an object that is made with arguments its class does not take."""
-    package = '' if name in trace.own else _messages(trace).get(name, '')
-    example = BY_NAME.get(name, '') if name not in trace.own else ''
-    if package:
-        field = _main_field(name, package)
-        example = f'{name}({field}=...)' if field else f'{name}(field=...)'
+def _by_name_cause(name: str, said: str, trace: Traceback) -> Cause | None:
+    """Explain an object of ROS that is made with arguments its class does not take."""
+    package = _messages(trace).get(name, '')
+    field = _main_field(name, package) if package else ''
+    example = f'{name}({field or "field"}=...)' if package else BY_NAME.get(name, '')
     if not example:
-        advice = f'Look how {name}() is made in the lesson.'
-        if name in trace.own:
-            advice = f'Compare the call with its line def __init__(...); {_SELF}'
-        return _wrong_call(name, said, trace, advice)
+        return None
     text = f'{name}() takes its values by name, and gets one without a name{trace.where}.'
     if said.startswith('got'):
         text = f'{name}() has no value of that name{trace.where}: {said}.'
-    fields = f' {_show(name, package)}' if package and '(field=' in example else ''
+    fields = f' {_show(name, package)}' if package and not field else ''
     return Cause('by_name', text, f'Write the name before the value: {example}.{fields}')
-
-
-def _unreadable(trace: Traceback) -> Cause | None:
-    """Explain a file that Python cannot read."""
-    if trace.kind in ('IndentationError', 'TabError'):
-        return Cause(
-            'indentation',
-            f'The spaces at the beginning of a line are not right{trace.where}: {trace.error}',
-            'Indent by four spaces a level: what belongs to a def, an if or a class stands '
-            'further right than it.',
-        )
-    if trace.kind == 'SyntaxError' and _OF_NOTEBOOKS.match(trace.code):
-        return Cause(
-            'notebook_line',
-            f'Python cannot read the file{trace.where}: a line that begins with {trace.code[0]} '
-            'works in notebooks only.',
-            'The cell of a node is a Python file: take that line out, and run it in a cell of its '
-            'own if you need it.',
-        )
-    if trace.kind == 'SyntaxError':
-        return Cause(
-            'syntax',
-            f'Python cannot read the file{trace.where}: {trace.error}',
-            'Mend that line; often a bracket, a colon or a quote is missing in the line above.',
-        )
-    return None
 
 
 def _messages(trace: Traceback) -> Mapping[str, str]:
@@ -274,7 +192,7 @@ def _messages(trace: Traceback) -> Mapping[str, str]:
         if home.endswith('.msg')
         for name in names.split()
     }
-    for package, names in _MESSAGE_IMPORT.findall(trace.source):
+    for package, names in _MESSAGE_IMPORT.findall(trace.bare):
         known |= dict.fromkeys(re.findall(r'\w+', names), package)
     return {name: package for name, package in known.items() if name not in trace.own}
 
@@ -291,9 +209,9 @@ def _main_field(name: str, package: str) -> str:
 def _heard(trace: Traceback) -> Mapping[str, str]:
     """Return what the line calls the messages that a callback gets, and of which type each is."""
     heard = {}
-    for kind, callback in _SUBSCRIPTION.findall(trace.source)[:MOST_SUBSCRIPTIONS]:
-        taken = re.search(rf'def {callback}\(\s*(?:self\s*,\s*)?(\w+)', trace.source)
-        if taken and re.search(rf'\b{taken[1]}\b', trace.code):
+    for kind, callback in _SUBSCRIPTION.findall(trace.bare)[:MOST_SUBSCRIPTIONS]:
+        taken = re.search(rf'def {callback}\(\s*(?:self\s*,\s*)?(\w+)', trace.bare)
+        if taken and re.search(rf'\b{taken[1]}\b', trace.bare_code):
             heard[taken[1]] = kind
     return heard
 
@@ -310,38 +228,36 @@ def _field_cause(trace: Traceback) -> Cause | None:
     name, wanted = found[1], found[2].partition(' and each')[0].strip()
     what = 'that does not fit' if ' in [' in wanted else 'of another type'
     text = f'The field {name} gets a value {what}{trace.where}: it must be {wanted}.'
-    given = re.search(rf'\b{name}\s*=\s*(\w+)\s*(?:[,)#]|$)', trace.code)
+    given = re.search(rf'\b{name}\s*=\s*(\w+)\s*(?:[,)]|$)', trace.bare_code)
     kind = _heard(trace).get(given[1], '') if given else ''
     field = _main_field(kind, _messages(trace).get(kind, ''))
     if given and field and 'sub message' not in wanted:
         return Cause(
             'field_value', text, f'{given[1]} is the whole message: take {given[1]}.{field}.'
         )
-    for says, advice in WANTED:
-        if matched := re.search(says, trace.error):
-            return Cause('field_value', text, matched.expand(advice))
-    return None
+    matches = ((re.search(says, trace.error), advice) for says, advice in WANTED.items())
+    return Cause(
+        'field_value', text, next(match.expand(advice) for match, advice in matches if match)
+    )
 
 
 def _no_field_cause(trace: Traceback) -> Cause | None:
     """Explain a field that a message does not have, where it is made or used."""
     known = _messages(trace)
     if 'Invalid arguments passed to constructor' in trace.error:
-        made = [name for name in _CALLED.findall(trace.code) if name in known]
-        if not made:
-            return Cause(
-                'no_field',
-                f'A message is made with a field that it does not have{trace.where}.',
-                "ros2 interface show with the type's name lists the fields.",
-            )
+        made = [
+            name for name in re.findall(r'\b([A-Z]\w{0,40})\(', trace.bare_code) if name in known
+        ]
         return Cause(
             'no_field',
-            f'A {made[0]} is made with a field that it does not have{trace.where}.',
-            _show(made[0], known[made[0]]),
+            f'A {made[0] if made else "message"} is made with a field that it does not '
+            f'have{trace.where}.',
+            _show(made[0], known[made[0]])
+            if made
+            else "ros2 interface show with the type's name lists the fields.",
         )
     found = _ATTRIBUTE.match(trace.error)
-    # No field begins with an underscore: rclpy took the message for something else.
-    if found is None or found[1] not in known or found[2].startswith('_'):
+    if found is None or found[1] not in known:
         return None
     if found[1] == 'String' and hasattr(str, found[2]):
         return _take_the_field('String', trace)

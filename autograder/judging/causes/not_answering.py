@@ -15,14 +15,11 @@ from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.redaction import asked
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.recording import Recording
-from autograder.submission.code.learners_code import pause_in_callback, without_texts
+from autograder.submission.code.learners_code import Code, pause_in_callback
 
 THREAD = 'Exception in thread '
 """How Python begins what it prints when an exception has ended a thread, and not the program."""
 MOST_THREADS = 20  # that are looked at
-LOOPS = re.compile(r'^[ \t]*(?:while|for)\b', re.MULTILINE)
-CALLED = re.compile(r'\bcreate_(?:timer|subscription|service|rate)\b|\bdef on_|callback')
-"""What lets ROS call something in a program."""
 SPINS = re.compile(r'^ +File .*, in _?spin\w*$', re.MULTILINE)
 
 
@@ -84,14 +81,15 @@ def _works(run: Run, node: str) -> bool:
     return any(end['node'] == node for kind in kinds for end in run.recording.endpoints(kind))
 
 
-def why_it_loops(run: Run) -> Cause | None:
+def why_it_loops(code: Code) -> Cause | None:
     """
     Explain a node that nobody spins because a loop does all.
 
     There is no callback in its code, so none can be what does not return.
     """
-    code = '\n'.join(map(without_texts, run.files.values()))
-    if CALLED.search(code) or not LOOPS.search(code):
+    calls = ('create_timer', 'create_subscription', 'create_service', 'create_rate', 'on_')
+    called = any('callback' in name or name.startswith(calls) for name in code.names)
+    if called or not code.loops:
         return None
     return Cause(
         'own_loop',

@@ -15,6 +15,7 @@ import re
 from autograder.exam.exam import Run
 from autograder.exam.names import Names
 from autograder.judging.causes.redaction import drawn_values
+from autograder.submission.code.learners_code import without_texts
 
 _HEAD = 'Traceback (most recent call last)'
 _IGNORED = 'Exception ignored in'
@@ -42,7 +43,7 @@ class Traceback:
     :param error: type and message, one line
     :param line: line of the student's file, None if no frame is in it
     :param code: text of that line
-    :param source: all of the student's code
+    :param source: all of the student's code in Python
     :param spun: whether that line spins, and the executor below it raised
     :param names: those of the exam
     """
@@ -72,19 +73,29 @@ class Traceback:
         return '' if self.spun else self.place
 
     @cached_property
-    def own(self) -> frozenset[str]:
-        """Return the classes that the student's files define."""
-        return frozenset(re.findall(r'^[ \t]*class (\w+)', self.source, re.MULTILINE))
+    def said(self) -> str:
+        """Return the exception by its class's own name, and below it the bare line of code."""
+        return f'{self.kind}{self.error[len(self.error.partition(":")[0]) :]}\n{self.bare_code}'
 
     @cached_property
-    def defined(self) -> frozenset[str]:
-        """Return the functions and methods that the student's files define."""
-        return frozenset(re.findall(r'\bdef (\w+)', self.source))
+    def bare_code(self) -> str:
+        """Return the line without its comments and texts."""
+        return without_texts(self.code)
+
+    @cached_property
+    def bare(self) -> str:
+        """Return all of the student's code without its comments and texts."""
+        return without_texts(self.source)
+
+    @cached_property
+    def own(self) -> frozenset[str]:
+        """Return the classes, functions and methods that the student's files define."""
+        return frozenset(re.findall(r'\b(?:class|def) (\w+)', self.bare))
 
 
 def traceback_of(run: Run) -> Traceback | None:
     """Return the exception at the end of standard error, if the program died of one."""
-    source = '\n'.join(run.files.values())
+    source = '\n'.join(text for name, text in run.files.items() if name.endswith('.py'))
     lines = _last_traceback(str(run.recording.process.get('stderr', '')).splitlines(), source)
     error = _error_of(lines)
     if not error:

@@ -14,20 +14,18 @@ import sys
 from autograder.exam.exam import Cause
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.layout import Layout
-from autograder.submission.code.code_places import outer_scope
 
 _NAME = re.compile(r"name '(\w{1,60})' is not defined")
 _MEANT = re.compile(r"Did you mean: '([\w.]{1,60})'")
-_FROM = re.compile(r"cannot import name '(\w{1,60})' from (?:.*module )?'([\w.]{1,80})'")
+_FROM = re.compile(r"cannot import name '(?P<name>\w{1,60})' from .*?'(?P<module>[\w.]{1,80})'")
+_BEHIND = re.compile(r"module '(?P<module>[\w.]{1,80})' has no attribute '(?P<name>\w{1,60})'")
 _MODULE = re.compile(r"No module named '([\w.]{1,80})'")
-_ATTRIBUTE = re.compile(r"module '([\w.]{1,80})' has no attribute '(\w{1,60})'")
 _INIT = re.compile(r'\bdef (_{0,3}[Ii]ni?t_{0,3})\(')
-_NO_INIT = re.compile(r"Node\.__init__\(\) missing .*'node_name'|\b(\w+)\(\) takes no arguments")
+_NO_INIT = re.compile(r"Node\.__init__\(\) missing .*'node_name'|\b\w+\(\) takes no arguments")
 _PARENTS = re.compile(r"'super' object has no attribute '(_{0,3}[Ii]ni?t_{0,3})'")
-_LOCAL = re.compile(r"local variable '(\w{1,60})'")
-_MESSAGES = re.compile(
-    r'\w+(?:_interfaces|_msgs|_srvs|_pkg)(?:\.(?:msg|srv|action))?|\w+\.(?:msg|srv|action)'
-)
+_LOCAL = re.compile(r"^UnboundLocalError: .*local variable '(\w{1,60})'")
+_PACKAGE = re.compile(r'\w+(?:_interfaces|_msgs|_srvs|_pkg)')
+_MESSAGES = re.compile(rf'{_PACKAGE.pattern}(?:\.(?:msg|srv|action))?|\w+\.(?:msg|srv|action)')
 
 HOMES = {
     'rclpy.node': 'Node',
@@ -71,8 +69,6 @@ MODULES = ('rclpy', 'math', 'random', 'time')
 INSTALLED = (*(one for one in sorted(sys.stdlib_module_names) if one[0] != '_'), 'numpy')
 """Modules that are there wherever rclpy is."""
 
-ROS_1 = ('rospy', 'roscpp', 'rosbag', 'roslib')
-
 USES = (
     ('datetime', r'\bdatetime\.datetime\b', 'import datetime'),
     ('datetime', r'\bdatetime\.\w', 'from datetime import datetime'),
@@ -97,76 +93,43 @@ ALONE = 'Each %%node cell or file stands alone: what others import or define is 
 
 
 def import_cause(trace: Traceback) -> Cause | None:
-    """Explain an import that fails."""
-    if trace.kind not in ('ModuleNotFoundError', 'ImportError'):
-        return None
-    missing = _MODULE.search(trace.error)
-    if missing:
+    """Explain a module that is not found, or a name that is looked for in another than its own."""
+    if missing := _MODULE.search(trace.error):
         return _module_cause(trace, missing[1])
-    found = _FROM.search(trace.error)
-    text = f'An import fails{trace.where}: {trace.error.partition(". Did you mean")[0]}'
-    if not found:
-        return Cause('import', text, 'Check the spelling of the package and of the name.')
-    name, module = found[1], found[2]
+    found = _FROM.search(trace.error) or _BEHIND.search(trace.error)
+    name, module = found.group('name', 'module') if found else ('', '')
     home = _home(name, trace.names.homes, homes())
-    meant = _MEANT.search(trace.error)
-    try_this = f'Check the spelling of the name; help({module}) lists what it has.'
-    if home == module:
-        try_this = 'A message of your own has to be built first: build_messages().'
-    elif home:
-        text = f'{name} is not in {module}, from which it is imported{trace.where}.'
-        try_this = f'Write: from {home} import {name}'
-    elif re.fullmatch(r'\w+(?:_interfaces|_msgs|_pkg)', module):
-        text = f'{name} is not in {module}, from which it is imported{trace.where}.'
-        try_this = f'Messages are one level below: from {module}.msg import {name}'
-    elif meant:
-        try_this = f'Did you mean {meant[1]}? Large and small letters count.'
-    return Cause('import', text, try_this)
-
-
-def home_cause(trace: Traceback) -> Cause | None:
-    """Explain a name that is looked for in another module than its own, such as rclpy.Node."""
-    found = _ATTRIBUTE.search(trace.error)
-    home = _home(found[2], trace.names.homes, homes()) if found else ''
-    if trace.kind != 'AttributeError' or found is None or not home:
+    text = f'{name} is not in {module}, where it is looked for{trace.where}.'
+    if home == module != '':
+        return Cause(
+            'import', text, 'A message of your own has to be built first: build_messages().'
+        )
+    if home:
+        return Cause('import', text, f'Write: from {home} import {name}, and below {name} alone.')
+    if trace.kind != 'ImportError':
         return None
-    return Cause(
-        'import',
-        f'{found[2]} is not in {found[1]}, where it is looked for{trace.where}.',
-        f'Write at the top: from {home} import {found[2]}, and below {found[2]} alone.',
-    )
+    text = f'An import fails{trace.where}: {trace.error.partition(". Did you mean")[0]}'
+    if _PACKAGE.fullmatch(module):
+        advice = f'Messages are one level below: from {module}.msg import {name}'
+    elif meant := _MEANT.search(trace.error):
+        advice = f'Did you mean {meant[1]}? Large and small letters count.'
+    elif found:
+        advice = f'Check the spelling of the name; help({module}) lists what it has.'
+    else:
+        advice = 'Check the spelling of the package and of the name.'
+    return Cause('import', text, advice)
 
 
 def _module_cause(trace: Traceback, module: str) -> Cause:
     """Explain a module or package that is not there."""
-    if module.partition('.')[0] in ROS_1:
-        return Cause(
-            'ros_1',
-            f'{module} is imported{trace.where}, and ROS 2 has no such module.',
-            'That is ROS 1; here it is rclpy: import rclpy, and from rclpy.node import Node.',
-        )
-    if module.partition('.')[0] == 'roslab':
-        return Cause(
-            'import',
-            f'roslab is imported{trace.where}; it belongs to the notebook, and is not there for a '
-            'node.',
-            'Leave it out here. A node file starts by itself: main() calls rclpy.init(), makes '
-            'the node, and calls rclpy.spin(node).',
-        )
     known = homes()
     packages = (*trace.names.homes, *known, *(home.partition('.')[0] for home in known))
-    packages = (*packages, 'builtin_interfaces.msg')
-    near = difflib.get_close_matches(module, packages, n=1, cutoff=0.8)
-    if not near and not _MESSAGES.fullmatch(module):
+    near = difflib.get_close_matches(module, (*packages, 'builtin_interfaces.msg'), 1, 0.8)
+    messages = _MESSAGES.fullmatch(module)
+    if not near and not messages:
         alike = [one for one in INSTALLED if one[0] == module[0]]
-        near = difflib.get_close_matches(module, alike, n=1, cutoff=0.75)
-    if near and near[0] != module:
-        return Cause(
-            'import',
-            f'There is no module {module}, which is imported{trace.where}.',
-            f'Did you mean {near[0]}? Check the spelling.',
-        )
-    if _MESSAGES.fullmatch(module):
+        near = difflib.get_close_matches(module, alike, 1, 0.75)
+    if messages and near in ([], [module]):
         return Cause(
             'message_not_built',
             f'There is no message package of that name{trace.where}: {trace.error}',
@@ -177,7 +140,9 @@ def _module_cause(trace: Traceback, module: str) -> Cause:
     return Cause(
         'import',
         f'There is no module {module}, which is imported{trace.where}.',
-        'Check the spelling. Or is it not installed? The lessons need only Python and ROS 2.',
+        f'Did you mean {near[0]}? Check the spelling.'
+        if near and near[0] != module
+        else 'Check the spelling. Or is it not installed? The lessons need only Python and ROS 2.',
     )
 
 
@@ -197,20 +162,19 @@ def name_cause(trace: Traceback) -> Cause | None:
     return Cause(
         'unknown_name',
         f'The name {name} is used{trace.where} and is not known there.',
-        _main_advice(trace.source) if name == 'main' else _how_to_make(name, trace),
+        _main_advice(trace.bare) if name == 'main' else _how_to_make(name, trace),
     )
 
 
 def _import_line(name: str, trace: Traceback) -> str:
     """Return the import that brings a name, as far as its use in a line tells; or nothing."""
-    code = trace.code
     for one, use, line in USES:
-        if one == name and re.search(use, code):
+        if one == name and re.search(use, trace.bare_code):
             return line
     if home := _home(name, trace.names.homes, homes(), OTHER_HOMES):
         return f'from {home} import {name}'
     # Half the modules of Python have names that variables have too, such as code or string.
-    as_module = name in sys.stdlib_module_names and re.search(rf'\b{name}\.\w', code)
+    as_module = name in sys.stdlib_module_names and re.search(rf'\b{name}\.\w', trace.bare_code)
     if name in MODULES or as_module:
         return f'import {name}'
     return ALIASES.get(name, '')
@@ -236,11 +200,11 @@ def _how_to_make(name: str, trace: Traceback) -> str:
     meant = _MEANT.search(trace.error)
     if name == 'self':
         return 'Only a method has it, as its first argument, and further right than its def.'
-    if name in NOTEBOOK.split() and f'{name}(' in trace.code:
+    if name in NOTEBOOK.split() and f'{name}(' in trace.bare_code:
         return f'{name}() belongs to the notebook, and is not there for a node: leave it out here.'
     if meant and meant[1].startswith('self.'):
         return f'Did you mean {meant[1]}? What belongs to the node has self. in front.'
-    if re.search(rf'^[ \t]+{name}\s*=(?!=)', trace.source, re.MULTILINE):
+    if re.search(rf'^[ \t]+{name}\s*=(?!=)', trace.bare, re.MULTILINE):
         return (
             f'It is made inside a def and known only there: hand it on as an argument, or keep it '
             f'as self.{name} in both places.'
@@ -255,14 +219,9 @@ def _how_to_make(name: str, trace: Traceback) -> str:
 def init_cause(trace: Traceback) -> Cause | None:
     """Explain a class whose __init__() is written with other underscores or letters."""
     found = _PARENTS.search(trace.error)
+    if _NO_INIT.search(trace.error) and 'def __init__(' not in trace.bare:
+        found = _INIT.search(trace.bare)
     if found is None:
-        called = _NO_INIT.search(trace.error)
-        if called is None or (called[1] and called[1] not in trace.own):
-            return None
-        if re.search(r'\bdef __init__\(', trace.source):
-            return None
-        found = _INIT.search(trace.source)
-    if trace.kind not in ('TypeError', 'AttributeError') or found is None:
         return None
     return Cause(
         'init_name',
@@ -275,25 +234,22 @@ def init_cause(trace: Traceback) -> Cause | None:
 def local_cause(trace: Traceback) -> Cause | None:
     """Explain a name that a def assigns to, and that it uses before."""
     found = _LOCAL.search(trace.error)
-    if trace.kind != 'UnboundLocalError' or found is None:
+    if found is None:
         return None
     name = found[1]
-    return Cause(
-        'local_name',
-        f'{name} is used before this def has given it a value{trace.where}.',
-        _how_to_keep(name, trace),
-    )
-
-
-def _how_to_keep(name: str, trace: Traceback) -> str:
-    """Tell how a name is kept from one call of a def to the next, if that is what it is for."""
     kept = 'A name that a def assigns to is its own: '
-    word = outer_scope(trace.source, name)
-    counts = re.search(rf'\b{name}\s*(?:[-+*/%|&]|//|\*\*)?=(?!=)', trace.code)
-    if re.search(r'\bself\b', trace.source) and (counts or word):
-        return f'{kept}keep it as self.{name}, with self. everywhere.'
-    if word:
-        return f'{kept}write {word} {name} as its first line, then it is the one outside.'
-    if counts:
-        return f'{kept}make it above the def, and write global {name} as the first line in it.'
-    return f'Give {name} a value on every way to that line: above the if, or below an else too.'
+    again = rf'\b{name}\s*(?:[-+*/%|&]|//|\*\*)=|\b{name}\s*=[^=\n][^\n]*\b{name}\b'
+    if not re.search(again, trace.bare):
+        advice = (
+            f'Give {name} a value on every way to that line: above the if, or below an else too.'
+        )
+    elif re.search(r'\bself\b', trace.bare):
+        advice = f'{kept}keep it as self.{name}, with self. everywhere.'
+    else:
+        advice = (
+            f'{kept}make it above the def, and write as its first line global {name}, or, inside '
+            f'another def, nonlocal {name}.'
+        )
+    return Cause(
+        'local_name', f'{name} is used before this def has given it a value{trace.where}.', advice
+    )

@@ -11,34 +11,25 @@ from collections.abc import Collection, Iterator, Mapping
 
 from autograder.submission.code.learners_code import bodies_of_callbacks, last_name, trees
 
-_SCOPES = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 _LEAVE_OUT = ('throttle_duration_sec', 'once', 'skip_first')
 _SEEDS = ('seed', 'Random', 'RandomState', 'default_rng')
-
-
-def _of_callbacks(tree: ast.Module) -> Iterator[ast.Call]:
-    """Yield the calls in functions, but for those that run once: ``__init__()`` and ``main()``."""
-    left: list[tuple[ast.AST, str]] = [(tree, '')]
-    for node, inside in left:
-        for child in ast.iter_child_nodes(node):
-            function = isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef))
-            left.append((child, getattr(child, 'name', '') if function else inside))
-            if isinstance(child, ast.Call) and inside not in ('', '__init__', 'main'):
-                yield child
 
 
 def leaves_out(files: Mapping[str, str], names: Collection[str]) -> str:
     """
     Return the argument with which every log call of a level leaves lines out, or nothing.
 
-    :param names: of the calls, such as ``warn`` and ``warning``; those that run once do not count
+    :param names: of the calls, such as ``warn`` and ``warning``; those of callbacks count
     """
     found: list[str] = []
     for tree in trees(files):
-        for call in _of_callbacks(tree):
-            if isinstance(call.func, ast.Attribute) and call.func.attr in names:
-                told = [one for one in call.keywords if one.arg in _LEAVE_OUT]
-                found.append(next((str(one.arg) for one in told if not _is_off(one.value)), ''))
+        for _, body in bodies_of_callbacks(tree):
+            for call in ast.walk(body):
+                if isinstance(call, ast.Call) and last_name(call.func) in names:
+                    told = (one for one in call.keywords if one.arg in _LEAVE_OUT)
+                    found.append(
+                        next((str(one.arg) for one in told if not _is_off(one.value)), '')
+                    )
     return found[0] if found and all(found) else ''
 
 
@@ -85,46 +76,3 @@ def seed_in_callback(files: Mapping[str, str]) -> str:
                 if call.args and isinstance(call.args[0], ast.Constant):
                     return last_name(call.func)
     return ''
-
-
-def outer_scope(code: str, name: str) -> str:
-    """
-    Return how a function gets at a name that it assigns to and that is made outside of it.
-
-    :returns: ``'nonlocal'`` if a function around it makes the name, ``'global'`` if the module
-        does, else nothing
-    """
-    for tree in trees({'all.py': code}):
-        left: list[tuple[ast.AST, bool]] = [(tree, False)]
-        makers = []
-        for scope, outside in left:
-            own = list(_own(scope))
-            makes = not isinstance(scope, ast.ClassDef) and _makes(own, name)
-            if makes and outside:
-                return 'nonlocal'
-            if makes:
-                makers.append(scope)
-            within = outside or (makes and scope is not tree)
-            left += [(node, within) for node in own if isinstance(node, _SCOPES)]
-        if len(makers) > 1 and tree in makers:
-            return 'global'
-    return ''
-
-
-def _own(scope: ast.AST) -> Iterator[ast.AST]:
-    """Yield what a scope has of its own: the functions in it too, but not what is in those."""
-    left = list(ast.iter_child_nodes(scope))
-    for node in left:
-        yield node
-        if not isinstance(node, _SCOPES):
-            left += ast.iter_child_nodes(node)
-
-
-def _makes(own: Collection[ast.AST], name: str) -> bool:
-    """Tell whether a scope assigns to a name and does not take that of another one."""
-    if any(isinstance(node, (ast.Global, ast.Nonlocal)) and name in node.names for node in own):
-        return False
-    return any(
-        isinstance(node, ast.Name) and node.id == name and isinstance(node.ctx, ast.Store)
-        for node in own
-    )

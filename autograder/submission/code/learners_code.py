@@ -7,60 +7,34 @@ Comments and texts are no code: a call that is named in a comment calls nothing.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 import io
-import re
 import tokenize
 
 from autograder.submission.code.python_text import NotPythonError, parsed
 
-_TEXTS = ('COMMENT', 'STRING', 'FSTRING_MIDDLE')
-_FORMATTED = re.compile(r'(?:[fF][rR]?|[rR][fF])(?P<quote>"""|\'\'\'|"|\')')
-_CALLBACKS = {'create_timer': 1, 'create_subscription': 2, 'create_service': 2}
-"""At which place the functions of rclpy take a callback."""
 SHORT_S = 0.1
 """A pause [s] that nobody notices."""
 
 
 @lru_cache(maxsize=64)  # Python needs a second for a line with thousands of f-strings
 def without_texts(code: str) -> str:
-    """Return code with blanks for its comments and texts; lines and columns stay."""
-    texts = list(io.StringIO(code))
-    # Characters, as a line may have thousands of texts.
-    lines = [list(text) for text in texts]
-    try:
-        tokens = list(tokenize.generate_tokens(io.StringIO(code).readline))
-    except (tokenize.TokenError, SyntaxError, ValueError, RecursionError, MemoryError):
-        return code
-    for token in tokens:
-        if tokenize.tok_name[token.type] not in _TEXTS:
-            continue
-        (first, begin), (last, end) = token.start, token.end
-        # Before Python 3.12, an f-string is one token, the code in its braces included.
-        parts = iter(_blanked(token.string).splitlines())
-        for number in range(first - 1, min(last, len(lines))):
-            left = begin if number == first - 1 else 0
-            right = end if number == last - 1 else len(texts[number].rstrip('\r\n'))
-            lines[number][left:right] = next(parts, '').ljust(right - left)
+    """Return code with blanks for its comments and plain texts, as far as Python can read it."""
+    lines = [list(line) for line in io.StringIO(code)]
+    with suppress(tokenize.TokenError, SyntaxError, ValueError, RecursionError, MemoryError):
+        for token in tokenize.generate_tokens(io.StringIO(code).readline):
+            text = token.type == tokenize.STRING and token.string[0] not in 'fF'
+            if not text and token.type != tokenize.COMMENT:
+                continue
+            (first, begin), (last, end) = token.start, token.end
+            for number in range(first - 1, last):
+                left = begin if number == first - 1 else 0
+                right = end if number == last - 1 else len(lines[number]) - 1
+                lines[number][left:right] = ' ' * (right - left)
     return ''.join(char for line in lines for char in line)
-
-
-def _blanked(text: str) -> str:
-    """Return a token with blanks for what is text in it; an f-string keeps quotes and braces."""
-    found = _FORMATTED.match(text)
-    if found is None:
-        return ''.join(char if char in '\r\n' else ' ' for char in text)
-    begin, end = found.end(), len(text) - len(found['quote'])
-    inside = 0
-    kept = [text[:begin]]
-    for char in text[begin:end]:
-        inside += char == '{'
-        kept.append(char if inside > 0 or char in '\r\n' else ' ')
-        inside -= char == '}' and inside > 0
-    return ''.join([*kept, text[end:]])
 
 
 def trees(files: Mapping[str, str]) -> Iterator[ast.Module]:
@@ -81,17 +55,79 @@ def texts_in(files: Mapping[str, str]) -> set[str]:
     }
 
 
+class Code:
+    """
+    What files say, as far as Python can read them.
+
+    :param files: the student's files, relative path to text
+    """
+
+    def __init__(self, files: Mapping[str, str]) -> None:
+        self.trees = tuple(trees(files))
+        self.nodes = tuple(node for tree in self.trees for node in ast.walk(tree))
+
+    @cached_property
+    def calls(self) -> Mapping[str, Sequence[ast.Call]]:
+        """Return the calls by the last part of what is called, such as ``isnan``."""
+        found: dict[str, list[ast.Call]] = {}
+        for node in self.nodes:
+            if isinstance(node, ast.Call):
+                found.setdefault(last_name(node.func), []).append(node)
+        return found
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """Return the names and attributes that are used, and the functions that are defined."""
+        defs = (ast.FunctionDef, ast.AsyncFunctionDef)
+        found = (node.name if isinstance(node, defs) else last_name(node) for node in self.nodes)
+        return frozenset(found) - {''}
+
+    @property
+    def loops(self) -> bool:
+        """Return whether there is a loop; one in a list or a sum is none."""
+        return any(isinstance(node, (ast.While, ast.For, ast.AsyncFor)) for node in self.nodes)
+
+    @property
+    def catches_all(self) -> bool:
+        """Return whether an ``except`` takes every exception."""
+        caught = (node.type for node in self.nodes if isinstance(node, ast.ExceptHandler))
+        kinds = (one.elts if isinstance(one, ast.Tuple) else [one] for one in caught)
+        all_kinds = {last_name(one) if one else 'Exception' for some in kinds for one in some}
+        return not all_kinds.isdisjoint({'Exception', 'BaseException'})
+
+    @property
+    def ends_itself(self) -> bool:
+        """Return whether it exits: ``sys.exit(main())``, the usual last line, is none."""
+        exits = (call for name in ('exit', '_exit', 'quit') for call in self.calls.get(name, ()))
+        given = (call.args[0] if call.args else None for call in exits)
+        mains = (isinstance(one, ast.Call) and last_name(one.func) == 'main' for one in given)
+        return 'SystemExit' in self.names or not all(mains)
+
+    def defines_unused(self, name: str) -> bool:
+        """Return whether a function is defined, and neither called nor handed to anything."""
+        bare = {node.value for node in self.nodes if isinstance(node, ast.Expr)}
+        loads = (one for one in self.nodes if isinstance(getattr(one, 'ctx', None), ast.Load))
+        used = any(last_name(one) == name and one not in bare for one in loads)
+        return name in self.names and not used
+
+    def first_numbers(self, name: str) -> Iterator[float]:
+        """Yield the first arguments of a function where they are numbers, or names of some."""
+        for tree in self.trees:
+            known = _values_by_name(tree)
+            for node in ast.walk(tree):
+                if isinstance(node, ast.Call) and last_name(node.func) == name and node.args:
+                    value = _followed(node.args[0], known)
+                    if isinstance(value, ast.Constant) and isinstance(value.value, (int, float)):
+                        yield float(value.value)
+
+
 def calls(files: Mapping[str, str], name: str) -> bool:
     """
-    Tell whether a function of a name is called, by itself or as a method.
+    Return whether a function of a name is called, by itself or as a method.
 
     :param name: its last part, such as ``isnan``
     """
-    return any(
-        isinstance(node, ast.Call) and last_name(node.func) == name
-        for tree in trees(files)
-        for node in ast.walk(tree)
-    )
+    return name in Code(files).calls
 
 
 def last_name(node: ast.AST) -> str:
@@ -125,45 +161,34 @@ def use_of_field(files: Mapping[str, str], field: str) -> FieldUse:
 
     :param field: its name, such as ``timestamp``
     """
-    values: list[ast.AST | None] = []
-    local = False
-    for tree in trees(files):
-        for node in ast.walk(tree):
-            values += _values_given(node, field)
-            stored = isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-            local = local or (stored and last_name(node) == field)
-    return FieldUse(bool(values), any(map(_is_empty_time, values)), local)
-
-
-def _values_given(node: ast.AST, field: str) -> list[ast.AST | None]:
-    """Return what a field gets in one place of the tree, None for what cannot be told."""
-    if isinstance(node, ast.Assign):
-        return [node.value for target in node.targets if _reaches(target, field)]
-    if isinstance(node, ast.keyword) and node.arg == field:
-        return [node.value]
+    nodes = Code(files).nodes
+    values = [one.value for one in nodes if isinstance(one, ast.keyword) and one.arg == field]
+    for node in nodes:
+        if isinstance(node, ast.Assign):
+            values += [node.value for target in node.targets if _reaches(target, field)]
     # A name in quotes is given to setattr(), or is the key of a dictionary of fields.
-    named = isinstance(node, ast.Constant) and node.value == field
-    # What is written by a way of its own: a loop, with, another name for the same object.
-    written = isinstance(node, ast.Attribute) and node.attr == field
-    return [None] if named or written else []
+    named = any(isinstance(node, ast.Constant) and node.value == field for node in nodes)
+    read = any(isinstance(node, ast.Attribute) and node.attr == field for node in nodes)
+    stored = (node for node in nodes if isinstance(node, ast.Name) and node.id == field)
+    return FieldUse(
+        bool(values) or named or read,
+        any(map(_is_empty_time, values)),
+        any(isinstance(node.ctx, ast.Store) for node in stored),
+    )
 
 
 def _reaches(target: ast.AST, field: str) -> bool:
-    """Tell whether an assignment's target is a field or a part of it."""
-    while isinstance(target, ast.Attribute):
-        if target.attr == field:
-            return True
-        target = target.value
-    return False
+    """Return whether an assignment's target is a field or a part of it."""
+    return any(isinstance(one, ast.Attribute) and one.attr == field for one in ast.walk(target))
 
 
-def _is_empty_time(value: ast.AST | None) -> bool:
-    """Tell whether a value is ``Time()``, or that turned into a message."""
-    if isinstance(value, ast.Call) and last_name(value.func) == 'to_msg':
-        value = value.func.value if isinstance(value.func, ast.Attribute) else None
-    if not isinstance(value, ast.Call):
-        return False
-    return last_name(value.func) == 'Time' and not value.args and not value.keywords
+def _is_empty_time(value: ast.AST) -> bool:
+    """Return whether a value is ``Time()``, or that turned into a message."""
+    made = [one for one in ast.walk(value) if last_name(one) == 'Time']
+    return bool(made) and any(
+        isinstance(one, ast.Call) and one.func in made and not one.args and not one.keywords
+        for one in ast.walk(value)
+    )
 
 
 # -- queues ---------------------------------------------------------------------------------
@@ -203,17 +228,20 @@ def _values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
     return known
 
 
+def _followed(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> ast.AST | None:
+    """Return what an expression stands for: a name in it is followed once."""
+    named = isinstance(node, (ast.Name, ast.Attribute))
+    return known.get(last_name(node)) if node is not None and named else node
+
+
 def _depth(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> int | None:
-    """Return the depth that an expression stands for; names in it are followed once."""
-    if isinstance(node, (ast.Name, ast.Attribute)):
-        return _depth(known.get(last_name(node)), {})
+    """Return the depth that an expression stands for."""
+    node = _followed(node, known)
     if isinstance(node, ast.Call) and last_name(node.func) == 'QoSProfile':
         given = {one.arg: one.value for one in node.keywords}
         # A history of its own may be one that keeps all; two stars hide what is given.
-        return None if {'history', None} & set(given) else _depth(given.get('depth'), known)
-    if isinstance(node, ast.Constant) and type(node.value) is int:
-        return node.value
-    return None
+        node = None if {'history', None} & set(given) else _followed(given.get('depth'), known)
+    return node.value if isinstance(node, ast.Constant) and type(node.value) is int else None
 
 
 # -- pauses in callbacks --------------------------------------------------------------------
@@ -234,9 +262,9 @@ class Pause:
 
 def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
     """
-    Return the first pause in a function that is given to a timer, a subscription or a service.
+    Return the first pause in a callback, or in what it calls in the same file.
 
-    What such a function calls in the same file belongs to it.  ``await asyncio.sleep()`` lets
+    ``await asyncio.sleep()`` lets
     others work and is none; nor is a pause in a ``while`` loop, which is the one to blame.
     """
     for tree in trees(files):
@@ -247,57 +275,38 @@ def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
 
 
 def bodies_of_callbacks(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
-    """Yield each function that a callback comes to, once, with the name of that callback."""
-    functions = {
+    """
+    Yield each function that a callback comes to, once, with the name of that callback.
+
+    A callback is a lambda or a function of the file that is handed to something but a thread.
+    """
+    functions: dict[str, ast.AST] = {
         node.name: node
         for node in ast.walk(tree)
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
     }
-    seen: set[int] = set()
-    for callback in _callbacks(tree):
+    handed = (
+        given
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and last_name(node.func) != 'Thread'
+        for given in (*node.args, *(one.value for one in node.keywords))
+    )
+    seen: set[ast.AST] = set()  # a file may have thousands of callbacks
+    for callback in handed:
         name = last_name(callback)
-        for body in _reached(functions.get(name, callback), functions, seen):
+        first = callback if isinstance(callback, ast.Lambda) else functions.get(name)
+        left = [first] if first else []
+        for body in left:
+            if body in seen:
+                continue
+            seen.add(body)
             yield name, body
-
-
-def _callbacks(tree: ast.Module) -> Iterator[ast.AST]:
-    """Yield what is given as a callback: a name, a method or a lambda."""
-    for node in ast.walk(tree):
-        if not isinstance(node, ast.Call) or last_name(node.func) not in _CALLBACKS:
-            continue
-        place = _CALLBACKS[last_name(node.func)]
-        given = [one.value for one in node.keywords if one.arg == 'callback']
-        for callback in given or node.args[place : place + 1]:
-            if isinstance(callback, ast.Call) and last_name(callback.func) == 'partial':
-                yield from callback.args[:1]
-            else:
-                yield callback
-
-
-def _reached(
-    first: ast.AST, functions: Mapping[str, ast.AST], seen: set[int]
-) -> Iterator[ast.AST]:
-    """
-    Yield a function and those that it calls, in this file.
-
-    :param seen: what was yielded before, without a pause: a file may have thousands of callbacks
-    """
-    left = [first]
-    for body in left:
-        if id(body) in seen:
-            continue
-        seen.add(id(body))
-        yield body
-        for node in ast.walk(body):
-            called = functions.get(last_name(node.func)) if isinstance(node, ast.Call) else None
-            if called is not None and id(called) not in seen:
-                left.append(called)
+            called = (last_name(one.func) for one in ast.walk(body) if isinstance(one, ast.Call))
+            left += [functions[one] for one in called if one in functions]
 
 
 def _pause(body: ast.AST) -> int | None:
     """Return the line of the first pause in a function."""
-    if not isinstance(body, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
-        return None
     others = {
         id(inner)
         for node in ast.walk(body)
