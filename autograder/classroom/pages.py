@@ -14,6 +14,7 @@ from typing import Any, TYPE_CHECKING
 from urllib.parse import quote
 
 from autograder.classroom.not_collected import names_to_write_to, NotCollected
+from autograder.classroom.results_of_class import has_mark
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
 from autograder.files import keep, safe_name
@@ -54,14 +55,19 @@ def write_reports(
     templates = _templates()
     written = {page_name(result.student) for result in results}
     for result in results:
-        page = templates.get_template('student.html.j2').render(
-            result=result,
-            modes=_modes([result]),
-            lacks=_lacks([result]),
-        )
+        page = templates.get_template('student.html.j2').render(result=result)
         _put(pages / page_name(result.student), with_unique_ids(page))
     index = pages / 'index.html'
-    _put(index, _index(templates, assignment, results, summary, people, missing))
+    page = templates.get_template('index.html.j2').render(
+        assignment=assignment,
+        results=results,
+        flagged=worth_a_look(results),
+        summary=summary,
+        people=people,
+        missing=missing,
+        names=names_to_write_to(missing),
+    )
+    _put(index, page)
     for path in (pages / 'students').iterdir():
         if f'students/{path.name}' not in written:
             path.unlink()
@@ -73,40 +79,6 @@ def _put(path: Path, text: str) -> None:
     unfinished = path.with_name(f'.{path.name}')
     unfinished.write_text(text, encoding='utf-8')
     unfinished.replace(path)
-
-
-def _index(
-    templates: Environment,
-    assignment: str,
-    results: Sequence[SubmissionResult],
-    summary: str,
-    people: Mapping[str, str],
-    missing: Sequence[NotCollected],
-) -> str:
-    """Return the page with all students."""
-    rows = [
-        {
-            'student': result.student,
-            'link': quote(page_name(result.student)),
-            'review': result.review,
-            'points': result.points,
-            'max_points': result.max_points,
-            'why': headline(result),
-        }
-        for result in results
-    ]
-    return templates.get_template('index.html.j2').render(
-        assignment=assignment,
-        rows=rows,
-        reviews=sum(bool(result.review) for result in results),
-        flagged=worth_a_look(results),
-        modes=_modes(results),
-        lacks=_lacks(results),
-        summary=summary,
-        people=people,
-        missing=missing,
-        names=names_to_write_to(missing),
-    )
 
 
 def worth_a_look(results: Sequence[SubmissionResult]) -> list[tuple[str, tuple[str, ...]]]:
@@ -152,6 +124,11 @@ def _templates() -> Environment:
         with_name=with_name,
         words=lambda name: str(name).replace('_', ' ').capitalize(),
         checks=_checks,
+        link=lambda student: quote(page_name(student)),
+        why=headline,
+        has_mark=has_mark,
+        modes=_modes,
+        lacks=_lacks,
     )
     return templates
 
