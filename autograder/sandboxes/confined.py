@@ -39,15 +39,15 @@ class Limits:
     inodes: int = 20_000
     output: int = 8 << 20
 
-    def of_process(self, others: int = 0) -> dict[str, int]:
+    def argv(self, others: int = 0) -> list[str]:
         """
-        Return what the kernel itself limits, by the names of setrlimit(2) in small letters.
+        Return what the kernel itself limits, as the prlimit prefix of a command.
 
         Sums over processes are the watchdog's business.
 
         :param others: processes and threads that the same uid has already: they count
         """
-        return {
+        limits = {
             'nproc': self.processes + others,
             'as': 2 * self.memory,
             'fsize': self.folder,
@@ -55,11 +55,7 @@ class Limits:
             'nofile': 256,
             'cpu': self.cpu_s + 5,  # the watchdog, which sums, comes first
         }
-
-    def argv(self, others: int = 0) -> list[str]:
-        """Return :meth:`of_process` as the prlimit prefix of a command."""
-        limits = self.of_process(others).items()
-        return ['prlimit', *(f'--{name}={value}' for name, value in limits), '--']
+        return ['prlimit', *(f'--{name}={value}' for name, value in limits.items()), '--']
 
 
 @dataclass(frozen=True)

@@ -65,23 +65,29 @@ def closed_folder(paths: Iterable[str]) -> str:
     return ''
 
 
+def own_nodes(ros: RosEnvironment, course_messages: bool) -> set[Path]:
+    """
+    Return what has to stay closed because it has the course's own nodes, which are the answer.
+
+    :param course_messages: whether the course's own built messages stay open
+    """
+    workspace = Path(ros.workspace).parents[1]
+    if not course_messages:
+        return {workspace}
+    package = f'{ros.workspace}/lib/python3*/site-packages/{ros.package}'
+    modules = (*glob(f'{package}/*.py*'), *glob(f'{package}/__pycache__'))
+    closed = {Path(module) for module in modules if not module.endswith('__init__.py')}
+    closed |= {workspace / name for name in ('build', 'log', 'src')}
+    return {*closed, Path(ros.workspace, 'lib', ros.package)}
+
+
 def readable(ros: RosEnvironment, course_messages: bool) -> tuple[list[str], list[str]]:
     """
     Return what a program may read, and the folders of which it may see the names only.
 
-    :param course_messages: whether the course's own built messages are among it
+    :param course_messages: see :func:`own_nodes`
     """
-    workspace = Path(ros.workspace).parents[1]
-    closed = {workspace}
-    if course_messages:
-        closed = {workspace / name for name in ('build', 'log', 'src')}
-        closed.add(Path(ros.workspace, 'lib', ros.package))
-        package = f'{ros.workspace}/lib/python3*/site-packages/{ros.package}'
-        closed |= {
-            Path(module)
-            for module in (*glob(f'{package}/*.py*'), *glob(f'{package}/__pycache__'))
-            if not module.endswith('__init__.py')
-        }
+    closed = own_nodes(ros, course_messages)
     read = list(SYSTEM)
     names: list[str] = []
     for path in map(Path, ros.read_only):

@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 import fcntl
-from glob import glob
 import json
 import os
 from pathlib import Path
@@ -152,28 +151,15 @@ class Sandbox:
         return [*argv, '--perms', '1777', '--dir', '/tmp/home']
 
     def _masks(self, program: Program) -> list[str]:
-        """
-        Hide the course's own nodes, which would be the answer.
-
-        Their message classes stay importable where the program needs them.
-        """
-
-        def hide(folder: str | Path) -> list[str]:
-            # A mount of its own, so it needs its own size and its own "read-only".
-            size = ['--perms', '0555', '--size', '4096', '--tmpfs', str(folder)]
-            return [*size, '--remount-ro', str(folder)]
-
-        if not program.course_messages:
-            return hide(Path(self.ros.workspace).parents[1])
+        """Hide the course's own nodes behind empty folders and files."""
         argv = []
-        prefix = Path(self.ros.workspace)
-        for folder in (prefix.parents[1] / 'build', prefix / 'lib' / self.ros.package):
-            argv += hide(folder) if folder.is_dir() else []
-        for module in glob(f'{prefix}/lib/python3*/site-packages/{self.ros.package}/*'):
-            if module.endswith('__pycache__'):
-                argv += hide(module)
-            elif module.endswith(('.py', '.pyc')) and not module.endswith('__init__.py'):
-                argv += ['--ro-bind', '/dev/null', module]
+        for path in sorted(landlock.own_nodes(self.ros, program.course_messages)):
+            if path.is_dir():
+                # A mount of its own, so it needs its own size and its own "read-only".
+                argv += ['--perms', '0555', '--size', '4096', '--tmpfs', str(path)]
+                argv += ['--remount-ro', str(path)]
+            elif path.exists():
+                argv += ['--ro-bind', '/dev/null', str(path)]
         return argv
 
     # -- starting --------------------------------------------------------------------------
