@@ -169,7 +169,7 @@ def ament_prefixes() -> tuple[Path, ...]:
     return tuple(map(Path, ros_environment().variables['AMENT_PREFIX_PATH'].split(':')))
 
 
-def mistakes_of(exam: Exam, prefixes: Sequence[Path], notebooks: Path) -> list[str]:
+def mistakes_of(exam: Exam, notebooks: Path) -> list[str]:
     """
     Return all that can be said of a graded exam without running it, one line each.
 
@@ -182,7 +182,7 @@ def mistakes_of(exam: Exam, prefixes: Sequence[Path], notebooks: Path) -> list[s
     needless = exam.scenario.program != 'node' or file in exam.requires
     return [
         *([] if needless else [f'exam {exam.name}: runs {file!r}, which it does not require']),
-        *type_mistakes(exam, prefixes),
+        *type_mistakes(exam, ament_prefixes()),
         *read_mistakes(exam, lesson_headings(notebooks)),
         *differs_from_visible(exam, catalog.load(exam.name, hidden=False)),
     ]

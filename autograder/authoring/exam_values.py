@@ -85,37 +85,29 @@ def _in_element(
 
 def _unlike(base: str, longest: str | None, value: Any) -> str:
     """Return what a primitive type holds, empty if that is what the value is."""
-    if whole := _WHOLE.fullmatch(base):
-        return _no_whole_number(value, bool(whole[1]), int(whole[2]))
-    if base == 'char':
-        return _no_whole_number(value, True, 8)
+    is_bool = isinstance(value, bool)
+    if whole := _WHOLE.fullmatch('uint8' if base == 'char' else base):
+        bits = int(whole[2])
+        low, high = (0, 2**bits - 1) if whole[1] else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+        right = isinstance(value, int) and not is_bool and low <= value <= high
+        return '' if right else f'a whole number from {low} to {high}'
     if base in ('float32', 'float64'):
-        return _no_float(value, _LARGEST_FLOAT32 if base == 'float32' else math.inf)
-    if base in ('string', 'wstring'):
-        most = int(longest) if longest else math.inf
-        right = isinstance(value, str) and len(value) <= most
-        return '' if right else f'a text of at most {most} characters' if longest else 'a text'
-    if base == 'bool':
-        return '' if isinstance(value, bool) else 'True or False'
-    # JSON, in which the probe is told, has no bytes.
-    return 'no value, since a byte cannot be sent' if base == 'byte' else ''
-
-
-def _no_whole_number(value: Any, unsigned: bool, bits: int) -> str:
-    low, high = (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-    right = isinstance(value, int) and not isinstance(value, bool) and low <= value <= high
-    return '' if right else f'a whole number from {low} to {high}'
-
-
-def _no_float(value: Any, largest: float) -> str:
-    number = math.inf
-    if isinstance(value, (int, float, str)) and not isinstance(value, bool):
+        largest = _LARGEST_FLOAT32 if base == 'float32' else math.inf
+        if is_bool or not isinstance(value, (int, float, str)):
+            return 'a number'
         try:
             number = float(value)
         except (ValueError, OverflowError):
             return 'a number'
         return '' if abs(number) <= largest or not math.isfinite(number) else 'a float32'
-    return 'a number'
+    if base in ('string', 'wstring'):
+        most = int(longest) if longest else math.inf
+        right = isinstance(value, str) and len(value) <= most
+        return '' if right else f'a text of at most {most} characters' if longest else 'a text'
+    if base == 'bool':
+        return '' if is_bool else 'True or False'
+    # JSON, in which the probe is told, has no bytes.
+    return 'no value, since a byte cannot be sent' if base == 'byte' else ''
 
 
 def _wrong(wanted: str, place: str, value: object) -> str:
@@ -139,22 +131,14 @@ def fields_of(kind: str, prefixes: tuple[Path, ...]) -> Mapping[str, re.Match[st
         path = prefix / 'share' / package / part / f'{rest.rpartition("/")[2]}.{part}'
         if path.is_file():
             request = re.split(r'^---', path.read_text('utf-8'), maxsplit=1, flags=re.MULTILINE)
-            return _taken_apart(package, request[0])
+            matches = (
+                _FIELD.match(line.partition('#')[0].strip()) for line in request[0].splitlines()
+            )
+            return {
+                found['name']: _FIELD.match(f'{package}/{found[0]}') or found
+                if found['base'][0].isupper()  # defined in the same package
+                else found
+                for found in matches
+                if found and not found['constant']
+            }
     return None
-
-
-def _taken_apart(package: str, text: str) -> dict[str, re.Match[str]]:
-    found = {}
-    for line in text.splitlines():
-        match = _FIELD.match(line.partition('#')[0].strip())
-        if match and not match['constant']:
-            found[match['name']] = _whole_name(package, match)
-    return found
-
-
-def _whole_name(package: str, match: re.Match[str]) -> re.Match[str]:
-    """Put the package before the type of a field that is defined in the same package."""
-    base = match['base']
-    if base[0].islower():  # a primitive, or a type with its package
-        return match
-    return _FIELD.match(f'{package}/{match[0]}') or match

@@ -55,13 +55,12 @@ def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
 
 def unfit_exams(layout: Layout) -> Iterator[str]:
     """Yield what is wrong with the exams themselves: types, fields, two versions that differ."""
-    from autograder.authoring.exam_mistakes import ament_prefixes, mistakes_of
+    from autograder.authoring.exam_mistakes import mistakes_of
     from autograder.exam.catalog import for_assignment
 
-    prefixes = ament_prefixes()
     for assignment in layout.assignments():
         for exam in for_assignment(assignment):
-            yield from mistakes_of(exam, prefixes, layout.notebooks)
+            yield from mistakes_of(exam, layout.notebooks)
 
 
 def notebook_files(layout: Layout) -> Iterator[Path]:

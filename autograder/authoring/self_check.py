@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from autograder.authoring.exam_mistakes import mistakes_of
 from autograder.exam.exam import Exam
 from autograder.grading.pipeline import Engine, grade_notebook, Lesson, load_lesson
 from autograder.layout import Layout
@@ -25,7 +26,9 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
     """
     for assignment in layout.assignments():
         lesson = load_lesson(layout, assignment, engine)
-        mistakes = [line for exam in lesson.exams for line in _mistakes(exam, layout)]
+        # A run of an exam with such a mistake might never end well.
+        exams = [exam for exam in lesson.exams if isinstance(exam, Exam)]
+        mistakes = [line for exam in exams for line in mistakes_of(exam, layout.notebooks)]
         if mistakes:
             yield from ((False, f'{assignment}: {line}') for line in mistakes)
             continue
@@ -38,15 +41,6 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
         bare = layout.release(assignment).read_bytes()
         result = grade_notebook(bare, lesson, 'the untouched release', engine)
         yield _line(lesson, result, 0.0)
-
-
-def _mistakes(exam: Exam, layout: Layout) -> list[str]:
-    """Return what can be said of an exam without a run: a run of it might never end well."""
-    from autograder.authoring.exam_mistakes import ament_prefixes, mistakes_of
-
-    if not isinstance(exam, Exam):
-        return []
-    return mistakes_of(exam, ament_prefixes(), layout.notebooks)
 
 
 def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
