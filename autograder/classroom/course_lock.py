@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 import fcntl
 import os
-from pathlib import Path
 import re
 import time
 
@@ -60,10 +59,6 @@ def _tidy(layout: Layout) -> None:
     for folder in (layout.reports, layout.recordings):
         for path in folder.glob('*/.*'):
             if UNFINISHED.fullmatch(path.name):
-                _remove_if_left(path)
-
-
-def _remove_if_left(path: Path) -> None:
-    with suppress(OSError), path.open('rb') as file:  # or its writer is done, or at work
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        path.unlink()
+                with suppress(OSError), path.open('rb') as file:  # its writer is done, or at work
+                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    path.unlink()
