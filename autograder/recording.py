@@ -1,53 +1,20 @@
 """
 The recording of one run: what the probe received, one JSON event a line.  Kept, and judged again.
 
-The first line is the header ``{"format": "ros2-course-recording", "version": 2, "exam": ...,
-"mode": ...}``, with digests of the ``scenario``, the ``files`` and the ``environment`` that it was
-made of, and the ``seal`` of the rest, by which a file that was cut off is noticed.  For people,
-and never for a verdict, it also says how long the run took (``run_s``, seconds of wall time) and
-``made_with`` which versions, by name, and ``repeated`` if it was run a second time because
-something but the program may have ended the first.  Then, in order of observation, events of the
-probe; ``docs/recording.schema.json`` says the same as data:
+``docs/recording.schema.json`` describes every line and its fields.  The first line, the header,
+has digests of what the recording was made of, and a seal by which a file that was cut off is
+noticed.  Its other facts (time, versions, ``repeated``) are for people, never for a verdict.  Then
+come events of the probe, in order of observation:
 
-``seen``
-    the first ``nodes`` of the program that were noticed.
-``asked``
-    whether ``node`` still ``answered`` a question after the steps: it does if somebody spins it.
-    Messages and log entries of this time are left out.
-``graph``
-    ``nodes`` and ``endpoints`` (topic, kind, node, type, type_hash, qos), when the first node is
-    ``seen``, at the ``start`` and ``end`` of the steps, and in between under the name of a step
-    that looks; ``count`` of all endpoints, of which some hundreds are listed.
-``message``
-    ``data`` received on a watched ``topic``, or ``too_large`` with its size; ``number`` counts
-    what its publisher has sent, from 1 and with what nobody has heard; ``listener`` names the
-    subscription if it is one that joined later.
-``log``
-    one entry of ``/rosout``: ``name``, ``level``, ``text``, ``function``, ``line``.
-``input``
-    message ``index`` that the probe sent; later events carry it as ``after_input``.
-``answer``, ``no_answer``
-    what came of calling a ``service``: ``data`` of the response, or the ``reason`` for none:
-    ``no_service``, ``too_late``, or what ended the run; with the ``request``.
-``joined``, ``offered``
-    a ``listener`` or a ``publisher`` of the probe is there; whether it was ``matched``, and the
-    name of the policy for which it was ``refused``.
-``left``
-    the listener or publisher ``name`` is gone.
-``mark``
-    the phase ``name`` begins.
-``imitated``
-    a node has the name of the probe's own.
-``not_connected``
-    nobody listened where an input was due.
-``end``
-    ``reason``: ``complete``, or why the scenario was broken off.  What would come after the end of
-    the program is left out.
+* of the graph: ``seen`` (first nodes), ``graph``, ``asked`` (after the steps: is a node spun?),
+  ``imitated`` (a node has the name of the probe's own)
+* what arrived: ``message``, ``log``, ``answer``, ``no_answer``
+* what the probe did: ``input``, ``not_connected`` (nobody listened where an input was due),
+  ``joined``, ``offered``, ``left``, ``mark`` (a phase begins), ``end`` (complete, or why not)
 
-and one event of the grader, ``process``: how the student's process ended (``exit``, ``killed``)
-and when (``ended_ns``), the processor time it used, whether other processes of it were ``left`` at
-the end, other ROS ``domains`` in its network, and the ends of its output.  What a process prints
-about itself helps to *explain*; it is never evidence.
+and ``process``, in which the grader says how the program ended.  What a program prints helps to
+*explain*; it is never evidence.  Messages and log entries are left out while nodes are asked, and
+everything after the end of the program.
 
 ``clock_ns`` is virtual time since the program was let go, exact to the nanosecond; null where a
 limit ended the run.  Non-finite floats are the strings 'nan', 'inf' and '-inf'.

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from urllib.parse import quote
 
 from markupsafe import Markup
 
@@ -19,9 +18,9 @@ from autograder.classroom.not_collected import (
     not_collected,
     NotCollected,
 )
-from autograder.classroom.pages import _templates, NOBODY, page_name, worth_a_look, write_reports
+from autograder.classroom.pages import _templates, NOBODY, worth_a_look, write_reports
 from autograder.classroom.people import read_people
-from autograder.classroom.results_of_class import ClassResults, has_mark, one_graded
+from autograder.classroom.results_of_class import ClassResults, one_graded
 from autograder.classroom.statistics import (
     BINS,
     CheckNumbers,
@@ -29,7 +28,7 @@ from autograder.classroom.statistics import (
     ClassNumbers,
     Marks,
 )
-from autograder.explaining.feedback import headline, number
+from autograder.explaining.feedback import number
 from autograder.files import write_file
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
@@ -100,9 +99,11 @@ def class_page(
             if marks
             else [],
             exams=_by_exam(numbers.checks),
-            links={one.student: quote(page_name(one.student)) for one in graded.results},
+            students={one.student for one in graded.results},
             flagged=worth_a_look(graded.results),
-            rows=_rows(graded.results),
+            results=sorted(
+                graded.results, key=lambda one: (not one.review, one.points, one.student)
+            ),
             summary=summary,
             people=people,
             missing=missing,
@@ -145,18 +146,3 @@ def _label(marks: Marks, place: int) -> str:
     if place == BINS - 1:
         return f'{number(low)} to {number(high)}'
     return f'{number(low)} to below {number(high)}'
-
-
-def _rows(results: Sequence[SubmissionResult]) -> list[dict[str, object]]:
-    """Return one row per student: for review first, then those with the fewest points."""
-    ordered = sorted(results, key=lambda one: (not one.review, one.points, one.student))
-    return [
-        {
-            'student': one.student,
-            'points': one.points if has_mark(one) else None,
-            'no_mark': 'for review' if one.review else 'only visible checks',
-            'max_points': one.max_points,
-            'why': headline(one),
-        }
-        for one in ordered
-    ]

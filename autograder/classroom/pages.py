@@ -20,7 +20,7 @@ from rich.table import Table
 from rich.text import Text
 
 from autograder.classroom.not_collected import names_to_write_to, NotCollected
-from autograder.classroom.results_of_class import lacks, modes
+from autograder.classroom.results_of_class import has_mark, lacks, modes
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
 from autograder.files import keep, safe_name
@@ -57,31 +57,13 @@ def write_reports(
     templates = _templates()
     written = {page_name(result.student) for result in results}
     for result in results:
-        page = templates.get_template('student.html.j2').render(
-            result=result,
-            modes=modes([result]),
-            lacks=lacks([result]),
-        )
+        page = templates.get_template('student.html.j2').render(result=result)
         _put(pages / page_name(result.student), with_unique_ids(page))
     index = pages / 'index.html'
-    rows = [
-        {
-            'student': result.student,
-            'link': quote(page_name(result.student)),
-            'review': result.review,
-            'points': result.points,
-            'max_points': result.max_points,
-            'why': headline(result),
-        }
-        for result in results
-    ]
     page = templates.get_template('index.html.j2').render(
         assignment=assignment,
-        rows=rows,
-        reviews=sum(bool(result.review) for result in results),
+        results=results,
         flagged=worth_a_look(results),
-        modes=modes(results),
-        lacks=lacks(results),
         summary=summary,
         people=people,
         missing=missing,
@@ -131,6 +113,11 @@ def _templates() -> Environment:
         with_name=with_name,
         words=lambda name: str(name).replace('_', ' ').capitalize(),
         checks=_checks,
+        link=lambda student: quote(page_name(student)),
+        why=headline,
+        has_mark=has_mark,
+        modes=modes,
+        lacks=lacks,
     )
     return templates
 

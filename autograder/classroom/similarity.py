@@ -180,13 +180,8 @@ def given_lines(release: Notebook) -> frozenset[tuple[str, ...]]:
         line.raw
         for cell in release['cells']
         if cell['cell_type'] == 'code'
-        for line in lines_of('given.py', without_magic(cell['source']))
+        for line in lines_of('given.py', re.sub(r'^[%!].*$', '', cell['source'], flags=re.M))
     )
-
-
-def without_magic(source: str) -> str:
-    """Return a cell's text with lines of notebook commands blanked."""
-    return '\n'.join('' if line.startswith(('%', '!')) else line for line in source.split('\n'))
 
 
 def lines_of(path: str, text: str) -> list[Line]:

@@ -67,24 +67,21 @@ def judged(
     began = time.perf_counter()
     run = Run(files, recording, exam.facts)
     checks = judge(exam, run)
-    mode = str(recording.header.get('mode', ''))
+    known = recording.header
+    if not timing:
+        kept = {'kept_run_s': known['run_s']} if 'run_s' in known else {}
+        timing = {**kept, **({'repeated': 1.0} if known.get('repeated') else {})}
+    mode = str(known.get('mode', ''))
     return ExamResult(
         exam.name,
         checks,
         '',
         mode,
         flags_of(recording, exam.scenario),
-        {**(timing or _kept_timing(recording)), 'judge_s': time.perf_counter() - began},
+        {**timing, 'judge_s': time.perf_counter() - began},
         not_protected=not_protected(mode),
         pictures=pictures(exam, run, checks),
     )
-
-
-def _kept_timing(recording: Recording) -> dict[str, float]:
-    """Return what a recording knows of the time of its run, if it was kept."""
-    known = recording.header
-    timing = {'kept_run_s': known['run_s']} if 'run_s' in known else {}
-    return {**timing, **({'repeated': 1.0} if known.get('repeated') else {})}
 
 
 def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamResult | None:

@@ -11,9 +11,7 @@ from functools import partial
 from glob import glob
 import os
 from pathlib import Path
-import re
 import shutil
-import subprocess
 import sys
 
 import gate  # type: ignore[import-not-found]  # beside this file, inside the sandbox
@@ -37,7 +35,6 @@ def build(source: str, package: str) -> Path:
     command += ['--event-handlers', 'console_direct+']
     # Only whether it builds is asked: neither how fast the result runs nor how to debug it.
     command += ['--cmake-args', '-DCMAKE_BUILD_TYPE=None', '-DBUILD_TESTING=OFF']
-    command += compilers_known(workspace / 'build' / package)
     if shutil.which('ninja'):
         command += ['-GNinja']  # runs more steps of a message build at a time than Make
     # Four compilers at a time stay below the sandbox's limit of processes on any machine. No
@@ -50,27 +47,6 @@ def build(source: str, package: str) -> Path:
     if ended != 0:
         sys.exit(ended)
     return workspace / 'install'
-
-
-def compilers_known(build: Path) -> list[str]:
-    """
-    Give a build what the set-up's CMake found out about the compilers, if they are still the same.
-
-    :param build: the build folder of the package, which is made
-    :returns: arguments that make CMake read it; another version of CMake looks for itself
-    """
-    toolchain = Path(os.environ.get('CMAKE_TOOLCHAIN_FILE', ''))
-    for notes in toolchain.parent.glob('known/*/CMakeCCompiler.cmake'):
-        said = dict(re.findall(r'set\((\w+) "(.+)"\)', notes.read_text('utf-8')))
-        compiler = [said.get('CMAKE_C_COMPILER', ''), '-dumpfullversion']
-        try:
-            now = subprocess.run(compiler, check=True, capture_output=True, text=True).stdout
-        except (OSError, subprocess.CalledProcessError):
-            continue
-        if now.strip() == said.get('CMAKE_C_COMPILER_VERSION'):
-            shutil.copytree(notes.parent, build / 'CMakeFiles' / notes.parent.name)
-            return ['-C', str(toolchain.parent / 'known' / 'compilers.cmake')]
-    return []
 
 
 def variables(prefix: Path) -> dict[str, str]:

@@ -194,10 +194,10 @@ class _Watched:
         if not self.events or self.events[-1]['event'] != 'end':
             if self.killed and not self.ready_s:
                 raise ProbeFailed(f'The probe was not ready in time: {self.killed}.')
-            if not self.killed and self.ready_s and self.probe.code in BROKEN:
+            if not self.killed and self.ready_s and self.probe.process.returncode in BROKEN:
                 self.killed = 'probe_broken'
             if not self.killed:
-                code, said = self.probe.code, said or 'no word'
+                code, said = self.probe.process.returncode, said or 'no word'
                 raise ProbeFailed(
                     f'exam {self.exam}: the probe broke off with code {code}: {said}.',
                     _NO_TYPE if 'ModuleNotFoundError' in said else '',

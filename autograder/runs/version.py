@@ -155,13 +155,9 @@ def _digest_of_packages(venv: Path) -> str:
     """Return a digest of the ROS packages in the environment; none where ROS was sourced."""
     # By their folders: to read the metadata of all packages takes seconds.
     found = venv.glob('lib/python*/site-packages/ros_*.dist-info')
-    names = {path.name for path in found if _package_of(path) not in _further(venv)}
-    return _digest('\n'.join(sorted(names)).encode())
-
-
-def _package_of(info: Path) -> str:
-    """Return the package whose folder of metadata it is, ``ros_NAME-VERSION.dist-info``."""
-    return info.name.removeprefix('ros_').partition('-')[0]
+    packages = {path.name: path.name.removeprefix('ros_').partition('-')[0] for path in found}
+    names = sorted(name for name, package in packages.items() if package not in _further(venv))
+    return _digest('\n'.join(names).encode())
 
 
 @lru_cache(maxsize=4)

@@ -72,8 +72,7 @@ class Watchdog:
         runs = self.student.process.poll() is None
         resident, seconds = usage(self.student.pid) if runs else (0, self.cpu_s)
         self.cpu_s = max(self.cpu_s, seconds)
-        student_ns = sum(used_ns(self.student.pid))
-        others_ns = sum(sum(used_ns(pid)) for pid in self.others)
+        student_ns, others_ns = used_ns(self.student.pid), sum(map(used_ns, self.others))
         used_s = max(0, student_ns + others_ns - self.used_ns) / 1e9
         self.used_ns = student_ns + others_ns
         stands_still = self._stands_still(recorded, printed, begun, self.looked - before, used_s)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 import errno
@@ -14,7 +14,6 @@ import signal
 import socket
 import subprocess
 import termios
-from typing import IO
 
 from environment.ros_domain import Claim
 
@@ -179,35 +178,34 @@ class Confined:
         return count, size
 
 
-@dataclass
 class Probe:
     """
-    A started probe and the handles on it.
+    A started probe.
 
-    :param pid: host pid of its first process
-    :param stdin: for the scenario, and what it is told meanwhile
-    :param stdout: its events
-    :param stderr: its last words, if it has any
-    :param kill: ends it with all its processes, whether or not it has ended
-    :param wait: returns its exit code once it has ended; None if nobody knows
+    :param process: its outermost one, with pipes for the scenario, for events and for last words
     """
 
-    pid: int
-    stdin: IO[bytes]
-    stdout: IO[bytes]
-    stderr: IO[bytes]
-    kill: Callable[[], None]
-    wait: Callable[[], int | None]
-    code: int | None = None
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        """Take the pipes."""
+        assert process.stdin
+        assert process.stdout
+        assert process.stderr
+        self.process, self.pid = process, process.pid
+        self.stdin, self.stdout, self.stderr = process.stdin, process.stdout, process.stderr
+
+    def kill(self) -> None:
+        """End it; one whose sandbox is just being set up may outlive its launcher."""
+        with suppress(BrokenPipeError):
+            self.stdin.close()  # without a scenario it ends by itself
+        end_group(self.process)
 
     def end(self) -> str:
         """End it, as it is done or of no more use, and return its last words."""
         self.kill()
         said = self.stderr.read().decode(errors='replace').strip()
-        self.code = self.wait()
-        for stream in (self.stdin, self.stdout, self.stderr):
-            with suppress(BrokenPipeError):
-                stream.close()
+        self.process.wait()
+        self.stdout.close()
+        self.stderr.close()
         return (said.splitlines() or [''])[-1]
 
 

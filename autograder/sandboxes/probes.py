@@ -11,8 +11,6 @@ program.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
-from functools import partial
 import os
 from pathlib import Path
 import shutil
@@ -20,7 +18,7 @@ import subprocess
 
 from autograder.sandboxes import landlock
 from autograder.sandboxes import sandbox as sandboxes
-from autograder.sandboxes.confined import Confined, end_group, Limits, Probe, Program
+from autograder.sandboxes.confined import Confined, Limits, Probe, Program
 from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
@@ -80,19 +78,7 @@ def start_probe(
         process = subprocess.Popen(
             run, pass_fds=fds, env=sandboxes.BARE, cwd=own, **sandboxes.PIPES
         )
-    assert process.stdin
-    assert process.stdout
-    assert process.stderr
-    kill = partial(_kill, process)
-    return Probe(process.pid, process.stdin, process.stdout, process.stderr, kill, process.wait)
-
-
-def _kill(process: subprocess.Popen[bytes]) -> None:
-    """End a probe; one whose sandbox is just being set up may outlive its launcher."""
-    assert process.stdin
-    with suppress(BrokenPipeError):
-        process.stdin.close()  # without a scenario it ends by itself
-    end_group(process)
+    return Probe(process)
 
 
 def _in_a_sandbox(

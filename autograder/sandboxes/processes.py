@@ -36,18 +36,14 @@ def states(pid: int) -> bytes:
     return found
 
 
-def used_ns(pid: int) -> list[int]:
-    """Return the processor time of a process and each of its descendants, to the moment [ns]."""
-    return [_used_ns(process) for process in family(pid)]
-
-
-def _used_ns(pid: int) -> int:
-    """Return the processor time of a process, or none of one that has ended."""
-    try:
-        # The clock of another process's processor time: clock_getcpuclockid(3), in Linux.
-        return time.clock_gettime_ns((~pid << 3) | 2)
-    except OSError:
-        return 0
+def used_ns(pid: int) -> int:
+    """Return the processor time of a process and its descendants, to the moment [ns]."""
+    total = 0
+    for process in family(pid):
+        with suppress(OSError):  # it has ended
+            # The clock of another process's processor time: clock_getcpuclockid(3), in Linux.
+            total += time.clock_gettime_ns((~process << 3) | 2)
+    return total
 
 
 def ports(pid: int) -> set[int]:

@@ -49,4 +49,4 @@ def test_a_probe_ends_at_whatever_moment_it_is_killed(tmp_path: Path, turn: int)
 
     assert said == b''
     assert words == ''
-    assert probe.code == -signal.SIGKILL
+    assert probe.process.returncode == -signal.SIGKILL

@@ -86,7 +86,6 @@ def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
     assert not [name for name in libraries if name.endswith('_cpp.so')]
     assert told(modules, libraries_in=tmp_path / 'install' / 'lib') == 'knots/msg/Speed 3.5'
     # What the set-up's CMake found out is not asked again.
-    assert 'compiler identification' not in said
     assert 'Found Python3' not in said
     # The headers of Fast DDS and Python are compiled already: what they include is not read.
     assert not HEADERS & read_by_the_compiler(tmp_path / 'build' / 'knots')
@@ -125,7 +124,6 @@ def test_without_notes_cmake_looks_for_itself_and_the_result_is_the_same(source,
 
     said = built(source, tmp_path / 'without', bare / TOOLCHAIN.name)
 
-    assert 'compiler identification' in said
     assert 'Found Python3' in said
     assert read_by_the_compiler(tmp_path / 'without' / 'build' / 'knots') >= HEADERS
     assert symbols(tmp_path / 'with') == symbols(tmp_path / 'without')
@@ -147,21 +145,6 @@ def symbols(place: Path) -> dict[str, str]:
         elif path.is_file():
             found[name] = ''
     return found
-
-
-def test_notes_about_another_compiler_are_left_alone(tmp_path, monkeypatch):
-    """If the compiler has changed since the set-up, CMake examines it again."""
-    monkeypatch.syspath_prepend(str(HERE / 'inside'))
-    import build_package
-
-    notes = tmp_path / 'cmake' / 'known' / '4.0.0'
-    notes.mkdir(parents=True)
-    text = 'set(CMAKE_C_COMPILER "/usr/bin/cc")\nset(CMAKE_C_COMPILER_VERSION "0.1")\n'
-    (notes / 'CMakeCCompiler.cmake').write_text(text, encoding='utf-8')
-    monkeypatch.setenv('CMAKE_TOOLCHAIN_FILE', str(tmp_path / 'cmake' / 'toolchain.cmake'))
-
-    assert build_package.compilers_known(tmp_path / 'build') == []
-    assert not (tmp_path / 'build').exists()
 
 
 def told(modules: Path, libraries_in: Path) -> str:

@@ -12,8 +12,6 @@ from environment.cmake_notes import HEADERS, keep
 from environment.places import Places
 
 CACHE = """# comment
-CMAKE_PLATFORM_INFO_INITIALIZED:INTERNAL=1
-CMAKE_EXECUTABLE_FORMAT:INTERNAL=ELF
 Python3_EXECUTABLE:UNINITIALIZED=/other/python
 _Python3_EXECUTABLE:INTERNAL=/venv/bin/python
 _Python3_INCLUDE_DIR:INTERNAL=/include/python3.12
@@ -29,29 +27,22 @@ def places(tmp_path):
     """Return a set-up whose workspace has been built."""
     found = Places(tmp_path)
     build = found.workspace / 'build' / COURSE_PACKAGE
-    notes = build / 'CMakeFiles' / '4.1.0'
-    notes.mkdir(parents=True)
-    (build / 'CMakeFiles' / 'package.dir').mkdir()
+    (build / 'CMakeFiles').mkdir(parents=True)
     (build / 'CMakeCache.txt').write_text(CACHE, encoding='utf-8')
     found.cmake.mkdir(parents=True)
     for name, *_ in HEADERS:
         (found.cmake / name).touch()
-    for name in ('CMakeSystem.cmake', 'CMakeCCompiler.cmake', 'CMakeCXXCompiler.cmake'):
-        (notes / name).write_text(name, encoding='utf-8')
     return found
 
 
-def test_python_and_compilers_are_kept(places):
-    """Under CMake's own version: another one has notes of another form."""
+def test_python_is_kept(places):
+    """In the words of CMake's FindPython3."""
     assert keep(places)
 
-    known = places.cmake / 'known'
-    assert (known / '4.1.0' / 'CMakeCCompiler.cmake').read_text() == 'CMakeCCompiler.cmake'
-    lines = (known / 'python.cmake').read_text().splitlines()
+    lines = (places.cmake / 'known' / 'python.cmake').read_text().splitlines()
     assert 'set(Python3_EXECUTABLE "/venv/bin/python")' in lines
     assert 'set(Python3_VERSION_MINOR "12")' in lines
     assert 'set(Python3_SOABI "cpython-312-x86_64")' in lines
-    assert 'FORMAT "ELF" CACHE INTERNAL' in (known / 'compilers.cmake').read_text()
 
 
 @pytest.mark.parametrize(
@@ -74,7 +65,7 @@ def test_a_stand_in_for_python_is_written_where_a_script_can_name_it(places, pyt
     assert not written or os.access(stand_in, os.X_OK)
 
 
-@pytest.mark.parametrize('gone', ['_Python3_INCLUDE_DIR', 'CMAKE_EXECUTABLE_FORMAT', 'all'])
+@pytest.mark.parametrize('gone', ['_Python3_INCLUDE_DIR', 'all'])
 def test_a_cache_of_another_form_leaves_nothing(places, gone):
     """Half a note would be worse than none."""
     keep(places)

@@ -21,7 +21,7 @@ def look(monkeypatch):
     monkeypatch.setattr(watchdog.time, 'monotonic', lambda: clock.now)
     monkeypatch.setattr(watchdog, 'states', lambda pid: state[pid])
     monkeypatch.setattr(watchdog, 'usage', lambda pid: (0, 0.0))
-    monkeypatch.setattr(watchdog, 'used_ns', lambda pid: [0])
+    monkeypatch.setattr(watchdog, 'used_ns', lambda pid: 0)
     process = SimpleNamespace(poll=lambda: None)
     student = SimpleNamespace(
         pid=PROGRAM, process=process, released=True, files=lambda: (0, 0), home=None
