@@ -169,7 +169,8 @@ def why_no_node(run: Run, wanted: str) -> Cause:
 def _why_destroyed(code: Code) -> Cause | None:
     """Explain a node that is destroyed before it is spun; a lifecycle node can be seen even so."""
     destroyed, spun = (code.calls.get(name, ()) for name in ('destroy_node', 'spin'))
-    if not destroyed or not spun or destroyed[0].lineno >= spun[0].lineno:
+    first = [(one.lineno, one.col_offset) for calls in (destroyed, spun) for one in calls[:1]]
+    if not destroyed or not spun or first[0] > first[1]:
         return None
     return Cause(
         'destroyed_early',
