@@ -85,6 +85,10 @@ class RosClock:
         step_ns = round(self.step_s * 1e9)
         return round(self.begins_s * 1e9) + clock_ns // round(step_ns / self.rate) * step_ns
 
+    def shows(self, ros_ns: int) -> bool:
+        """Return whether it ever tells a ROS time [ns]."""
+        return (ros_ns - round(self.begins_s * 1e9)) % round(self.step_s * 1e9) == 0
+
 
 There = Mapping[str, set[str]]
 """Names of our publishers and subscriptions at a moment, by what the program has for them."""

@@ -38,6 +38,31 @@ NO_WARNING = Cause(
     'No warning is ever logged.',
     'In the callback, if the value is above the limit: self.get_logger().warning(...).',
 )
+NO_ANSWER = Cause(
+    'no_answer',
+    'Nothing is published when a message arrives.',
+    'Publish in the callback of the subscription, for each message.',
+)
+LEAVES_OUT = Cause(
+    'leaves_out',
+    'Some messages are answered, and this one is not.',
+    'Publish for each message that asks for it, whatever is in it and whatever came before.',
+)
+UNASKED = Cause(
+    'speaks_unasked',
+    'A message is published although none has come.',
+    'Publish in the callback of the subscription, and from nowhere else.',
+)
+SEVERAL_ANSWERS = Cause(
+    'several_answers',
+    'More is published for one message than it asks for.',
+    'Publish once in the callback, and from nowhere else.',
+)
+MISSES_SOME = Cause(
+    'misses_some',
+    'Where several messages come at once, they do not get an answer each.',
+    'Publish in the callback of the subscription, once for each message.',
+)
 
 
 def _whole(cut: Callable[[float], float]) -> Compare:

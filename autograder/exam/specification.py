@@ -17,7 +17,7 @@ Nothing here decides points.  An exam whose inputs do not tell a slip from what 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 import math
@@ -33,7 +33,13 @@ def each(answer: Callable[[Any], Any]) -> Rule:
 
 
 def same(one: Any, other: Any) -> bool:
-    """Return whether two answers are the same; floats to nine digits, and NaN is NaN."""
+    """
+    Return whether two answers are the same; floats to nine digits, and NaN is NaN.
+
+    :param other: as recorded: JSON has no NaN, so a float may be ``'nan'``, ``'inf'``, ``'-inf'``
+    """
+    if isinstance(one, float) and other in ('nan', 'inf', '-inf'):
+        other = float(other)
     if isinstance(one, tuple) and isinstance(other, tuple):
         return len(one) == len(other) and all(map(same, one, other))
     if isinstance(one, float) and isinstance(other, float):
@@ -156,5 +162,17 @@ class Specification:
 def together(answers: Sequence[Any]) -> Any:
     """Return several answers as one: the sum of numbers, all parts of tuples in order."""
     if all(isinstance(one, tuple) for one in answers):
-        return tuple(sorted(part for one in answers for part in one))
+        return in_order(part for one in answers for part in one)
     return sum(answers)
+
+
+def in_order(answers: Iterable[Any]) -> tuple[Any, ...]:
+    """Return answers of any kinds in an order that does not depend on how they came."""
+    return tuple(sorted(answers, key=_order))
+
+
+def _order(answer: Any) -> tuple[Any, ...]:
+    if isinstance(answer, tuple):
+        return tuple(map(_order, answer))
+    plain = isinstance(answer, (int, float, str))
+    return (isinstance(answer, str), not plain, answer if plain else repr(answer))

@@ -13,7 +13,7 @@ import re
 from typing import Any
 
 from autograder.exam.exam import Run
-from autograder.judging.claims import Row, rows
+from autograder.judging.rows import Row, rows
 from autograder.recording import Event, INFO, WARN
 
 THRESHOLD_C = 30.0

@@ -13,29 +13,22 @@ full.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from autograder.errors import ExamInvalid
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.judging.causes.ended import (
-    why_it_ended,
     why_no_endpoint,
     why_no_message,
     why_no_node,
     why_silent,
 )
 from autograder.judging.causes.missing_logs import LEVELS, why_left_out, why_not_logged
-from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.causes.redaction import own_words
 from autograder.recording import Event
 
 SECOND = 1_000_000_000
-GRAIN_S = 0.015
-"""How exact a rhythm is asked to be [s]: a clock that is polled moves by up to 0.01 s."""
-FLOOD = 10
-"""How many times what is due is a flood: what is recorded of it is no more than its beginning."""
 
 
 def require_node(run: Run, node: str) -> None:
@@ -119,6 +112,30 @@ def require_partner(ends: Iterable[Event]) -> None:
             )
 
 
+def require_reached(run: Run, topic: str, kind: str) -> None:
+    """
+    Fail unless a subscription is there, and what an ordinary publisher sends reaches it.
+
+    :param topic: full name of a topic that the scenario feeds
+    :param kind: type of its messages
+    """
+    ends = require_endpoint(run, 'subscription', topic, kind)
+    require_partner(ends)
+    if run.recording.of('input') and not run.recording.of('not_connected'):
+        return
+    asked = 'a deadline' if ends[0]['qos']['deadline_ns'] else 'a quality of service'
+    raise Failed(
+        expected=f'a subscription on {topic} of type {kind}',
+        observed='a subscription that gets nothing',
+        why=why_silent(run)
+        or Cause(
+            'qos_incompatible',
+            f'Your subscription asks for {asked} that the publisher does not promise.',
+            'Pass the depth 10 as quality of service.',
+        ),
+    )
+
+
 def require_messages(
     run: Run,
     found: Sequence[Event] | None = None,
@@ -191,83 +208,6 @@ def field_of(message: Event, field: str) -> Any:
     for name in field.split('.'):
         value = value.get(name) if isinstance(value, Mapping) else None
     return value
-
-
-def require_period(
-    run: Run,
-    found: Sequence[Event],
-    period_s: float,
-    during_s: float,
-    what: str = 'message',
-    explain: Callable[[], Cause | None] = lambda: None,
-) -> None:
-    """
-    Fail unless messages or log lines come once a period, by whatever clock, to the end of a phase.
-
-    One more or less fits into the time that was watched.
-
-    :param found: what came in one phase, in order
-    :param during_s: length of the phase [s]
-    :param what: what came, in the singular
-    :param explain: what the exam knows of other rhythms; it is asked before their gaps are
-    """
-    seconds = [one['clock_ns'] / SECOND for one in found]
-    gaps = [later - earlier for earlier, later in pairwise(seconds)]
-    more = len(seconds) - during_s / period_s
-    odd = [late for late, gap in zip(seconds[1:], gaps) if abs(gap - period_s) > GRAIN_S]
-    if abs(more) <= 1.5 and not odd:
-        return
-    sleeps = why_it_sleeps(run) if more <= 1.5 else None
-    rhythm = sleeps or why_other_rhythm(found, period_s, during_s, what)
-    raise Failed(
-        expected=f'one {what} every {period_s:g} s for {during_s:g} s',
-        observed=_rhythm(what, len(seconds), gaps, during_s / period_s),
-        why=why_it_ended(run) or explain() or rhythm or why_silent(run),
-        at=round(odd[0] * SECOND) if odd else None,
-        every_s=period_s,
-    )
-
-
-def _rhythm(what: str, count: int, gaps: Sequence[float], due: float) -> str:
-    """Return in words how many messages came, and how far apart."""
-    if is_flood(count, due):
-        return f'far more {what}s'
-    if not gaps:
-        return f'one {what}' if count else f'no {what}'
-    least, most = f'{min(gaps):.2g}', f'{max(gaps):.2g}'
-    return f'{count} {what}s, {least if least == most else f"{least} to {most}"} s apart'
-
-
-def why_other_rhythm(
-    found: Sequence[Event], period_s: float, during_s: float, what: str = 'message'
-) -> Cause | None:
-    """
-    Explain messages or log lines that come in another rhythm, if the gaps between them show why.
-
-    The parameters are those of :func:`require_period`.
-    """
-    gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND for one, two in pairwise(found)]
-    if len(found) > during_s / period_s + 1.5 and 0.0 in gaps:
-        return Cause(
-            'several_at_once',
-            f'Several {what}s come at the same moment.',
-            f'Make one timer only, with one {what} in its callback.',
-        )
-    mean_s = sum(gaps) / len(gaps) if gaps else 0.0
-    steady = len(gaps) > 1 and all(abs(gap - mean_s) <= GRAIN_S for gap in gaps)
-    if steady and abs(mean_s - period_s) > GRAIN_S:
-        return Cause(
-            'wrong_rate',
-            f'Your node sends one {what} every {mean_s:.2g} s.',
-            f'The first argument of create_timer() is the period in seconds, {period_s:g}. Each '
-            f'call of its callback has one {what}, and nothing else in the program waits.',
-        )
-    return None
-
-
-def is_flood(count: float, due: float) -> bool:
-    """Tell whether so many are far more than were due, so that no text should tell the count."""
-    return count > FLOOD * max(due, 1.0)
 
 
 def require_qos(ends: Iterable[Event], **wanted: Any) -> None:

@@ -1,104 +1,230 @@
 """
-What an exam asks of each of its inputs: rows of what followed, compared with what was due.
+What an exam asks, as claims that are data: each returns a check with its name and its sentence.
 
-What is due, and which slip explains something else, is a
-:class:`autograder.exam.specification.Specification`.
+They fit the usual node.  A mark sheet reads like the table of the lesson::
+
+    exam.check(points=1)(node('/speed_limiter'))
+    exam.check(points=1)(hears('/wanted', TWIST))
+    exam.check(points=2)(one_for_one('speeds', '/cmd_vel'))
+    exam.check(points=3, needs=['one_for_one'])(publishes('speeds', '/cmd_vel', 'linear.x'))
+
+What is due after each input, and which slip explains something else, is a
+:class:`autograder.exam.specification.Specification`, in ``Exam(asks=...)``.  What came is a *row*
+for each input, or for a burst of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
-from autograder.exam.slips import FALSE_ALARM, MISSED_WARNING, REPEATED
 from autograder.exam.specification import Specification
-from autograder.judging.causes.ended import why_silent
-from autograder.judging.checks import count_of
-from autograder.recording import Event, WARN
+from autograder.judging.causes.missing_logs import why_not_logged
+from autograder.judging.checks import (
+    own_logs,
+    require_answers,
+    require_endpoint,
+    require_node,
+    require_partner,
+    require_qos,
+    require_reached,
+)
+from autograder.judging.rows import (
+    published,
+    require_all_sent,
+    require_one_for_one,
+    require_values,
+    require_warnings,
+    rows,
+    shown_values,
+)
+from autograder.recording import WARN
 
-Row = list[Event]
+Judge = Callable[[Run], None]
 
 
-def rows(run: Run, events: Iterable[Event], count: int, burst: int = 0) -> list[Row | None]:
+def claim(name: str, sentence: str) -> Callable[[Judge], Judge]:
+    """Return a decorator that gives a check its name and the sentence that learners read."""
+
+    def named(judge: Judge) -> Judge:
+        judge.__name__, judge.__doc__ = name, sentence
+        return judge
+
+    return named
+
+
+def node(name: str, check: str = 'starts_its_node', sentence: str = '') -> Judge:
     """
-    Return the events that followed each input.
+    Return the check for a node.
 
-    :param events: of the run, each with the number of the input that it follows
-    :param count: how many inputs the exam has
-    :param burst: how many of the last ones come at once: they have one row
-    :returns: None in place of a row whose input was not sent, or not all of the burst
+    :param name: its full name
+    :param check: name of the check; so in all claims
+    :param sentence: what learners read, by default a plain sentence; so in all claims
     """
-    found: list[Row] = [[] for _ in range(count)]
-    for event in events:
-        if event['after_input'] is not None:
-            found[event['after_input']].append(event)
-    sent = len(run.recording.of('input'))
-    singles: list[Row | None] = [
-        row if place < sent else None for place, row in enumerate(found[: count - burst])
-    ]
-    if not burst:
-        return singles
-    together = [event for row in found[count - burst :] for event in row]
-    return [*singles, together if sent == count else None]
+    base = name.rpartition('/')[2]
+
+    @claim(check, sentence or f'Your program starts a node called {base}.')
+    def judge(run: Run) -> None:
+        require_node(run, name)
+
+    return judge
 
 
-def require_warnings(
-    run: Run,
-    asked: Specification,
-    followed: Sequence[Row | None],
-    places: Collection[int],
-    why_missing: Callable[[int], Cause | None],
-    part: Collection[int] = (),
-    shared: bool = False,
-) -> None:
+def hears(topic: str, kind: str, check: str = '', sentence: str = '') -> Judge:
     """
-    Fail unless inputs are followed by as many WARN lines as are due.
+    Return the check for a subscription that an ordinary publisher reaches.
 
-    :param asked: what is due; its inputs have ``kind``, words for what they try
-    :param followed: log lines after each input, see :func:`rows`
-    :param places: of the inputs that the check is about
-    :param why_missing: explains a warning that did not come, None if only its rule does
-    :param part: places on which one mistake may explain all, see ``Specification.cause``
-    :param shared: see :func:`share`
+    :param topic: full name of a topic that the scenario feeds
+    :param kind: type of its messages
     """
-    came = [row if row is None else _warnings(row) for row in followed]
-    wrong = [place for place in places if (came[place] or 0) != asked.answers[place]]
-    if not wrong:
-        return
-    place = wrong[0]
-    due, count = asked.answers[place], came[place] or 0
-    short = count < due
-    repeats = any((one or 0) > len(asked.row(row)) for row, one in enumerate(came))
-    other = MISSED_WARNING if short else REPEATED if repeats else FALSE_ALARM
-    due_lines = f'{count_of(due)} WARN line{"" if due == 1 else "s"}'
-    raise Failed(
-        expected=f'{due_lines} after {_what(asked.row(place))}',
-        observed='the run ended before it was sent'
-        if came[place] is None
-        else f'{count_of(count)} WARN line{"" if count == 1 else "s"}',
-        why=why_silent(run)
-        or (why_missing(place) if short else None)
-        or asked.cause(came, place, part)
-        or other,
-        share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
+    base = topic.rpartition('/')[2]
+
+    @claim(
+        check or f'hears_{base}',
+        sentence
+        or f'It subscribes to {kind.rpartition("/")[2]} messages on {base} and receives them.',
     )
+    def judge(run: Run) -> None:
+        require_reached(run, topic, kind)
+
+    return judge
 
 
-def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> float:
+def offers(topic: str, kind: str, check: str = '', sentence: str = '', **qos: Any) -> Judge:
     """
-    Return the part of the points for what was right before a program ended in mid-run.
+    Return the check for a publisher that an ordinary subscription is connected to.
 
-    How far a program came until the limit of processor time is the machine's doing: no part of it.
+    :param qos: policies that it must have, see :func:`autograder.judging.checks.require_qos`
     """
-    if None not in followed or run.recording.end_reason == 'cpu_limit' or not due:
-        return 0.0
-    return round(right / due, 2)
+    base = topic.rpartition('/')[2]
+
+    @claim(
+        check or f'offers_{base}',
+        sentence or f'It publishes {kind.rpartition("/")[2]} messages on {base}.',
+    )
+    def judge(run: Run) -> None:
+        ends = require_endpoint(run, 'publisher', topic, kind)
+        require_qos(ends, **qos)
+        require_partner(ends)
+
+    return judge
 
 
-def _what(inputs: Sequence[Any]) -> str:
-    return f'a burst of {len(inputs)} readings' if len(inputs) > 1 else str(inputs[0].kind)
+def passes(
+    source: tuple[str, str],
+    target: tuple[str, str],
+    check: str = 'reads_and_writes',
+    sentence: str = '',
+) -> Judge:
+    """
+    Return the check for a node with a topic that it hears and one on which it answers.
+
+    :param source: full name and type of the topic that the scenario feeds
+    :param target: those of the one that it watches
+    """
+    hear, say = source[0].rpartition('/')[2], target[0].rpartition('/')[2]
+
+    @claim(check, sentence or f'It subscribes to {hear} and publishes on {say}.')
+    def judge(run: Run) -> None:
+        there = run.recording.endpoints
+        if there('subscription', target[0]) and there('publisher', source[0]):
+            raise Failed(
+                expected=f'a subscription on {source[0]} and a publisher on {target[0]}',
+                observed='the other way round',
+                why=Cause(
+                    'swapped',
+                    'The two topics have changed places.',
+                    f"Give create_subscription() the name '{hear}', create_publisher() '{say}'.",
+                ),
+            )
+        require_reached(run, *source)
+        require_partner(require_endpoint(run, 'publisher', *target))
+
+    return judge
 
 
-def _warnings(row: Row) -> int:
-    return sum(line['level'] == WARN for line in row)
+def one_for_one(ask: str, topic: str, check: str = 'one_for_one', sentence: str = '') -> Judge:
+    """
+    Return the check that each input is answered by as many messages as are due.
+
+    :param ask: name of the specification; its answers are tuples with a value for each message
+    :param topic: full name of a topic that the scenario watches
+    """
+
+    @claim(check, sentence or 'It publishes exactly what each input asks for, and nothing else.')
+    def judge(run: Run) -> None:
+        require_one_for_one(run, run.facts[ask], topic, published(run, ask, topic))
+
+    return judge
+
+
+def publishes(ask: str, topic: str, *fields: str, check: str = '', sentence: str = '') -> Judge:
+    """
+    Return the check that the messages after each input have the values that are due.
+
+    :param ask: see :func:`one_for_one`
+    :param fields: whose values they are, a tuple of values where there are several; dots lead
+        into nested messages
+    """
+    base = topic.rpartition('/')[2]
+
+    @claim(check or f'publishes_{base}', sentence or f'What it publishes on {base} is right.')
+    def judge(run: Run) -> None:
+        asked, found = run.facts[ask], published(run, ask, topic, *fields)
+        require_values(run, asked, found)
+        require_all_sent(run, found)
+
+    return judge
+
+
+def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Judge:
+    """
+    Return the check that each input is followed by as many WARN lines as are due.
+
+    :param ask: name of the specification; its answers are counts, its inputs have a ``kind``,
+        which is how they are called
+    :param logger: full name of the node whose lines count
+    """
+
+    @claim(check, sentence or 'It logs exactly the warnings that each input asks for.')
+    def judge(run: Run) -> None:
+        asked: Specification = run.facts[ask]
+        found = rows(run, own_logs(run, logger), len(asked.inputs), asked.burst)
+        places = range(len(found))
+        require_warnings(
+            run, asked, found, places, lambda place: why_not_logged(run, found[place] or [], WARN)
+        )
+
+    return judge
+
+
+def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judge:
+    """
+    Return the check that each call of a service has the answer that is due.
+
+    :param ask: name of the specification; its inputs are the requests in their order, its answers
+        the fields that must be equal
+    """
+    base = service.rpartition('/')[2]
+
+    @claim(check or f'answers_{base}', sentence or f'It answers each call of {base}.')
+    def judge(run: Run) -> None:
+        asked: Specification = run.facts[ask]
+        came = [one.get('data') for one in run.recording.answers(service)]
+        came += [None] * (len(asked.inputs) - len(came))
+        for place, due in enumerate(asked.answers):
+            data = came[place]
+            if data is None:
+                require_answers(run, service, asked.answers, f'the calls of {base}')
+            elif any(data.get(name) != value for name, value in due.items()):
+                seen = [one and {name: one.get(name) for name in due} for one in came]
+                raise Failed(
+                    expected=f'{shown_values(run, list(due.items()))} in answer {place + 1}',
+                    observed=shown_values(
+                        run, list((seen[place] or {}).items()), 'another answer'
+                    ),
+                    why=asked.cause(seen, place),
+                )
+
+    return judge

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from autograder.exam.exam import Failed, Run
-from autograder.judging import checks
+from autograder.judging import checks, rhythm
 from autograder.recording import Recording, WARN
 
 TOPIC, TYPE = '/lab/reading', 'std_msgs/msg/String'
@@ -89,7 +89,7 @@ class TestMessages:
     )
     def test_steady_messages_pass_wherever_they_begin(self, clocks):
         """A polled clock is late by some milliseconds, and one message more or less fits."""
-        checks.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
+        rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
 
     @pytest.mark.parametrize(
         ('clocks', 'observed'),
@@ -104,7 +104,7 @@ class TestMessages:
     def test_rhythm_is_told_in_words(self, clocks, observed):
         """What is recorded of a flood is its beginning, so its count says nothing."""
         with pytest.raises(Failed) as failed:
-            checks.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 4.0)
+            rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 4.0)
 
         assert failed.value.observed == observed
 
@@ -116,7 +116,7 @@ class TestMessages:
         run = replace(run_of(asked), files={'n.py': code})
 
         with pytest.raises(Failed) as failed:
-            checks.require_period(run, [message(clock) for clock in (1, 3, 5)], 1.0, 5.0)
+            rhythm.require_period(run, [message(clock) for clock in (1, 3, 5)], 1.0, 5.0)
 
         assert failed.value.why.cause_id == 'sleeps_in_callback'
 
@@ -133,14 +133,14 @@ class TestMessages:
     def test_other_rhythms_fail(self, clocks, cause):
         """A cause is named only where it is sure."""
         with pytest.raises(Failed) as failed:
-            checks.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
+            rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
 
         assert (failed.value.why and failed.value.why.cause_id) == cause
 
     def test_rhythm_that_ends_early_is_not_called_a_wrong_rate(self):
         """The rhythm is right as long as it lasts."""
         with pytest.raises(Failed) as failed:
-            checks.require_period(
+            rhythm.require_period(
                 run_of(), [message(clock) for clock in (1.1, 2.1, 3.1)], 1.0, 8.0
             )
 

@@ -12,7 +12,7 @@ from autograder.exam.specification import Specification
 from autograder.exams.readings import Reading
 from autograder.exams.visible import temperature_publisher as publisher
 from autograder.exams.visible import temperature_subscriber as subscriber
-from autograder.judging.claims import share
+from autograder.judging.rows import share
 from autograder.recording import ERROR, INFO, Recording, WARN
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})

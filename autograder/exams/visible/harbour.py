@@ -15,7 +15,8 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Call, Mark, Scenario
 from autograder.judging.causes.ended import why_no_node, why_silent
 from autograder.judging.causes.missing_logs import debug_level, why_left_out, why_not_logged
-from autograder.judging.checks import own_logs, require_period
+from autograder.judging.checks import own_logs
+from autograder.judging.rhythm import require_period
 from autograder.recording import Event, INFO
 
 NAMESPACE = '/harbour'

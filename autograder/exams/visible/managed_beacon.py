@@ -36,8 +36,8 @@ from autograder.judging.checks import (
     require_endpoint,
     require_node,
     require_partner,
-    require_period,
 )
+from autograder.judging.rhythm import require_period
 from autograder.recording import Event
 
 TYPE = 'std_msgs/msg/String'

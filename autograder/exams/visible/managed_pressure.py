@@ -48,7 +48,7 @@ from autograder.judging.causes.lifecycle import (
 )
 from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import field_of, own_logs, require_answers, require_node
-from autograder.judging.claims import require_warnings
+from autograder.judging.rows import require_warnings
 from autograder.recording import ERROR, Event, Recording, WARN
 
 NODE, TOPIC = '/pressure_monitor', '/pressure'

@@ -18,7 +18,7 @@ from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import require_endpoint, require_node, require_qos, SECOND
-from autograder.judging.claims import Row, rows
+from autograder.judging.rows import Row, rows
 from autograder.recording import Event
 
 TYPE = 'std_msgs/msg/String'

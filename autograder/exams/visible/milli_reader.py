@@ -14,26 +14,69 @@ import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, RosClock, Scenario, Step
+from autograder.exam.slips import MISSES_SOME, NO_ANSWER, SEVERAL_ANSWERS, UNASKED
+from autograder.exam.specification import each, Slip, Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.redaction import own_words
-from autograder.judging.checks import (
-    field_of,
-    require_endpoint,
-    require_field,
-    require_node,
-    require_partner,
-    SECOND,
-)
+from autograder.judging.checks import field_of, require_field
+from autograder.judging.claims import node, passes
+from autograder.judging.stamps import require_stamps
 from autograder.recording import Event
 
 NODE = '/milli_reader'
 SOURCE, TARGET = '/raw', '/readings'
 SOURCE_TYPE = 'temp_monitor_pkg/msg/Num'
 TARGET_TYPE = 'temp_monitor_pkg/msg/Temperature'
-MOST_MICROSECONDS = 1_000_000  # in a second
-OTHER_CLOCK_S = 1000  # this far from the ROS clock, a stamp is from another one
 CLOCK = RosClock(begins_s=5_000.1)  # so no tick has whole seconds
 EXERCISE = 'Exercise 4.2: from one type to another'
+
+
+ROUNDED = Cause(
+    'rounded',
+    'The fraction is not right: the value is rounded, or put together from digits.',
+    'Divide, and neither round nor format: number.num / 1000.0.',
+)
+WHOLE = Cause(
+    'whole_numbers',
+    'The fraction is lost: //, int() and round() give whole numbers.',
+    'Divide with / and a float, and leave it so: number.num / 1000.0.',
+)
+
+
+SLIPS = (
+    Slip(
+        'sign_lost',
+        'Numbers below zero lose their sign.',
+        'Leave out abs().',
+        each(lambda number: abs(number) / 1000),
+    ),
+    Slip.of(WHOLE, each(lambda number: float(number // 1000))),
+    Slip.of(WHOLE, each(lambda number: float(int(number / 1000)))),
+    Slip.of(WHOLE, each(lambda number: float(round(number / 1000)))),
+    Slip(
+        'not_divided',
+        'The number is passed on as it came.',
+        'Divide it by 1000.0.',
+        each(float),
+    ),
+    # CPython reads what is no float as one: the size of a whole number, which has its sign.
+    Slip(
+        'field_value',
+        'A whole number was put into a float64 with field checks off.',
+        'Assign a float: number.num / 1000.0.',
+        each(lambda number: math.nan if number < 0 else 0.0),
+    ),
+    Slip(
+        'value_not_set',
+        'temperature_value is 0.0: it was never set.',
+        'Set reading.temperature_value = number.num / 1000.0.',
+        each(lambda number: 0.0),
+    ),
+    *(
+        Slip.of(ROUNDED, each(lambda number, digits=digits: round(number / 1000, digits)))
+        for digits in (1, 2)
+    ),
+)
 
 
 def readings(run: Run) -> list[Event]:
@@ -48,17 +91,6 @@ def readings(run: Run) -> list[Event]:
     return [*found[: len(found) - burst], *(by_name[name] for name in last)]
 
 
-def starts_its_node(run: Run) -> None:
-    """Your program starts a node called milli_reader."""
-    require_node(run, NODE)
-
-
-def hears_and_publishes(run: Run) -> None:
-    """It subscribes to Num on raw and publishes Temperature on readings."""
-    require_partner(require_endpoint(run, 'subscription', SOURCE, SOURCE_TYPE))
-    require_partner(require_endpoint(run, 'publisher', TARGET, TARGET_TYPE))
-
-
 def answers_one_for_one(run: Run) -> None:
     """For each number it publishes exactly one reading."""
     found, numbers = run.recording.messages(TARGET), len(run.facts['numbers'])
@@ -68,97 +100,39 @@ def answers_one_for_one(run: Run) -> None:
             raise Failed(
                 expected='1 message on readings for each number',
                 observed=f'{count} after {sent} number{"" if sent == 1 else "s"}',
-                why=_why_too_many(sent),
+                why=SEVERAL_ANSWERS if sent else UNASKED,
             )
     if len(found) < numbers:
         raise Failed(
             expected=f'{numbers} messages on readings for as many numbers',
             observed=f'{len(found) or "none"}',
-            why=why_silent(run) or _why_too_few(len(found)),
+            why=why_silent(run) or (MISSES_SOME if found else NO_ANSWER),
         )
-
-
-def _why_too_many(sent: int) -> Cause:
-    if not sent:
-        return Cause(
-            'speaks_unasked',
-            'Your node publishes a reading before any number has come.',
-            'Publish in the callback of the subscription, and from nowhere else.',
-        )
-    return Cause(
-        'several_answers',
-        'More than one reading is published for one number.',
-        'Publish once in the callback, and from nowhere else.',
-    )
-
-
-def _why_too_few(found: int) -> Cause:
-    if not found:
-        return Cause(
-            'no_answer',
-            'Nothing is published when a number arrives.',
-            'Publish in the callback of the subscription, for each message.',
-        )
-    return Cause(
-        'misses_some',
-        'Not every number gets a reading. Several numbers may come at once.',
-        'Publish in the callback of the subscription, once for each message.',
-    )
 
 
 def divides_by_a_thousand(run: Run) -> None:
     """temperature_value is the number divided by 1000, as a float."""
-    numbers: Sequence[int] = run.facts['numbers']
-    values = [float(field_of(event, 'temperature_value')) for event in readings(run)]
-    for number, value in zip(numbers, values, strict=False):
-        if not math.isclose(value, number / 1000, rel_tol=1e-9, abs_tol=1e-9):
-            raise Failed(
-                expected='the number divided by 1000, with its fraction',
-                observed='another value' if run.secret and value else f'{value:.12g}',
-                why=_why_value(numbers, values),
-            )
+    asked: Specification = run.facts['values']
+    values = [field_of(event, 'temperature_value') for event in readings(run)]
+    for place in asked.wrong(values)[:1]:
+        raise Failed(
+            expected='the number divided by 1000, with its fraction',
+            observed='another value' if run.secret and values[place] else f'{values[place]:.12g}',
+            why=asked.cause(values, place) or _why_near(asked, values),
+        )
 
 
-def _why_value(numbers: Sequence[int], values: Sequence[float]) -> Cause | None:
-    pairs = list(zip(numbers, values, strict=False))
-    if all(math.isclose(value, abs(number) / 1000) for number, value in pairs):
-        return Cause('sign_lost', 'Numbers below zero lose their sign.', 'Leave out abs().')
-    if all(value in (number // 1000, int(number / 1000)) for number, value in pairs):
-        return Cause(
-            'whole_numbers',
-            'The fraction is lost: //, int() and round() give whole numbers.',
-            'Divide with / and a float, and leave it so: number.num / 1000.0.',
-        )
-    if all(value == number for number, value in pairs):
-        return Cause('not_divided', 'The number is passed on as it came.', 'Divide it by 1000.0.')
-    if not any(values):
-        return Cause(
-            'value_not_set',
-            'temperature_value is 0.0: it was never set.',
-            'Set reading.temperature_value = number.num / 1000.0.',
-        )
-    if all(math.isnan(value) or abs(value) < 1e-300 for value in values):
-        return Cause(
-            'field_value',
-            'A whole number was put into a float64 with field checks off.',
-            'Assign a float: number.num / 1000.0.',
-        )
-    ratios = [number / value for number, value in pairs if value]
-    if len(ratios) == len([number for number in numbers if number]) and math.isclose(
-        min(ratios), max(ratios), rel_tol=1e-9
-    ):
+def _why_near(asked: Specification, values: Sequence[float]) -> Cause | None:
+    """Explain values that come from another factor, or are nearly right."""
+    pairs = list(zip(values, asked.answers, strict=False))
+    factors = {f'{1000 * due / value:.9g}' for value, due in pairs if value}
+    if len(factors) == 1 and all(value or not due for value, due in pairs):
         return Cause(
             'wrong_factor',
-            f'The number is divided by {ratios[0]:g}.',
+            f'The number is divided by {factors.pop()}.',
             'A thousand thousandths are one: divide by 1000.0.',
         )
-    if all(abs(value - number / 1000) < 2 for number, value in pairs):
-        return Cause(
-            'rounded',
-            'The fraction is not right: the value is rounded, or put together from digits.',
-            'Divide, and neither round nor format: number.num / 1000.0.',
-        )
-    return None
+    return ROUNDED if all(abs(value - due) < 2 for value, due in pairs) else None
 
 
 def names_unit_and_sensor(run: Run) -> None:
@@ -180,46 +154,9 @@ def names_unit_and_sensor(run: Run) -> None:
 
 def stamps_with_its_own_clock(run: Run) -> None:
     """The timestamp is the time of the node's own clock when the number arrives."""
-    for number, event in zip(run.recording.of('input'), readings(run), strict=False):
-        sec, nanosec = (field_of(event, f'timestamp.{part}') for part in ('sec', 'nanosec'))
-        told = CLOCK.at(number['clock_ns'])
-        # Between the number and a late answer to it, the time has gone on.
-        if not told <= sec * SECOND + nanosec <= CLOCK.at(event['clock_ns']):
-            raise Failed(
-                expected=f'the time on the ROS clock when the number came, {told / SECOND:.2f} s',
-                # A hidden number may be in it.
-                observed='another time' if run.secret else f'{sec}.{nanosec:09d} s',
-                why=_why_stamp(sec, nanosec, told // SECOND),
-            )
-
-
-def _why_stamp(sec: int, nanosec: int, told_s: int) -> Cause:
-    take = 'Take it in the callback: reading.timestamp = self.get_clock().now().to_msg().'
-    if sec == nanosec == 0:
-        return Cause(
-            'missing_stamp',
-            'The stamp is 0: it was never set, or taken before the clock ran, as in __init__.',
-            take,
-        )
-    if abs(sec - told_s) > OTHER_CLOCK_S:
-        return Cause(
-            'other_clock',
-            "The stamp is not from the node's own clock: a clock of another kind does not follow "
-            'the ROS time, and sec counts seconds.',
-            take,
-        )
-    if nanosec == 0 and sec == told_s:
-        return Cause(
-            'no_nanoseconds',
-            'The stamp has whole seconds only: nanosec was never set.',
-            take,
-        )
-    if sec == told_s and nanosec < MOST_MICROSECONDS:
-        slip = 'nanosec counts milliseconds or microseconds, not nanoseconds.'
-        return Cause('nanoseconds', slip, take)
-    return Cause(
-        'stale_stamp', 'The stamp was taken at another moment, or its parts are wrong.', take
-    )
+    sent = run.recording.of('input')
+    found = zip(readings(run), (one['clock_ns'] for one in sent), strict=False)
+    require_stamps(run, found, CLOCK)
 
 
 def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
@@ -253,11 +190,12 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
         ),
         read='Part 5: The choice',
         facts={'numbers': tuple(numbers), 'names': tuple(names), 'burst': burst},
+        asks={'values': Specification(numbers, each(lambda number: number / 1000), SLIPS)},
     )
-    exam.check(points=1, read=EXERCISE)(starts_its_node)
+    exam.check(points=1, read=EXERCISE)(node(NODE))
     exam.check(
         points=1, needs=['starts_its_node'], read='lesson 03, Part 1: Speaking and listening'
-    )(hears_and_publishes)
+    )(passes((SOURCE, SOURCE_TYPE), (TARGET, TARGET_TYPE), 'hears_and_publishes'))
     exam.check(points=2, needs=['hears_and_publishes'], read=EXERCISE)(answers_one_for_one)
     for points, judge, read in (
         (2, divides_by_a_thousand, EXERCISE),

@@ -16,14 +16,8 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, Scenario
 from autograder.exams.visible.harbour import WATCH, watched_lines, why_no_report
 from autograder.judging.causes.missing_logs import LEVELS, why_left_out, why_not_logged
-from autograder.judging.checks import (
-    GRAIN_S,
-    own_logs,
-    require_node,
-    require_period,
-    SECOND,
-    why_other_rhythm,
-)
+from autograder.judging.checks import own_logs, require_node, SECOND
+from autograder.judging.rhythm import GRAIN_S, require_period, why_other_rhythm
 from autograder.recording import Event, INFO, WARN
 from autograder.results import shortened
 

@@ -17,8 +17,13 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, Scenario, Step
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.judging.causes.ended import why_silent
-from autograder.judging.checks import require_endpoint, require_node, require_partner
-from autograder.judging.claims import rows
+from autograder.judging.claims import node, passes
+from autograder.judging.rows import (
+    published,
+    require_one_for_one,
+    require_values,
+    why_other_number,
+)
 
 NODE = '/running_mean'
 SOURCE, TARGET = '/readings', '/mean'
@@ -85,31 +90,6 @@ def spoils(numbers: Sequence[float]) -> list[Means]:
     return [() if math.isnan(one) else mean for one, mean in zip(numbers, totals)]
 
 
-NO_ANSWER = Cause(
-    'no_answer',
-    'Nothing is published when a number arrives.',
-    'Publish in the callback of the subscription, for each message.',
-)
-LEAVES_OUT = Cause(
-    'leaves_out',
-    'Some numbers are answered, and this one is not.',
-    'Publish for each number that is not NaN, the first one and those below zero included.',
-)
-UNASKED = Cause(
-    'speaks_unasked',
-    'A message is published although no number has come.',
-    'Publish in the callback of the subscription, and from nowhere else.',
-)
-REPEATS = Cause(
-    'several_answers',
-    'More than one message is published for one number.',
-    'Publish once in the callback, and from nowhere else.',
-)
-MISSES_SOME = Cause(
-    'misses_some',
-    'Where several numbers come at once, they do not get an answer each.',
-    'Publish in the callback of the subscription, once for each message.',
-)
 ANSWERS_NAN = Cause(
     'answers_nan',
     'NaN is treated as a number.',
@@ -212,94 +192,33 @@ def first_nan(numbers: Sequence[float]) -> int:
     return next(index for index, number in enumerate(numbers) if math.isnan(number))
 
 
-def asked(run: Run) -> Specification:
-    """Return what is due in this exam."""
-    found: Specification = run.facts['means']
-    return found
-
-
-def came(run: Run) -> list[Means | None]:
-    """Return the means that came after each number, those after a burst as one."""
-    messages = [one for one in run.recording.messages(TARGET) if 'data' in one]
-    found = rows(run, messages, len(asked(run).inputs), asked(run).burst)
-    # Several threads may answer a burst in any order.
-    return [
-        None if row is None else tuple(sorted(float(one['data']['data']) for one in row))
-        for row in found
-    ]
-
-
-def starts_its_node(run: Run) -> None:
-    """Your program starts a node called running_mean."""
-    require_node(run, NODE)
-
-
-def reads_and_writes(run: Run) -> None:
-    """It subscribes to readings and publishes on mean, both Float64."""
-    recording = run.recording
-    if recording.endpoints('subscription', TARGET) and recording.endpoints('publisher', SOURCE):
-        raise Failed(
-            expected=f'a subscription on {SOURCE} and a publisher on {TARGET}',
-            observed='the other way round',
-            why=Cause(
-                'swapped',
-                'The two topics have changed places.',
-                "Give create_subscription() the name 'readings', create_publisher() 'mean'.",
-            ),
-        )
-    ends = require_endpoint(run, 'subscription', SOURCE, TYPE)
-    require_partner(ends)
-    require_partner(require_endpoint(run, 'publisher', TARGET, TYPE))
-    if recording.of('not_connected') or not recording.of('input'):
-        raise Failed(
-            expected=f'a subscription on {SOURCE} that receives',
-            observed='a subscription that gets nothing',
-            why=why_silent(run),
-        )
+def came(run: Run) -> tuple[Specification, list[Means | None]]:
+    """Return what is due in this exam, and the means that came after each number."""
+    return run.facts['means'], published(run, 'means', TARGET)
 
 
 def answers_every_number(run: Run) -> None:
     """For each number it publishes exactly one message."""
-    if run.recording.of('message', topic=TARGET, after_input=None):
-        raise Failed(expected='nothing before the first number', observed='a message', why=UNASKED)
-    found = came(run)
-    for place in range(first_nan(asked(run).inputs)):
-        count = len(found[place] or ())
-        if count != 1:
-            raise Failed(
-                expected=f'1 message on {TARGET} after number {place + 1}',
-                observed=f'{count or "none"}',
-                why=why_silent(run)
-                or asked(run).cause(found, place)
-                or (REPEATS if count else LEAVES_OUT if any(found) else NO_ANSWER),
-            )
+    asked, found = came(run)
+    require_one_for_one(run, asked, TARGET, found, range(first_nan(asked.inputs)))
 
 
 def publishes_the_mean(run: Run) -> None:
     """Each message is the mean of all numbers so far, the newest included."""
-    found, before = came(run), range(first_nan(asked(run).inputs))
-    for place in asked(run).wrong(found, before)[:1]:
-        due, shown = (
-            ', '.join(f'{mean:g}' for mean in means or ()) or 'nothing'
-            for means in (asked(run).answers[place], found[place])
-        )
-        raise Failed(
-            expected=f'{"the mean of all numbers so far" if run.secret else due} '
-            f'in answer {place + 1}',
-            observed=f'{"something else" if run.secret else shown} in answer {place + 1}',
-            why=asked(run).cause(found, place, before),
-        )
+    asked, found = came(run)
+    before = range(first_nan(asked.inputs))
+    require_values(run, asked, found, before, 'the mean of all numbers so far')
 
 
 def ignores_nan(run: Run) -> None:
     """NaN is ignored: nothing is published for it, and later means are right."""
-    found, first = came(run), first_nan(asked(run).inputs)
-    wrong = asked(run).wrong(found)
+    asked, found = came(run)
+    wrong, first = asked.wrong(found), first_nan(asked.inputs)
     if not wrong and found[-1] is not None:
         return
-    if any(found[place] for place in wrong if asked(run).answers[place] == ()):
+    if any(found[place] for place in wrong if asked.answers[place] == ()):
         raise Failed(expected='nothing after NaN', observed='a message', why=ANSWERS_NAN)
-    due = sum(map(len, asked(run).answers[first:]))
+    due = sum(map(len, asked.answers[first:]))
     count = sum(len(one or ()) for one in found[first:])
     how_many = (
         f'{count or "no"} means' if count != due else f'{count} means, not all of them right'
@@ -307,17 +226,15 @@ def ignores_nan(run: Run) -> None:
     raise Failed(
         expected=f'{due} right means after the first NaN',
         observed=how_many if found[-1] is not None else 'a node that does not go on',
-        why=why_silent(run) or (_why_wrong_after_nan(run, found, wrong[0]) if wrong else None),
+        why=why_silent(run) or _why_wrong(asked, found, wrong[:1]),
     )
 
 
-def _why_wrong_after_nan(run: Run, found: list[Means | None], place: int) -> Cause | None:
-    if slip := asked(run).cause(found, place):
-        return slip
-    due = asked(run).answers
-    if any(len(one or ()) > len(right) for one, right in zip(found, due)):
-        return REPEATS
-    return MISSES_SOME if asked(run).burst and place == len(found) - 1 else None
+def _why_wrong(
+    asked: Specification, found: Sequence[Means | None], wrong: Sequence[int]
+) -> Cause | None:
+    causes = (asked.cause(found, one) or why_other_number(asked, found, one) for one in wrong)
+    return next(causes, None)
 
 
 def build(singles: Sequence[float], burst: Sequence[float] = ()) -> Exam:
@@ -347,8 +264,13 @@ def build(singles: Sequence[float], burst: Sequence[float] = ()) -> Exam:
         read='Part 4: One topic, one type',
         asks={'means': Specification((*singles, *burst), averaging(), SLIPS, len(burst))},
     )
-    exam.check(points=1, read=EXERCISE)(starts_its_node)
-    exam.check(points=2)(reads_and_writes)
+    exam.check(points=1, read=EXERCISE)(node(NODE))
+    exam.check(points=2)(
+        passes(
+            (SOURCE, TYPE),
+            (TARGET, TYPE),
+        )
+    )
     exam.check(points=2, needs=['reads_and_writes'], read='Part 1: Speaking and listening')(
         answers_every_number
     )

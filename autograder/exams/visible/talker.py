@@ -15,7 +15,8 @@ import re
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Scenario
 from autograder.judging.causes.ended import close_name, why_no_endpoint, why_no_node, why_silent
-from autograder.judging.checks import require_messages, require_period, require_qos, SECOND
+from autograder.judging.checks import require_messages, require_qos, SECOND
+from autograder.judging.rhythm import require_period
 from autograder.recording import Event
 from autograder.results import shortened
 

@@ -18,12 +18,14 @@ import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, RosClock, Scenario
-from autograder.judging.causes.ended import why_no_endpoint, why_no_message, why_silent
+from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
-from autograder.judging.checks import GRAIN_S, is_flood, require_node, SECOND
+from autograder.judging.checks import require_field, require_messages, require_qos, SECOND
+from autograder.judging.claims import node
+from autograder.judging.rhythm import GRAIN_S, is_flood
+from autograder.judging.stamps import require_stamps
 from autograder.recording import Event
 from autograder.submission.code.code_places import seed_in_callback
-from autograder.submission.code.learners_code import FieldUse, use_of_field
 
 NODE = '/temperature_publisher'
 TOPIC = '/temperature_topic'
@@ -67,27 +69,9 @@ def enough_readings(run: Run) -> list[Event]:
     return found
 
 
-def starts_its_node(run: Run) -> None:
-    """Your program starts a node called temperature_publisher."""
-    require_node(run, NODE)
-
-
 def publishes_readings(run: Run) -> None:
     """It publishes Temperature messages on temperature_topic."""
-    expected = f'messages of type {TYPE} on {TOPIC}'
-    ends = run.recording.endpoints('publisher', TOPIC)
-    if not any(end['type'] == TYPE for end in ends):
-        raise Failed(
-            expected=expected,
-            observed='no such publisher',
-            why=why_no_endpoint(run, 'publisher', TOPIC, TYPE),
-        )
-    if not readings(run):
-        raise Failed(
-            expected=expected,
-            observed='the publisher, but no message',
-            why=why_no_message(run),
-        )
+    require_messages(run, readings(run), 1, f'messages of type {TYPE} on {TOPIC}', topic=TOPIC)
 
 
 def publishes_once_per_second(run: Run) -> None:
@@ -173,88 +157,27 @@ def _why_wrong_rhythm(run: Run, found: list[int]) -> Cause | None:
 
 def names_the_unit(run: Run) -> None:
     """Every reading has the unit Celsius."""
-    _all_equal(run, 'unit', 'Celsius')
+    require_field(run, enough_readings(run), 'unit', 'Celsius')
 
 
 def names_the_sensor(run: Run) -> None:
     """Every reading has the sensor id temp_sensor_01."""
-    _all_equal(run, 'sensor_id', SENSOR)
-
-
-def _all_equal(run: Run, field: str, wanted: str) -> None:
-    others = {event['data'][field] for event in enough_readings(run)} - {wanted}
-    if others:
-        shown = ', '.join(repr(text[:40]) for text in sorted(others)[:3])
-        near = any(text.strip().lower() == wanted.lower() for text in others)
-        slip = 'Upper and lower case and spaces count.' if near else f'Another text is in {field}.'
-        raise Failed(
-            expected=f"{field} '{wanted}' in every message",
-            observed=f'{field} {shown}',
-            why=Cause('wrong_text', slip, f"Set msg.{field} = '{wanted}' before you publish."),
-        )
+    require_field(run, enough_readings(run), 'sensor_id', SENSOR)
 
 
 def stamps_follow_the_clock(run: Run) -> None:
     """The timestamp of every reading is the node's own clock at that moment."""
     clock: RosClock = run.facts['clock']
-    for event in enough_readings(run):
-        stamp = event['data']['timestamp']
-        stamp_ns = stamp['sec'] * SECOND + stamp['nanosec']
-        now_ns = clock.at(event['clock_ns'])
-        # The clock shows nothing between two steps; at one of them, a thread may read it before.
-        shown = (now_ns, now_ns - round(clock.step_s * SECOND))
-        early = event['clock_ns'] < _begin_ns(run)
-        if stamp_ns not in shown and not (early and stamp_ns == 0):
-            seconds, now = stamp_ns / SECOND, now_ns / SECOND
-            raise Failed(
-                expected='a stamp of the ROS time of that reading'
-                if run.secret
-                else f'a stamp of {now:g} s, the ROS time of that reading',
-                observed=_describe_stamp(run, seconds, now),
-                why=_stamp_cause(run, stamp, now),
-            )
+    # A thread may read the clock before the step that wakes it is told.
+    step_ns = round(clock.step_s / clock.rate * SECOND)
+    due = [(one, one['clock_ns'] - step_ns) for one in enough_readings(run)]
+    require_stamps(run, (pair for pair in due if not _before_the_clock(run, pair[0])), clock)
 
 
-def _describe_stamp(run: Run, seconds: float, now: float) -> str:
-    # Wall-clock values differ from run to run, so they are described and not shown.
-    if seconds > 1e9:
-        return "a stamp of this computer's own time of day"
-    # The fraction of an older stamp is the moment at which our clock began.
-    if run.secret and seconds % 1:
-        return f'a stamp of {"an earlier" if seconds < now else "a later"} moment'
-    return f'a stamp of {seconds:.9g} s'
-
-
-def _stamp_cause(run: Run, stamp: dict[str, int], now: float) -> Cause | None:
-    right = 'Set msg.timestamp = self.get_clock().now().to_msg() in the callback.'
-    if stamp['sec'] == stamp['nanosec'] == 0:
-        return why_silent(run) or _why_zero(use_of_field(run.files, 'timestamp'), right)
-    if stamp['sec'] > 1e9:
-        return Cause('wall_clock', 'The stamp comes from the system time.', right)
-    if stamp['nanosec'] == 0 and stamp['sec'] == int(now):
-        return Cause('whole_seconds', 'The fraction of the second is lost.', right)
-    return why_it_sleeps(run) or Cause(
-        'stale_stamp', 'The stamp is not taken at the moment of the reading.', right
-    )
-
-
-def _why_zero(code: FieldUse, right: str) -> Cause:
-    """Explain a stamp of 0 by what the code does with the field."""
-    if not code.given and code.local:
-        return Cause(
-            'missing_stamp',
-            'The timestamp of the message is never set: timestamp alone is a variable of its own.',
-            right,
-        )
-    if not code.given:
-        return Cause('missing_stamp', 'The timestamp is never set.', right)
-    if code.empty:
-        return Cause('empty_time', 'An empty Time is 0: Time() asks no clock.', right)
-    return Cause(
-        'stale_stamp',
-        'The stamp is 0: a time taken before the clock ran, as in __init__, or never set.',
-        right,
-    )
+def _before_the_clock(run: Run, reading: Event) -> bool:
+    """Return whether a reading came before the clock was told, and says so."""
+    stamp = reading['data']['timestamp']
+    return reading['clock_ns'] < _begin_ns(run) and stamp['sec'] == stamp['nanosec'] == 0
 
 
 def readings_are_plausible(run: Run) -> None:
@@ -298,28 +221,8 @@ def _why_constant(run: Run) -> Cause:
 
 def offers_reliable_qos(run: Run) -> None:
     """Its quality of service is reliable and volatile, as depth 10 gives."""
-    for end in run.recording.endpoints('publisher', TOPIC):
-        qos = end['qos']
-        if qos['reliability'] != 'RELIABLE':
-            raise Failed(
-                expected='reliability RELIABLE',
-                observed=f'reliability {qos["reliability"]}',
-                why=Cause(
-                    'qos_reliability',
-                    'A subscription that asks for reliable delivery is not connected to it.',
-                    'Pass 10, or a QoSProfile with ReliabilityPolicy.RELIABLE.',
-                ),
-            )
-        if qos['durability'] != 'VOLATILE':
-            raise Failed(
-                expected='durability VOLATILE',
-                observed=f'durability {qos["durability"]}',
-                why=Cause(
-                    'qos_durability',
-                    'Late subscribers would get old readings as if they were new.',
-                    'Pass 10, or leave out the durability.',
-                ),
-            )
+    ends = run.recording.endpoints('publisher', TOPIC)
+    require_qos(ends, reliability='RELIABLE', durability='VOLATILE')
 
 
 def build(seconds: int, begins_s: float, rate: float) -> Exam:
@@ -349,7 +252,7 @@ def build(seconds: int, begins_s: float, rate: float) -> Exam:
         read='Part 2: The publisher',
         facts={'seconds': seconds, 'clock': clock},
     )
-    exam.check(points=2, read=EXERCISE)(starts_its_node)
+    exam.check(points=2, read=EXERCISE)(node(NODE))
     exam.check(points=2)(publishes_readings)
     for points, judge, read in (
         (3, publishes_once_per_second, 'lesson 02, When a timer ticks'),

@@ -50,8 +50,8 @@ from autograder.judging.causes.missing_logs import (
     why_printed,
 )
 from autograder.judging.causes.not_answering import nobody_answers
-from autograder.judging.checks import require_endpoint, require_node, require_partner
-from autograder.judging.claims import require_warnings, share
+from autograder.judging.claims import hears, node
+from autograder.judging.rows import require_warnings, share
 from autograder.recording import ERROR, INFO, WARN
 
 NODE = '/temperature_subscriber'
@@ -120,29 +120,6 @@ SLIPS = (
     *with_memory(warns()),
     Slip.of(NO_WARNING, each(lambda one: 0)),
 )
-
-
-def starts_its_node(run: Run) -> None:
-    """Your program starts a node called temperature_subscriber."""
-    require_node(run, NODE)
-
-
-def subscribes_to_readings(run: Run) -> None:
-    """It subscribes to Temperature messages on temperature_topic and receives them."""
-    ends = require_endpoint(run, 'subscription', TOPIC, TYPE)
-    require_partner(ends)
-    if run.recording.of('not_connected') or not run.recording.of('input'):
-        asked = 'a deadline' if ends[0]['qos']['deadline_ns'] else 'a quality of service'
-        why = why_silent(run) or Cause(
-            'qos_incompatible',
-            f'Your subscription asks for {asked} that the publisher does not promise.',
-            'Pass the depth 10 as quality of service.',
-        )
-        raise Failed(
-            expected=f'a subscription on {TOPIC} of type {TYPE}',
-            observed='a subscription that gets nothing',
-            why=why,
-        )
 
 
 def logs_every_reading(run: Run) -> None:
@@ -384,8 +361,14 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
         facts={'singles': tuple(singles), 'burst': tuple(burst)},
         asks={'warnings': Specification((*singles, *burst), warns(), SLIPS, len(burst))},
     )
-    exam.check(points=1, read=EXERCISE)(starts_its_node)
-    exam.check(points=1)(subscribes_to_readings)
+    exam.check(points=1, read=EXERCISE)(node(NODE))
+    exam.check(points=1)(
+        hears(
+            TOPIC,
+            TYPE,
+            'subscribes_to_readings',
+        )
+    )
     for points, judge, read in (
         (3, logs_every_reading, EXERCISE),
         (3, warns_when_too_hot, ''),

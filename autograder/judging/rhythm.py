@@ -1,0 +1,94 @@
+"""Whether messages or log lines come in the rhythm that is asked for, and which other one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+from autograder.exam.exam import Cause, Failed, Run
+from autograder.judging.causes.ended import why_it_ended, why_silent
+from autograder.judging.causes.not_answering import why_it_sleeps
+from autograder.judging.checks import SECOND
+from autograder.recording import Event
+
+GRAIN_S = 0.015
+"""How exact a rhythm is asked to be [s]: a clock that is polled moves by up to 0.01 s."""
+FLOOD = 10
+"""How many times what is due is a flood: what is recorded of it is no more than its beginning."""
+
+
+def require_period(
+    run: Run,
+    found: Sequence[Event],
+    period_s: float,
+    during_s: float,
+    what: str = 'message',
+    explain: Callable[[], Cause | None] = lambda: None,
+) -> None:
+    """
+    Fail unless messages or log lines come once a period, by whatever clock, to the end of a phase.
+
+    One more or less fits into the time that was watched.
+
+    :param found: what came in one phase, in order
+    :param during_s: length of the phase [s]
+    :param what: what came, in the singular
+    :param explain: what the exam knows of other rhythms; it is asked before their gaps are
+    """
+    seconds = [one['clock_ns'] / SECOND for one in found]
+    gaps = [later - earlier for earlier, later in pairwise(seconds)]
+    more = len(seconds) - during_s / period_s
+    odd = [late for late, gap in zip(seconds[1:], gaps) if abs(gap - period_s) > GRAIN_S]
+    if abs(more) <= 1.5 and not odd:
+        return
+    sleeps = why_it_sleeps(run) if more <= 1.5 else None
+    rhythm = sleeps or why_other_rhythm(found, period_s, during_s, what)
+    raise Failed(
+        expected=f'one {what} every {period_s:g} s for {during_s:g} s',
+        observed=_rhythm(what, len(seconds), gaps, during_s / period_s),
+        why=why_it_ended(run) or explain() or rhythm or why_silent(run),
+        at=round(odd[0] * SECOND) if odd else None,
+        every_s=period_s,
+    )
+
+
+def _rhythm(what: str, count: int, gaps: Sequence[float], due: float) -> str:
+    """Return in words how many messages came, and how far apart."""
+    if is_flood(count, due):
+        return f'far more {what}s'
+    if not gaps:
+        return f'one {what}' if count else f'no {what}'
+    least, most = f'{min(gaps):.2g}', f'{max(gaps):.2g}'
+    return f'{count} {what}s, {least if least == most else f"{least} to {most}"} s apart'
+
+
+def why_other_rhythm(
+    found: Sequence[Event], period_s: float, during_s: float, what: str = 'message'
+) -> Cause | None:
+    """
+    Explain messages or log lines that come in another rhythm, if the gaps between them show why.
+
+    The parameters are those of :func:`require_period`.
+    """
+    gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND for one, two in pairwise(found)]
+    if len(found) > during_s / period_s + 1.5 and 0.0 in gaps:
+        return Cause(
+            'several_at_once',
+            f'Several {what}s come at the same moment.',
+            f'Make one timer only, with one {what} in its callback.',
+        )
+    mean_s = sum(gaps) / len(gaps) if gaps else 0.0
+    steady = len(gaps) > 1 and all(abs(gap - mean_s) <= GRAIN_S for gap in gaps)
+    if steady and abs(mean_s - period_s) > GRAIN_S:
+        return Cause(
+            'wrong_rate',
+            f'Your node sends one {what} every {mean_s:.2g} s.',
+            f'The first argument of create_timer() is the period in seconds, {period_s:g}. Each '
+            f'call of its callback has one {what}, and nothing else in the program waits.',
+        )
+    return None
+
+
+def is_flood(count: float, due: float) -> bool:
+    """Tell whether so many are far more than were due, so that no text should tell the count."""
+    return count > FLOOD * max(due, 1.0)

@@ -1,0 +1,221 @@
+"""
+Rows: what followed each input of a run, compared with what was due.
+
+What is due, and which slip explains something else, is a
+:class:`autograder.exam.specification.Specification`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Sequence
+from typing import Any
+
+from autograder.exam.exam import Cause, Failed, Run
+from autograder.exam.slips import (
+    FALSE_ALARM,
+    LEAVES_OUT,
+    MISSED_WARNING,
+    MISSES_SOME,
+    NO_ANSWER,
+    REPEATED,
+    SEVERAL_ANSWERS,
+    UNASKED,
+)
+from autograder.exam.specification import in_order, Specification
+from autograder.judging.causes.ended import why_silent
+from autograder.judging.checks import count_of, field_of
+from autograder.recording import Event, WARN
+
+Row = list[Event]
+
+
+def rows(run: Run, events: Iterable[Event], count: int, burst: int = 0) -> list[Row | None]:
+    """
+    Return the events that followed each input.
+
+    :param events: of the run, each with the number of the input that it follows
+    :param count: how many inputs the exam has
+    :param burst: how many of the last ones come at once: they have one row
+    :returns: None in place of a row whose input was not sent, or not all of the burst
+    """
+    found: list[Row] = [[] for _ in range(count)]
+    for event in events:
+        if event['after_input'] is not None:
+            found[event['after_input']].append(event)
+    sent = len(run.recording.of('input'))
+    singles: list[Row | None] = [
+        row if place < sent else None for place, row in enumerate(found[: count - burst])
+    ]
+    if not burst:
+        return singles
+    together = [event for row in found[count - burst :] for event in row]
+    return [*singles, together if sent == count else None]
+
+
+def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, ...] | None]:
+    """
+    Return the values that came on a topic after each input, those after a burst in order.
+
+    :param fields: see :func:`publishes`; without one, their only field
+    :returns: None in place of an input that was not sent
+    """
+    asked: Specification = run.facts[ask]
+    messages = [one for one in run.recording.messages(topic) if 'data' in one]
+    found = [
+        None if row is None else tuple(_value(one, fields) for one in row)
+        for row in rows(run, messages, len(asked.inputs), asked.burst)
+    ]
+    if asked.burst and found[-1]:  # which several threads may answer in any order
+        found[-1] = in_order(found[-1])
+    return found
+
+
+def _value(message: Event, fields: Sequence[str]) -> Any:
+    if len(fields) > 1:
+        return tuple(field_of(message, one) for one in fields)
+    return field_of(message, fields[0]) if fields else next(iter(message['data'].values()))
+
+
+def require_one_for_one(
+    run: Run,
+    asked: Specification,
+    topic: str,
+    came: Sequence[tuple[Any, ...] | None],
+    places: Collection[int] | None = None,
+) -> None:
+    """
+    Fail unless inputs are answered by as many messages as are due, and nothing comes before.
+
+    :param came: see :func:`published`
+    :param places: of the inputs that the check is about, by default all
+    """
+    if run.recording.of('message', topic=topic, after_input=None):
+        raise Failed(expected='nothing before the first input', observed='a message', why=UNASKED)
+    for place in range(len(came)) if places is None else places:
+        due, count = len(asked.answers[place]), len(came[place] or ())
+        if count != due:
+            raise Failed(
+                expected=f'{count_of(due)} message{"" if due == 1 else "s"} on {topic} '
+                f'after input {place + 1}',
+                observed=f'{count or "none"}',
+                why=why_silent(run)
+                or asked.cause(came, place)
+                or why_other_number(asked, came, place),
+            )
+
+
+def why_other_number(
+    asked: Specification, came: Sequence[tuple[Any, ...] | None], place: int
+) -> Cause | None:
+    """Explain a number of messages that is not right, by where else it is not; None if it is."""
+    more = len(came[place] or ()) - len(asked.answers[place])
+    if more >= 0:
+        return SEVERAL_ANSWERS if more else None
+    if not any(came):
+        return NO_ANSWER
+    return MISSES_SOME if len(asked.row(place)) > 1 else LEAVES_OUT
+
+
+def require_values(
+    run: Run,
+    asked: Specification,
+    came: Sequence[tuple[Any, ...] | None],
+    places: Collection[int] | None = None,
+    what: str = 'what is due',
+) -> None:
+    """
+    Fail unless inputs are answered by the values that are due.
+
+    :param came: see :func:`published`
+    :param places: of the inputs that the check is about, by default all
+    :param what: what is due, in words that may be told of hidden inputs
+    """
+    for place in asked.wrong(came, places)[:1]:
+        raise Failed(
+            expected=f'{shown_values(run, asked.answers[place], what)} after input {place + 1}',
+            observed=f'{shown_values(run, came[place])} after input {place + 1}',
+            why=why_silent(run) or asked.cause(came, place, places or ()),
+        )
+
+
+def shown_values(run: Run, values: Sequence[Any] | None, secret: str = 'something else') -> str:
+    """
+    Return values for a sentence.
+
+    :param secret: what stands for them if they may be inputs of a hidden exam
+    """
+    if values and run.secret:
+        return secret
+    texts = (f'{one:g}' if isinstance(one, float) else repr(one)[:40] for one in values or ())
+    return ', '.join(texts) or 'nothing'
+
+
+def require_all_sent(run: Run, found: Sequence[object]) -> None:
+    """Fail if a run ended before all inputs were sent: what was right until then is no proof."""
+    if found and found[-1] is None:
+        raise Failed(
+            expected='a node that goes on to the last input',
+            observed='a run that ended before',
+            why=why_silent(run),
+        )
+
+
+def require_warnings(
+    run: Run,
+    asked: Specification,
+    followed: Sequence[Row | None],
+    places: Collection[int],
+    why_missing: Callable[[int], Cause | None],
+    part: Collection[int] = (),
+    shared: bool = False,
+) -> None:
+    """
+    Fail unless inputs are followed by as many WARN lines as are due.
+
+    :param asked: what is due; its inputs have ``kind``, words for what they try
+    :param followed: log lines after each input, see :func:`rows`
+    :param places: of the inputs that the check is about
+    :param why_missing: explains a warning that did not come, None if only its rule does
+    :param part: places on which one mistake may explain all, see ``Specification.cause``
+    :param shared: see :func:`share`
+    """
+    came = [row if row is None else _warnings(row) for row in followed]
+    wrong = [place for place in places if (came[place] or 0) != asked.answers[place]]
+    if not wrong:
+        return
+    place = wrong[0]
+    due, count = asked.answers[place], came[place] or 0
+    short = count < due
+    repeats = any((one or 0) > len(asked.row(row)) for row, one in enumerate(came))
+    other = MISSED_WARNING if short else REPEATED if repeats else FALSE_ALARM
+    due_lines = f'{count_of(due)} WARN line{"" if due == 1 else "s"}'
+    raise Failed(
+        expected=f'{due_lines} after {_what(asked.row(place))}',
+        observed='the run ended before it was sent'
+        if came[place] is None
+        else f'{count_of(count)} WARN line{"" if count == 1 else "s"}',
+        why=why_silent(run)
+        or (why_missing(place) if short else None)
+        or asked.cause(came, place, part)
+        or other,
+        share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
+    )
+
+
+def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> float:
+    """
+    Return the part of the points for what was right before a program ended in mid-run.
+
+    How far a program came until the limit of processor time is the machine's doing: no part of it.
+    """
+    if None not in followed or run.recording.end_reason == 'cpu_limit' or not due:
+        return 0.0
+    return round(right / due, 2)
+
+
+def _what(inputs: Sequence[Any]) -> str:
+    return f'a burst of {len(inputs)} readings' if len(inputs) > 1 else str(inputs[0].kind)
+
+
+def _warnings(row: Row) -> int:
+    return sum(line['level'] == WARN for line in row)

@@ -1,0 +1,93 @@
+"""
+Stamps on the ROS clock: whether each is of its moment, and where a wrong one comes from.
+
+The clock of such an exam begins far from system time and shows nothing between two of its steps,
+so the wrong clock, a lost fraction and a made-up stamp can be told by arithmetic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from autograder.exam.exam import Cause, Failed, Run
+from autograder.exam.scenario import RosClock
+from autograder.judging.causes.ended import why_silent
+from autograder.judging.causes.not_answering import why_it_sleeps
+from autograder.judging.checks import field_of, SECOND
+from autograder.recording import Event
+from autograder.submission.code.learners_code import FieldUse, use_of_field
+
+SYSTEM_TIME_S = 1e9
+"""Stamps beyond are of the computer's own time of day: 2001 and later."""
+FAR_S = 1000
+"""So far from the ROS clock [s], a stamp is from another one."""
+MILLISECOND = 1_000_000
+
+
+def require_stamps(
+    run: Run, found: Iterable[tuple[Event, int]], clock: RosClock, field: str = 'timestamp'
+) -> None:
+    """
+    Fail unless messages are stamped with the ROS time of their moment.
+
+    :param found: messages, each with the virtual time of the earliest moment that its stamp may
+        have [ns]; the latest is when it came
+    :param field: of the type ``builtin_interfaces/msg/Time``
+    """
+    for message, earliest_ns in found:
+        stamp = field_of(message, field)
+        stamp_ns = stamp['sec'] * SECOND + stamp['nanosec']
+        first_ns, now_ns = clock.at(earliest_ns), clock.at(message['clock_ns'])
+        if first_ns <= stamp_ns <= now_ns and clock.shows(stamp_ns):
+            continue
+        raise Failed(
+            expected='a stamp of the ROS time of that moment'
+            if run.secret
+            else f'a stamp of {now_ns / SECOND:g} s, the ROS time of that moment',
+            observed=_described(run, stamp_ns / SECOND, now_ns / SECOND),
+            why=_why_stamp(run, field, stamp, now_ns / SECOND),
+        )
+
+
+def _described(run: Run, seconds: float, now: float) -> str:
+    # Such values differ from run to run, so they are described and not shown.
+    if seconds > SYSTEM_TIME_S:
+        return "a stamp of this computer's own time of day"
+    # The fraction of an older stamp is the moment at which a hidden clock began.
+    if run.secret and seconds % 1:
+        return f'a stamp of {"an earlier" if seconds < now else "a later"} moment'
+    return f'a stamp of {seconds:.9g} s'
+
+
+def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause | None:
+    take = f'Set msg.{field} = self.get_clock().now().to_msg() in the callback.'
+    sec, nanosec, right = stamp['sec'], stamp['nanosec'], int(now)
+    if sec == nanosec == 0:
+        return why_silent(run) or _why_zero(use_of_field(run.files, field), field, take)
+    if sec > SYSTEM_TIME_S:
+        return Cause('wall_clock', 'The stamp comes from the system time.', take)
+    if abs(sec - right) > FAR_S:
+        other = 'The stamp comes from a clock that is not the ROS clock, or sec is no second.'
+        return Cause('other_clock', other, take)
+    if sec == right and nanosec == 0:
+        return Cause('whole_seconds', 'The fraction of the second is lost.', take)
+    if sec == right and nanosec < MILLISECOND:
+        wrong = 'nanosec counts milliseconds or microseconds, not nanoseconds.'
+        return Cause('nanoseconds', wrong, take)
+    return why_it_sleeps(run) or Cause(
+        'stale_stamp', 'The stamp was taken at another moment, or its parts are wrong.', take
+    )
+
+
+def _why_zero(code: FieldUse, field: str, take: str) -> Cause:
+    """Explain a stamp of 0 by what the code does with the field."""
+    if not code.given and code.local:
+        alone = f'The {field} is never set: {field} alone is a variable of its own.'
+        return Cause('missing_stamp', alone, take)
+    if not code.given:
+        return Cause('missing_stamp', f'The {field} is never set.', take)
+    if code.empty:
+        return Cause('empty_time', 'An empty Time is 0: Time() asks no clock.', take)
+    early = 'The stamp is 0: a time taken before the clock ran, as in __init__, or never set.'
+    return Cause('stale_stamp', early, take)
