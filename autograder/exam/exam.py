@@ -6,7 +6,7 @@ The steps of a scenario are in :mod:`autograder.exam.scenario`, what checks have
 
 An exam module reads like the lesson it grades::
 
-    exam = Exam('talker', assignment='03_topics', cells=('talker',), scenario=Scenario(...))
+    exam = Exam('talker', assignment='03_topics', scenario=Scenario(...))
 
     @exam.check(points=2, needs=['publishes'])
     def one_message_a_second(run: Run) -> None:
@@ -121,9 +121,9 @@ class Exam:
     :param title: what it examines, for people
     :param assignment: folder of the lesson
     :param part: its place in the lesson, from 1
-    :param cells: grade ids of the solution cells it judges
-    :param requires: files without which nothing can be said
     :param scenario: what the probe does
+    :param cells: grade ids of the solution cells it judges, by default one of the exam's name
+    :param requires: files without which nothing can be said, by default the one that is run
     :param read: section of the lesson that explains the exercise
     :param facts: what the checks need to know about the scenario, kept out of the probe
     :param asks: what it asks for as functions of its inputs, by name
@@ -136,9 +136,9 @@ class Exam:
         title: str,
         assignment: str,
         part: int,
-        cells: Sequence[str],
-        requires: Sequence[str],
         scenario: Scenario,
+        cells: Sequence[str] = (),
+        requires: Sequence[str] = (),
         read: str = '',
         facts: Mapping[str, Any] | None = None,
         asks: Mapping[str, Specification] | None = None,
@@ -151,8 +151,8 @@ class Exam:
         self.title = title
         self.assignment = assignment
         self.part = part
-        self.cells = tuple(cells)
-        self.requires = tuple(requires)
+        self.cells = tuple(cells) or (name,)
+        self.requires = tuple(requires) or ((scenario.file,) if scenario.file else ())
         self.scenario = scenario
         self.read = read
         self.asks = dict(asks or {})

@@ -18,18 +18,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from autograder.exam.exam import Cause, Failed, Run
+from autograder.exam.exam import Failed, Run
 from autograder.exam.specification import Specification
 from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import (
     own_logs,
     require_answers,
     require_endpoint,
+    require_messages,
     require_node,
     require_partner,
     require_qos,
     require_reached,
 )
+from autograder.judging.rhythm import require_period
 from autograder.judging.rows import (
     published,
     require_all_sent,
@@ -127,17 +129,6 @@ def passes(
 
     @claim(check, sentence or f'It subscribes to {hear} and publishes on {say}.')
     def judge(run: Run) -> None:
-        there = run.recording.endpoints
-        if there('subscription', target[0]) and there('publisher', source[0]):
-            raise Failed(
-                expected=f'a subscription on {source[0]} and a publisher on {target[0]}',
-                observed='the other way round',
-                why=Cause(
-                    'swapped',
-                    'The two topics have changed places.',
-                    f"Give create_subscription() the name '{hear}', create_publisher() '{say}'.",
-                ),
-            )
         require_reached(run, *source)
         require_partner(require_endpoint(run, 'publisher', *target))
 
@@ -174,6 +165,27 @@ def publishes(ask: str, topic: str, *fields: str, check: str = '', sentence: str
         asked, found = run.facts[ask], published(run, ask, topic, *fields)
         require_values(run, asked, found)
         require_all_sent(run, found)
+
+    return judge
+
+
+def beats(
+    topic: str,
+    period_s: float,
+    during_s: float,
+    check: str = 'keeps_its_rhythm',
+    sentence: str = '',
+) -> Judge:
+    """
+    Return the check that messages come once a period, by whatever clock, to the end of the run.
+
+    :param topic: full name of a topic that the scenario watches
+    :param during_s: how long it is watched [s]
+    """
+
+    @claim(check, sentence or f'It publishes once every {period_s:g} s.')
+    def judge(run: Run) -> None:
+        require_period(run, require_messages(run, topic=topic), period_s, during_s)
 
     return judge
 

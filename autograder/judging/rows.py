@@ -23,7 +23,7 @@ from autograder.exam.slips import (
 )
 from autograder.exam.specification import in_order, Specification
 from autograder.judging.causes.ended import why_silent
-from autograder.judging.checks import count_of, field_of
+from autograder.judging.checks import count_of, field_of, require_endpoint
 from autograder.recording import Event, WARN
 
 Row = list[Event]
@@ -91,6 +91,8 @@ def require_one_for_one(
     """
     if run.recording.of('message', topic=topic, after_input=None):
         raise Failed(expected='nothing before the first input', observed='a message', why=UNASKED)
+    if not any(came):
+        require_endpoint(run, 'publisher', topic, run.names.published[topic])
     for place in range(len(came)) if places is None else places:
         due, count = len(asked.answers[place]), len(came[place] or ())
         if count != due:

@@ -165,10 +165,10 @@ def test_the_samples_are_graded_once_there_are_three_right_ones(course, tmp_path
             "read='Count the visitor'",
             "got 'Count the visitor'; did you mean 'Count the visitors'?",
         ),
-        ('points=4, ', 'points=0, ', 'check counts_each_opening_once: expected points > 0'),
-        ("needs=['answers_", "needs=['answer_", "needs 'answer_every_message', which is no earl"),
-        ('= build((True', '= biuld((True', 'exams/visible/visitor_counter.py, line 34: NameError'),
-        ('!= number:', '== number:', 'visitor_counter/counts_each_opening_once: FAILED'),
+        ('points=4, ', 'points=0, ', 'check publishes_visitors: expected points > 0'),
+        ("needs=['one_", "needs=['on_", "needs 'on_for_one', which is no earl"),
+        ('= build((True', '= biuld((True', 'exams/visible/visitor_counter.py, line 31: NameError'),
+        ('or not before)', 'or before)', 'visitor_counter/publishes_visitors: FAILED'),
     ],
 )
 def test_a_mistake_in_it_is_refused_with_its_place(course, tmp_path, wrong, right, said):

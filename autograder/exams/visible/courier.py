@@ -246,8 +246,6 @@ def build(alone_s: float, between_s: float = 1.0) -> Exam:
         title='The courier',
         assignment='03_topics',
         part=2,
-        cells=('courier',),
-        requires=('courier.py',),
         scenario=Scenario(file='courier.py', steps=steps),
         read='Part 3: Discovery takes time',
     )

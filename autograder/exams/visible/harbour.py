@@ -150,8 +150,6 @@ def build(seconds: int) -> Exam:
         title='Two nodes, one program',
         assignment='01_node_life',
         part=1,
-        cells=('harbour',),
-        requires=('harbour.py',),
         scenario=Scenario(file='harbour.py', steps=(*asked, Mark(WATCH), Advance(seconds))),
         read='Part 3: Names and worlds',
         facts={'seconds': seconds},

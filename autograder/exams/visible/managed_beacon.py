@@ -280,8 +280,6 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
         title='The managed beacon',
         assignment='06_managed_lifecycle',
         part=2,
-        cells=('managed_beacon',),
-        requires=('managed_beacon.py',),
         scenario=Scenario(
             file='managed_beacon.py',
             arguments=('-r', f'__ns:={namespace}') if namespace else (),

@@ -390,7 +390,6 @@ def build(numbers: Inputs) -> Exam:
         assignment='06_managed_lifecycle',
         part=3,
         cells=('pressure_monitor',),
-        requires=('pressure_monitor.py',),
         scenario=Scenario(
             file='pressure_monitor.py',
             watch={EVENTS: EVENT_TYPE},

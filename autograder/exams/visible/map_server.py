@@ -352,8 +352,6 @@ def build(surveys: Sequence[str]) -> Exam:
         title='The map server',
         assignment='05_quality_of_service',
         part=1,
-        cells=('map_server',),
-        requires=('map_server.py',),
         scenario=Scenario(
             file='map_server.py',
             watch={'/map': TYPE},

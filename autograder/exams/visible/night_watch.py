@@ -285,8 +285,6 @@ def build(seconds: int, namespace: str) -> Exam:
         title='The night watch',
         assignment='01_node_life',
         part=2,
-        cells=('night_watch',),
-        requires=('night_watch.py',),
         scenario=Scenario(
             file='night_watch.py',
             arguments=('-r', f'__ns:={namespace}'),

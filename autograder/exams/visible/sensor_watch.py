@@ -320,8 +320,6 @@ def build(distances: Sequence[float]) -> Exam:
         title='A listener that notices silence',
         assignment='05_quality_of_service',
         part=2,
-        cells=('sensor_watch',),
-        requires=('sensor_watch.py',),
         scenario=Scenario(
             file='sensor_watch.py',
             steps=(

@@ -209,8 +209,6 @@ def build(space: str, seconds: float) -> Exam:
         title='The talker',
         assignment='03_topics',
         part=1,
-        cells=('talker',),
-        requires=('talker.py',),
         scenario=Scenario(
             file='talker.py',
             arguments=('-r', f'__ns:={space}'),

@@ -241,8 +241,6 @@ def build(seconds: int, begins_s: float, rate: float) -> Exam:
         title='The temperature publisher',
         assignment='07_temperature_monitor',
         part=2,
-        cells=('temperature_publisher',),
-        requires=('temp_publisher.py',),
         scenario=Scenario(
             file='temp_publisher.py',
             watch={TOPIC: TYPE},

@@ -354,8 +354,6 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
         title='The temperature subscriber',
         assignment='07_temperature_monitor',
         part=3,
-        cells=('temperature_subscriber',),
-        requires=('temp_subscriber.py',),
         scenario=Scenario(file='temp_subscriber.py', feed={TOPIC: TYPE}, steps=tuple(steps)),
         read='Part 3: The subscriber',
         facts={'singles': tuple(singles), 'burst': tuple(burst)},

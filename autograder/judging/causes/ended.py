@@ -212,9 +212,16 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
                 f'Pass the class {type_name.rpartition("/")[2]} to {create}().',
             )
     others = [end['topic'] for end in recording.endpoints(kind)]
-    near = close_name(topic, others) or next(
-        (end['topic'] for end in recording.endpoints(kind) if end['type'] == type_name), ''
-    )
+    near = close_name(topic, others)
+    other = {'publisher': 'subscription', 'subscription': 'publisher'}[kind]
+    if not near and recording.endpoints(other, topic):
+        return Cause(
+            'wrong_direction',
+            f'Your node has a {other} on {topic}, not a {kind}.',
+            f'Use {create}().',
+        )
+    same_type = (end['topic'] for end in recording.endpoints(kind) if end['type'] == type_name)
+    near = near or next(same_type, '')
     if near and topic.endswith(near):
         return Cause(
             'absolute_name',
@@ -227,13 +234,6 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
             'topic_name',
             f'Your {kind} uses the topic {near}; did you mean {topic}?',
             f"Give {create}() the name '{_relative(run, topic)}'.",
-        )
-    other = {'publisher': 'subscription', 'subscription': 'publisher'}[kind]
-    if recording.endpoints(other, topic):
-        return Cause(
-            'wrong_direction',
-            f'Your node has a {other} on {topic}, not a {kind}.',
-            f'Use {create}().',
         )
     ended = why_it_ended(run)
     if ended:

@@ -1,0 +1,118 @@
+"""Exams of usual nodes take thirty lines, and tell each mistake of a real program by its name."""
+
+from __future__ import annotations
+
+import importlib
+
+import pytest
+
+from autograder.grading.examine import examine
+from autograder.sandboxes.choose import strongest
+
+NODE = """
+import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+from std_msgs.msg import Bool
+from std_srvs.srv import SetBool
+rclpy.init()
+node = Node('{name}')
+{body}
+rclpy.spin(node)
+"""
+LIMITER = """
+node.declare_parameter('limit', 0.5)
+out = node.create_publisher(Twist, 'cmd_vel', 10)
+def hear(message):
+    limit = node.get_parameter('limit').value
+    message.linear.x = {cut}
+    out.publish(message)
+node.create_subscription(Twist, 'wanted', hear, 10)
+"""
+LAMP = """
+state = [{first}]
+def switch(request, response):
+    response.success = {success}
+    state[0] = request.data
+    return response
+node.create_service(SetBool, 'switch', switch)
+"""
+BUTTON = """
+out = node.create_publisher(Bool, 'pressed', 10)
+seen, last = [], [False]
+def hear(message):
+    seen.append(message.data)
+    if {condition}:
+        last[0] = message.data
+        out.publish(message)
+node.create_subscription(Bool, 'button', hear, 10)
+"""
+PROGRAMS = [
+    ('speed_limiter', LIMITER.format(cut='max(-limit, min(message.linear.x, limit))'), 7, {}),
+    (
+        'speed_limiter',
+        LIMITER.format(cut='min(message.linear.x, limit)'),
+        4,
+        {'publishes_cmd_vel': 'one_side'},
+    ),
+    (
+        'speed_limiter',
+        LIMITER.format(cut='message.linear.x'),
+        4,
+        {'publishes_cmd_vel': 'not_limited'},
+    ),
+    (
+        'speed_limiter',
+        LIMITER.format(cut='max(-0.5, min(message.linear.x, 0.5))'),
+        4,
+        {'publishes_cmd_vel': 'read_once'},
+    ),
+    (
+        'speed_limiter',
+        'node.create_publisher(Twist, "wanted", 10)',
+        1,
+        {'reads_and_writes': 'wrong_direction'},
+    ),
+    ('lamp', LAMP.format(first=False, success='request.data != state[0]'), 4, {}),
+    (
+        'lamp',
+        LAMP.format(first=True, success='request.data != state[0]'),
+        1,
+        {'answers_switch': 'begins_on'},
+    ),
+    ('lamp', LAMP.format(first=False, success='True'), 1, {'answers_switch': 'never_refuses'}),
+    ('lamp', '', 1, {'answers_switch': 'no_service'}),
+    (
+        'debouncer',
+        BUTTON.format(condition='len(set(seen[-2:])) == 1 < len(seen) and seen[-1] != last[0]'),
+        7,
+        {},
+    ),
+    ('debouncer', BUTTON.format(condition='seen[-1] != last[0]'), 3, {'one_for_one': 'no_wait'}),
+    ('debouncer', BUTTON.format(condition='True'), 3, {'one_for_one': 'passes_all'}),
+    (
+        'debouncer',
+        BUTTON.format(condition='len(seen) % 2 == 0'),
+        3,
+        {'one_for_one': 'several_answers'},
+    ),
+]
+
+
+@pytest.mark.parametrize(('name', 'body', 'points', 'causes'), PROGRAMS)
+def test_program_gets_its_points_and_its_cause(name, body, points, causes):
+    """The right one gets all points; each wrong one is told what it does."""
+    exam = importlib.import_module(f'tests.pipeline.usual_exams.{name}').exam
+
+    result = examine(exam, {f'{name}.py': NODE.format(name=name, body=body)}, sandbox=strongest())
+
+    assert {check.check: check.cause_id for check in result.failed} == causes
+    assert result.points == points
+
+
+@pytest.mark.parametrize('name', ['speed_limiter', 'lamp', 'debouncer'])
+def test_inputs_tell_each_mistake_from_the_others(name):
+    """As ``release check`` asks of every exam."""
+    exam = importlib.import_module(f'tests.pipeline.usual_exams.{name}').exam
+
+    assert [one for asked in exam.asks.values() for one in asked.mistakes()] == []
