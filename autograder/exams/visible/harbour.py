@@ -9,12 +9,11 @@ its own logger; one executor serves both.
 from __future__ import annotations
 
 from dataclasses import replace
-import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Call, Mark, Scenario
 from autograder.judging.causes.ended import why_no_node, why_silent
-from autograder.judging.causes.missing_logs import debug_level, why_left_out, why_not_logged
+from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
 from autograder.judging.checks import own_logs
 from autograder.judging.rhythm import require_period
 from autograder.recording import Event, INFO
@@ -102,37 +101,12 @@ def require_reports(run: Run, node: str, period_s: int) -> None:
     def explain() -> Cause | None:
         if not lines:
             others = watched_lines(run, node)
-            return why_not_logged(run, others, INFO) or why_no_report(run, period_s)
+            return why_not_logged(run, others, INFO) or why_no_line(
+                run, f'self.create_timer({period_s}.0, self.report)'
+            )
         return why_left_out(run, INFO) if len(lines) < seconds // period_s else None
 
     require_period(run, lines, period_s, seconds, 'INFO line', explain)
-
-
-def why_no_report(run: Run, period_s: int) -> Cause:
-    """
-    Explain a node that is served, lives on and logs nothing.
-
-    :param period_s: in which it should have logged one line [s]
-    """
-    code = '\n'.join(run.files.values())
-    call = f'self.create_timer({period_s}.0, self.report)'
-    if 'create_timer' not in code and 'create_rate' not in code:
-        return Cause('no_timer', 'No timer is created, so nothing is called.', f'Call {call}.')
-    if '.debug(' in code:
-        return debug_level(INFO)
-    if re.search(r'except\s*:|except\s+(Base)?Exception\b', code):
-        return Cause(
-            'swallowed',
-            'Nothing is logged, and your code catches every exception: a mistake in the callback '
-            'is told to nobody.',
-            'Take try and except out of the callback, and read what Python says.',
-        )
-    return Cause(
-        'silent',
-        f'The node runs for {run.facts["seconds"]} s, and none of its timers leads to a '
-        'line: it has not been created, or its period is too long, or its callback does not log.',
-        f'Is {call} reached? The period is in seconds: 1000 is a quarter of an hour.',
-    )
 
 
 def build(seconds: int) -> Exam:

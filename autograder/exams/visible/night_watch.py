@@ -9,20 +9,120 @@ namespace in the code.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, Scenario
-from autograder.exams.visible.harbour import WATCH, watched_lines, why_no_report
-from autograder.judging.causes.missing_logs import LEVELS, why_left_out, why_not_logged
+from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.exams.visible.harbour import WATCH, watched_lines
+from autograder.judging.causes.missing_logs import (
+    LEVELS,
+    why_left_out,
+    why_no_line,
+    why_not_logged,
+)
 from autograder.judging.checks import own_logs, require_node, SECOND
+from autograder.judging.counting import why_not_numbered
 from autograder.judging.rhythm import GRAIN_S, require_period, why_other_rhythm
 from autograder.recording import Event, INFO, WARN
 from autograder.results import shortened
 
 EVERY = 5
 EXERCISE = 'Exercise 2: the night watch'
+Levels = tuple[int, ...]
+"""Levels of the lines of one watch; one line is due."""
+
+
+def fifths(
+    every: int = EVERY, rest: int = 0, warned: Levels = (WARN,), other: Levels = (INFO,)
+) -> Rule:
+    """Return the rule of a node that logs watches of one rest in one way, others in another."""
+    return each(lambda number: warned if number % every == rest else other)
+
+
+def once(numbers: Sequence[int]) -> list[Levels]:
+    """Warn of the fifth watch, and of none after it."""
+    return [(WARN,) if number == EVERY else (INFO,) for number in numbers]
+
+
+def late(numbers: Sequence[int]) -> list[Levels]:
+    """Warn one watch late, but not in the first one."""
+    return [(WARN,) if number % EVERY == 1 < number else (INFO,) for number in numbers]
+
+
+ONLY_FIFTHS = Slip(
+    'only_fifths',
+    'Every fifth watch is logged, and the others are not.',
+    'Use if and else: a WARN for the fifth, self.get_logger().info(...) for the others.',
+    # The first line is where the watch begins, so it is in the first second.
+    fifths(rest=1, other=()),
+)
+FIFTH_MISSING = Slip(
+    'fifth_missing',
+    'A fifth watch is not logged at all.',
+    'Use if and else: one line a watch, also for the fifth.',
+    fifths(warned=()),
+)
+ONE_LATE = Cause(
+    'warns_one_late',
+    'The warning comes one watch late: number % 5 is looked at with a number that is one behind.',
+    'Count first, then decide.',
+)
+SLIPS = (
+    ONLY_FIFTHS,
+    FIFTH_MISSING,
+    Slip(
+        'both_levels',
+        'A fifth watch is logged twice.',
+        'Use if and else: one line a watch, either INFO or WARN.',
+        fifths(warned=(INFO, WARN)),
+    ),
+    Slip(
+        'no_warning',
+        'A fifth watch is logged like any other.',
+        'If number % 5 == 0, use self.get_logger().warning(...).',
+        fifths(warned=(INFO,)),
+    ),
+    Slip(
+        'inverted',
+        'INFO and WARN have changed places: number % 5 is 0 for every fifth, and 0 counts as '
+        'false.',
+        'Warn if number % 5 == 0.',
+        fifths(warned=(INFO,), other=(WARN,)),
+    ),
+    Slip(
+        'warns_one_early',
+        'The warning comes one watch early: the number is looked at before it is counted, or '
+        'one is added for the text alone.',
+        'Count first, then decide.',
+        fifths(rest=EVERY - 1),
+    ),
+    Slip.of(ONE_LATE, fifths(rest=1)),
+    Slip.of(ONE_LATE, late),
+    Slip(
+        'warns_once',
+        'The fifth watch is a warning, the tenth is not.',
+        'Warn if number % 5 == 0: that holds for 5, 10, 15 and so on.',
+        once,
+    ),
+    *(
+        Slip(
+            'warns_otherwise',
+            f'Watch {every} is a warning, and so is each of its multiples.'
+            if every > 1
+            else 'Every watch is a warning.',
+            'Warn if number % 5 == 0, and log an INFO line below else.',
+            fifths(every),
+        )
+        for every in (1, 2, 3, 4, 6, 10)
+    ),
+)
+MISSING = Cause(
+    'lines_missing',
+    'Your lines keep the rhythm of one second, but some are missing.',
+    'Does each call of the callback log a line? Is the timer made in __init__(), and never '
+    'cancelled? Start the node, and look at logs().',
+)
 
 
 def node_of(run: Run) -> str:
@@ -39,13 +139,24 @@ def watches(run: Run) -> list[Event]:
     """Return the lines that are counted: the first watches may come when the program starts."""
     said, found = own_logs(run, node_of(run)), reports(run)
     until_first = said[: len(said) - len(found) + 1]
-    ones = [place for place, entry in enumerate(until_first) if 1 in numbers_in(entry)]
+    ones = [place for place, entry in enumerate(until_first) if 1 in numbers_in(entry['text'])]
     return said[ones[-1] :] if ones else found
 
 
-def numbers_in(entry: Event) -> list[int]:
+def numbers_in(text: str) -> list[int]:
     """Return the numbers in a line; 003 is 3, and digits of any script are digits."""
-    return [int(digits) for digits in re.findall(r'\d{1,9}', entry['text'])]
+    return [int(digits) for digits in re.findall(r'\d{1,9}', text)]
+
+
+def levels_by_second(found: Sequence[Event]) -> list[Levels]:
+    """Return the levels of the lines of each second, none if lines keep no whole seconds."""
+    rows: dict[int, list[int]] = {}
+    for entry in found:
+        seconds = (entry['clock_ns'] - found[0]['clock_ns']) / SECOND
+        if abs(seconds - round(seconds)) > GRAIN_S * max(1, round(seconds)):
+            return []
+        rows.setdefault(round(seconds), []).append(entry['level'])
+    return [tuple(sorted(rows.get(place, ()))) for place in range(max(rows, default=-1) + 1)]
 
 
 def starts_in_the_namespace(run: Run) -> None:
@@ -63,206 +174,94 @@ def reports_every_second(run: Run) -> None:
 
 def _why_not_every_second(run: Run, found: Sequence[Event]) -> Cause | None:
     if not found:
-        return why_not_logged(run, found, INFO, _has_another) or why_no_report(run, 1)
-    left_out = _why_left_out(run) if len(found) < run.facts['seconds'] else None
-    return left_out or _why_not_one_line(run, found) or _why_some_missing(run, found)
+        timer = 'self.create_timer(1.0, self.report)'
+        return why_not_logged(run, found, INFO, _has_another) or why_no_line(run, timer)
+    few = len(found) < run.facts['seconds']
+    left_out = why_left_out(run, INFO) or why_left_out(run, WARN) if few else None
+    return left_out or _why_other_lines(run)
 
 
-def _why_left_out(run: Run) -> Cause | None:
-    return why_left_out(run, INFO) or why_left_out(run, WARN)
-
-
-def _why_some_missing(run: Run, found: Sequence[Event]) -> Cause | None:
-    """Explain lines that are too few, although the timer ticks once a second."""
-    gaps_s = [(two['clock_ns'] - one['clock_ns']) / SECOND for one, two in pairwise(found)]
-    whole_s = {round(gap_s) for gap_s in gaps_s}
-    if 0 in whole_s or any(abs(gap_s - round(gap_s)) > GRAIN_S for gap_s in gaps_s):
-        return None
-    # The numbers show that it has counted the others.
-    if whole_s == {EVERY} and all(_has_a_fifth(entry['text']) for entry in found):
-        return why_not_logged(run, [], INFO, _has_another) or Cause(
-            'only_fifths',
-            'Every fifth watch is logged, and the others are not.',
-            'Use if and else: a WARN for the fifth, self.get_logger().info(...) for the others.',
-        )
-    if len(whole_s) != 1:
-        return Cause(
-            'lines_missing',
-            'Your lines keep the rhythm of one second, but some are missing.',
-            'Does each call of the callback log a line? Is the timer made in __init__(), and '
-            'never cancelled? Start the node, and look at logs().',
-        )
-    return None
+def _why_other_lines(run: Run) -> Cause | None:
+    """Explain seconds with another line than is due, with several, or with none."""
+    asked: Specification = run.facts['levels']
+    rows = levels_by_second(watches(run))[: len(asked.inputs)]
+    slip = next((asked.cause(rows, place) for place in asked.wrong(rows)[:1]), None)
+    if slip is ONLY_FIFTHS:
+        return why_not_logged(run, [], INFO, _has_another) or slip
+    if slip is FIFTH_MISSING:
+        return why_not_logged(run, [], WARN, _has_a_fifth) or slip
+    steady = why_other_rhythm(reports(run), 1.0, run.facts['seconds'], 'line')
+    return slip or (MISSING if () in rows and not steady else None)
 
 
 def _has_a_fifth(text: str) -> bool:
-    return any(number and number % EVERY == 0 for number in numbers_in({'text': text}))
+    return any(number and number % EVERY == 0 for number in numbers_in(text))
 
 
 def _has_another(text: str) -> bool:
-    return any(number % EVERY for number in numbers_in({'text': text}))
-
-
-def _why_not_one_line(run: Run, found: Sequence[Event]) -> Cause | None:
-    """Explain watches with two lines or with none, which shift all that follow."""
-    seconds, moments = run.facts['seconds'], {entry['clock_ns'] for entry in found}
-    if len(found) - len(moments) == seconds // EVERY:
-        return Cause(
-            'both_levels',
-            'A fifth watch is logged twice.',
-            'Use if and else: one line a watch, either INFO or WARN.',
-        )
-    if seconds - len(found) == seconds // EVERY and not _warned(found):
-        return why_not_logged(run, [], WARN, _has_a_fifth) or Cause(
-            'fifth_missing',
-            'A fifth watch is not logged at all.',
-            'Use if and else: one line a watch, also for the fifth.',
-        )
-    cause = why_other_rhythm(found, 1.0, seconds, 'line')
-    return cause if cause and cause.cause_id == 'several_at_once' else None
-
-
-def _warned(found: Sequence[Event]) -> list[int]:
-    """Return which lines are warnings, counted from 1."""
-    return [number for number, entry in enumerate(found, 1) if entry['level'] == WARN]
+    return any(number % EVERY for number in numbers_in(text))
 
 
 def lines_are_numbered(run: Run) -> None:
     """The lines carry the number of the watch: 1, 2, 3, and so on."""
-    found = _enough(run)
-    for number, entry in enumerate(found, 1):
-        if number not in numbers_in(entry):
+    texts = [str(entry['text']) for entry in _enough(run)]
+    for place, text in enumerate(texts):
+        if place + 1 not in numbers_in(text):
             raise Failed(
-                expected=f'the number {number} in line {number}',
-                observed=repr(shortened(entry['text'])),
-                why=_why_not_one_line(run, found) or _why_misnumbered(number, found),
+                expected=f'the number {place + 1} in line {place + 1}',
+                observed=repr(shortened(text)),
+                why=_why_shifted(run) or why_not_numbered(texts, place),
             )
 
 
-def _why_misnumbered(number: int, found: Sequence[Event]) -> Cause | None:
-    text, numbers = found[number - 1]['text'], numbers_in(found[number - 1])
-    if '{' in text and '}' in text:
-        return Cause(
-            'no_f_string',
-            'The text has braces in it: they are filled in only if an f stands before the quotes.',
-            "Write f'Watch {self.number}'.",
-        )
-    if not numbers:
-        return Cause('no_number', 'There is no number in the line.', "Log f'Watch {self.number}'.")
-    if len({entry['text'] for entry in found}) == 1:
-        return Cause(
-            'never_counts',
-            'The number is the same in every line.',
-            'Keep it in self.number, made once in __init__(), and add 1 in the callback.',
-        )
-    if number == 1 and 0 in numbers:
-        return Cause(
-            'counts_from_zero',
-            'The first watch is number 0.',
-            'Count first, then log; or begin at 1.',
-        )
-    if number == 1 and 2 in numbers:
-        return Cause(
-            'counted_before',
-            'The first line of the timer says 2: something has counted before it.',
-            'Count in the callback only, from 0, and let the timer alone call it.',
-        )
-    if number > 1 and set(numbers) & set(numbers_in(found[0])):
-        return Cause(
-            'begins_again',
-            f'The count goes back after {number - 1} lines.',
-            'Set the number once, in __init__(), and let it grow for ever.',
-        )
-    if number == 2:
-        return Cause(
-            'wrong_step',
-            'From one line to the next the number does not grow by 1.',
-            'Add 1 in the callback, once: self.number += 1.',
-        )
-    return None
+def _why_shifted(run: Run) -> Cause | None:
+    """Explain watches with two lines or with none, which shift all that follow."""
+    why = _why_other_lines(run)
+    one_line = all(len(row) == 1 for row in levels_by_second(watches(run)))
+    return None if one_line else why
 
 
 def every_fifth_is_a_warning(run: Run) -> None:
     """Every fifth line is a WARN, all others are INFO."""
-    found = _enough(run)
-    for number, entry in enumerate(found, 1):
-        wanted = WARN if number % EVERY == 0 else INFO
-        if entry['level'] != wanted:
-            raise Failed(
-                expected=f'level {LEVELS[wanted]} for watch {number}',
-                observed=f'level {LEVELS.get(entry["level"], entry["level"])}',
-                why=_why_not_one_line(run, found)
-                or _why_wrong_level(number, entry['level'], found),
-            )
+    found, asked = _enough(run), run.facts['levels']
+    came = [(entry['level'],) for entry in found[: len(asked.inputs)]]
+    for place in asked.wrong(came)[:1]:
+        level = found[place]['level']
+        raise Failed(
+            expected=f'level {LEVELS[asked.answers[place][0]]} for watch {place + 1}',
+            observed=f'level {LEVELS.get(level, level)}',
+            why=_why_shifted(run) or _why_level(asked, found, came, place),
+        )
 
 
-def _why_wrong_level(number: int, level: int, found: Sequence[Event]) -> Cause | None:
-    warned, every = _warned(found), range(1, len(found) + 1)
-    misnumbered = any(one not in numbers_in(found[one - 1]) for one in every)
-    if misnumbered and all(
-        (entry['level'] == WARN) == any(one % EVERY == 0 for one in numbers_in(entry))
-        for entry in found
+def _why_level(
+    asked: Specification, found: Sequence[Event], came: Sequence[Levels], place: int
+) -> Cause | None:
+    numbers = [numbers_in(entry['text']) for entry in found]
+    if any(place + 1 not in one for place, one in enumerate(numbers)) and all(
+        (entry['level'] == WARN) == any(number % EVERY == 0 for number in seen)
+        for entry, seen in zip(found, numbers)
     ):
         return Cause(
             'follows_number',
             'The level fits the number in the line, but the number is not that of the watch.',
             'Mend the count first.',
         )
-    if level not in (INFO, WARN):
-        wanted = 'warning' if number % EVERY == 0 else 'info'
+    if came[place][0] not in (INFO, WARN):
         return Cause(
             'wrong_level',
             'A watch is neither INFO nor WARN.',
-            f'Use self.get_logger().{wanted}(...) here.',
+            'Use self.get_logger().warning(...) for every fifth, info(...) for the others.',
         )
-    if not warned:
-        return Cause(
-            'no_warning',
-            'A fifth watch is logged like any other.',
-            'If number % 5 == 0, use self.get_logger().warning(...).',
-        )
-    if warned == [one for one in every if one % EVERY]:
-        return Cause(
-            'inverted',
-            'INFO and WARN have changed places: number % 5 is 0 for every fifth, and 0 counts as '
-            'false.',
-            'Warn if number % 5 == 0.',
-        )
-    if warned == [one for one in every if one % EVERY == EVERY - 1]:
-        return Cause(
-            'warns_one_early',
-            'The warning comes one watch early: the number is looked at before it is counted, or '
-            'one is added for the text alone.',
-            'Count first, then decide.',
-        )
-    if warned == [one for one in every if one % EVERY == 1 and (one > 1 or 1 in warned)]:
-        return Cause(
-            'warns_one_late',
-            'The warning comes one watch late: number % 5 is looked at with a number that is one '
-            'behind.',
-            'Count first, then decide.',
-        )
-    if len(warned) > 1 and warned == [one for one in every if one % warned[0] == 0]:
-        return Cause(
-            'warns_otherwise',
-            f'Watch {warned[0]} is a warning, and so is each of its multiples.'
-            if warned[0] > 1
-            else 'Every watch is a warning.',
-            'Warn if number % 5 == 0, and log an INFO line below else.',
-        )
-    if warned == [EVERY]:
-        return Cause(
-            'warns_once',
-            'The fifth watch is a warning, the tenth is not.',
-            'Warn if number % 5 == 0: that holds for 5, 10, 15 and so on.',
-        )
-    if level == WARN:
-        return Cause(
-            'warns_too_often',
-            f'{number} cannot be divided by {EVERY}, and yet watch {number} is a warning.',
-            'Warn if number % 5 == 0, with the number that stands in the line.',
-        )
-    return None
+    if slip := asked.cause(came, place):
+        return slip
+    if came[place] == (INFO,):
+        return None
+    return Cause(
+        'warns_too_often',
+        f'{place + 1} cannot be divided by {EVERY}, and yet watch {place + 1} is a warning.',
+        'Warn if number % 5 == 0, with the number that stands in the line.',
+    )
 
 
 def _enough(run: Run) -> list[Event]:
@@ -292,6 +291,7 @@ def build(seconds: int, namespace: str) -> Exam:
         ),
         read='Part 4: Logging',
         facts={'seconds': seconds, 'namespace': namespace},
+        asks={'levels': Specification(range(1, seconds + 1), fifths(), SLIPS)},
     )
     exam.check(points=2, read='Part 3: Names and worlds')(starts_in_the_namespace)
     exam.check(points=3, needs=['starts_in_the_namespace'], read=EXERCISE)(reports_every_second)

@@ -211,6 +211,8 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
                 f'Your {kind} on {topic} has the type {end["type"]}.',
                 f'Pass the class {type_name.rpartition("/")[2]} to {create}().',
             )
+    if why := _why_longer_name(run, kind, topic, type_name):
+        return why
     others = [end['topic'] for end in recording.endpoints(kind)]
     near = close_name(topic, others)
     other = {'publisher': 'subscription', 'subscription': 'publisher'}[kind]
@@ -243,6 +245,28 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
     return Cause(
         'no_endpoint', f'Your node creates no {kind}.', f'Call self.{create}() in __init__().'
     )
+
+
+def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause | None:
+    """Explain a topic whose name ends as it should, with too much before it."""
+    base = topic.rpartition('/')[2]
+    plain = f"Give create_{kind}() the plain name '{base}'."
+    for end in run.recording.endpoints(kind):
+        if end['type'] != type_name or not end['topic'].endswith(f'/{base}'):
+            continue
+        if end['topic'] == f'{end["node"]}/{base}':
+            return Cause(
+                'private_name',
+                'With ~/ the topic belongs to the node alone: its name contains that of the node.',
+                plain,
+            )
+        if not topic.endswith(end['topic']):
+            return Cause(
+                'namespace_in_the_name',
+                'The name of your topic contains a namespace that is not asked for.',
+                plain,
+            )
+    return None
 
 
 def _relative(run: Run, topic: str) -> str:

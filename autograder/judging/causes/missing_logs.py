@@ -12,9 +12,9 @@ import re
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.ended import why_silent
-from autograder.recording import Event
+from autograder.recording import Event, INFO
 from autograder.submission.code.code_places import leaves_out, logs_with_python
-from autograder.submission.code.learners_code import calls
+from autograder.submission.code.learners_code import calls, Code
 
 LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
 CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
@@ -152,4 +152,30 @@ def debug_level(level: int) -> Cause:
         'debug_level',
         'Lines at level DEBUG are dropped unless the program was told to show them.',
         f'Use self.get_logger().{CALLS[level]}(...).',
+    )
+
+
+def why_no_line(run: Run, call: str) -> Cause:
+    """
+    Explain a node that is served, lives on and logs nothing.
+
+    :param call: how its timer is made
+    """
+    code = Code(run.files)
+    if not {'create_timer', 'create_rate'} & code.names:
+        return Cause('no_timer', 'No timer is created, so nothing is called.', f'Call {call}.')
+    if 'debug' in code.calls:
+        return debug_level(INFO)
+    if code.catches_all:
+        return Cause(
+            'swallowed',
+            'Nothing is logged, and your code catches every exception: a mistake in the callback '
+            'is told to nobody.',
+            'Take try and except out of the callback, and read what Python says.',
+        )
+    return Cause(
+        'silent',
+        'None of its timers leads to a line: it has not been created, or its period is too long, '
+        'or its callback does not log.',
+        f'Is {call} reached? The period is in seconds: 1000 is a quarter of an hour.',
     )

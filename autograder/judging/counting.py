@@ -1,0 +1,47 @@
+"""Why texts are not numbered 1, 2, 3 and so on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import re
+
+from autograder.exam.exam import Cause
+
+COUNT_IN = 'Make self.count once, in __init__(), as 0, and add 1 in the callback, once.'
+
+
+def why_not_numbered(texts: Sequence[str], place: int, first: int = 1) -> Cause | None:
+    """
+    Explain a text without its number.
+
+    :param texts: all, in order
+    :param place: index of the first that is wrong
+    :param first: number of the first text; greater where the first ones were lost
+    """
+    text, due = texts[place], first + place
+    if '{' in text and '}' in text:
+        return Cause(
+            'no_f_string',
+            'The text has braces in it: they are filled in only if an f stands before the quotes.',
+            "Write an f before the quotes, as in f'number {self.count}'.",
+        )
+    numbers = [int(digits) for digits in re.findall(r'\d{1,9}', text)]
+    if not numbers:
+        return Cause('no_number', 'There is no number in the text.', "As in f'... {self.count}'.")
+    if len(set(texts)) == 1:
+        return Cause('never_counts', 'The number is the same in every text.', COUNT_IN)
+    if place:
+        before = {int(digits) for one in texts[:place] for digits in re.findall(r'\d{1,9}', one)}
+        if before & set(numbers):
+            again = f'The count goes back after {place} texts.'
+            return Cause('begins_again', again, COUNT_IN)
+        wrong = 'From one text to the next the number does not grow by 1.'
+        return Cause('wrong_step', wrong, COUNT_IN)
+    if due - 1 in numbers:
+        return Cause('counts_from_zero', 'The count begins with 0.', 'Add 1 first, then use it.')
+    return Cause(
+        'begins_later',
+        f'Text {due} has the number {numbers[0]}: the count does not begin with 1, or something '
+        'counts that sends nothing.',
+        'Begin with self.count = 0, and let the timer alone call the method that counts.',
+    )
