@@ -11,8 +11,6 @@ again.
 
 from __future__ import annotations
 
-import re
-
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Join, Leave, Look, Mark, Scenario, Step
 from autograder.judging.causes.ended import why_no_message, why_silent
@@ -24,6 +22,7 @@ from autograder.judging.checks import (
     SECOND,
 )
 from autograder.recording import Event
+from autograder.submission.code.learners_code import Code
 
 NODE = '/courier'
 TOPIC = '/parcels'
@@ -124,17 +123,18 @@ def _require_soon(run: Run, parcel: Event) -> None:
 
 def _why_nothing(run: Run) -> Cause:
     """Explain a courier that is connected and lives, and from whom nothing comes."""
-    code = '\n'.join(run.files.values())
-    if '.publish(' not in code:
+    code = Code(run.files)
+    if 'publish' not in code.calls:
         return why_no_message(run)
-    if not re.search(r'create_timer|matched\s*=|\bwhile\b', code):
+    looks = {'create_timer', 'PublisherEventCallbacks'} & code.names or code.loops
+    if not looks:
         return Cause(
             'published_too_early',
             'What your program does at its start, it does before anybody is connected, and '
             'nothing looks again later.',
             'Let a timer look: publish when get_subscription_count() is above 0.',
         )
-    if 'get_subscription_count' in code or 'matched' in code:
+    if {'get_subscription_count', 'PublisherEventCallbacks'} & code.names:
         return Cause(
             'looks_wrong',
             'Your program looks who is connected, and yet delivers nothing when somebody is: it '

@@ -26,6 +26,7 @@ from autograder.judging.rhythm import GRAIN_S, is_flood
 from autograder.judging.stamps import require_stamps
 from autograder.recording import Event
 from autograder.submission.code.code_places import seed_in_callback
+from autograder.submission.code.learners_code import Code
 
 NODE = '/temperature_publisher'
 TOPIC = '/temperature_topic'
@@ -130,8 +131,8 @@ def _why_wrong_rhythm(run: Run, found: list[int]) -> Cause | None:
     gaps = [later - earlier for earlier, later in pairwise(found)]
     if gaps and all(abs(gap / SECOND - 1.0) <= GRAIN_S for gap in gaps):
         return OTHER_CLOCK
-    code = '\n'.join(run.files.values())
-    if 'spin_once(' in code and 'create_timer' not in code:
+    code = Code(run.files)
+    if 'spin_once' in code.calls and 'create_timer' not in code.names:
         return PACED_BY_SPIN_ONCE
     if 0 in gaps:
         return Cause(

@@ -2,24 +2,20 @@
 What explains the failure of a lifecycle node, of which rclpy itself tells next to nothing.
 
 rclpy swallows the exceptions of transition callbacks: no log line, no traceback.  What is left is
-the code, so these functions read it, as text that is matched and never run; like everything that
-explains, they decide no verdict.
+the code, so these functions read it; like everything that explains, they decide no verdict.
 """
 
 from __future__ import annotations
 
+import ast
 from dataclasses import replace
-import re
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.ended import close_name, why_no_verdict, why_silent
 from autograder.judging.causes.unknown_names import homes
 from autograder.recording import Recording
+from autograder.submission.code.learners_code import Code
 
-_IMPORT = re.compile(
-    r'^[ \t]*(?:from[ \t]+[\w.]{1,80}[ \t]+)?import[ \t]+(\([^)]{0,2000}\)|[^\n]{0,500})', re.M
-)
-_CONFIGURES = re.compile(r"""(?:def |['"])on_configure\b|\bon_configure\s*=""")
 _IN_VAIN = 'Failed to trigger lifecycle state machine transition'
 
 READ_ONCE = Cause(
@@ -91,10 +87,10 @@ def why_accepted(run: Run, let_through: bool) -> Cause | None:
     """
     if why := why_no_verdict(run):
         return why
-    name = '|'.join(map(re.escape, run.names.parameters)) or r'\w{1,60}'
-    declared = rf"""declare_parameter\(\s*['"](?:{name})['"]\s*,\s*"""
-    found = re.search(rf'{declared}(\d{{1,9}}(?:\.\d{{0,9}})?)', _code(run))
-    if found and float(found[1]) > 0.0:
+    declared = Code(run.files).calls.get('declare_parameter', ())
+    defaults = (call.args[1] for call in declared if len(call.args) > 1)
+    values = (one.value for one in defaults if isinstance(one, ast.Constant))
+    if any(isinstance(value, (int, float)) and value > 0 for value in values):
         return WRONG_DEFAULT
     if let_through:
         return Cause(
@@ -112,23 +108,25 @@ def why_refused(run: Run, name: str) -> Cause:
 
     :param name: of the transition, such as ``configure``
     """
-    code = _code(run)
-    if _CONFIGURES.search(code) is None:
+    code = Code(run.files)
+    if not code.makes('on_configure'):
         return _why_no_configure(code)
-    if (lone := re.search(rf'def on_{name}\(\s*(\w*)\s*\)', code)) is not None:
+    taken = code.parameters(f'on_{name}')
+    if taken is not None and len(taken) < 2:
         return Cause(
             'callback_arguments',
             f'rclpy calls on_{name}() with the state it comes from, and yours takes none: an '
             'exception, which rclpy swallows without a word.',
-            f'Write def on_{name}({lone[1] or "self"}, state):',
+            f'Write def on_{name}({(*taken, "self")[0]}, state):',
         )
-    if missing := _not_imported(code):
-        home = next(module for module, names in homes().items() if missing in names.split())
+    known = {one: home for home, names in homes().items() for one in names.split()}
+    missing = next((one for one in known if one in code.unmade), '')
+    if missing:
         return Cause(
             'missing_import',
             f'{missing} is used and not imported; rclpy swallows the NameError of on_{name}() '
             'without a word.',
-            f'Write at the top: from {home} import {missing}',
+            f'Write at the top: from {known[missing]} import {missing}',
         )
     return Cause(
         'refused',
@@ -138,9 +136,9 @@ def why_refused(run: Run, name: str) -> Cause:
     )
 
 
-def _why_no_configure(code: str) -> Cause:
+def _why_no_configure(code: Code) -> Cause:
     """Explain a node without on_configure(), with the method that is meant to be it."""
-    near = close_name('on_configure', re.findall(r'\bdef (\w{1,60})', code))
+    near = close_name('on_configure', code.functions)
     if not near:
         return NO_CONFIGURE
     return replace(
@@ -150,32 +148,18 @@ def _why_no_configure(code: str) -> Cause:
     )
 
 
-def _not_imported(code: str) -> str:
-    """Return a class of the lessons that the code uses and nothing in it makes, or nothing."""
-    imported = ' '.join(found[1] for found in _IMPORT.finditer(code))
-    if '*' in imported:
-        return ''
-    for name in (name for names in homes().values() for name in names.split()):
-        made = re.search(rf'\b{name}\b', imported) or re.search(
-            rf'^[ \t]*(?:class[ \t]+{name}\b|{name}[ \t]*=)', code, re.M
-        )
-        if not made and re.search(rf'[(\s,=]{name}[ \t]*[(,.)]', code):
-            return name
-    return ''
-
-
 def why_mute(run: Run) -> Cause:
     """Explain an active node that has its publisher and sends nothing."""
-    code = _code(run)
+    code = Code(run.files)
     if found := why_ended(run):
         return found
-    if 'def on_activate' in code and not re.search(r'\.on_activate\(', code):
+    if 'on_activate' in code.functions and 'on_activate' not in code.calls:
         return Cause(
             'stays_off',
             'Your on_activate() replaces the inherited one, which switches the publishers on.',
             'End it with return super().on_activate(state).',
         )
-    if '.publish' in code and 'create_timer' not in code:
+    if 'publish' in code.calls and 'create_timer' not in code.names:
         return Cause(
             'no_timer',
             'Your code creates no timer, so nothing calls the method that publishes.',
@@ -195,14 +179,11 @@ def why_no_publisher(run: Run, topic: str) -> Cause:
 
     :param topic: last part of its name
     """
-    if _CONFIGURES.search(_code(run)) is None:
-        return _why_no_configure(_code(run))
+    code = Code(run.files)
+    if not code.makes('on_configure'):
+        return _why_no_configure(code)
     return Cause(
         'no_endpoint',
         'Your on_configure() creates no publisher.',
         f"In on_configure(): self.create_lifecycle_publisher($type, '{topic}', 10).",
     )
-
-
-def _code(run: Run) -> str:
-    return '\n'.join(run.files.values())

@@ -82,6 +82,43 @@ class Code:
         found = (node.name if isinstance(node, defs) else last_name(node) for node in self.nodes)
         return frozenset(found) - {''}
 
+    @cached_property
+    def functions(self) -> Mapping[str, ast.FunctionDef | ast.AsyncFunctionDef]:
+        """Return the functions and methods that are defined, by name."""
+        defs = (ast.FunctionDef, ast.AsyncFunctionDef)
+        return {node.name: node for node in self.nodes if isinstance(node, defs)}
+
+    def makes(self, name: str) -> bool:
+        """Return whether a name is defined, gets a value, or stands in quotes, for setattr()."""
+        return name in self.functions or any(
+            (isinstance(one, ast.Constant) and one.value == name)
+            or (
+                isinstance(one, (ast.Name, ast.Attribute))
+                and _is_made(one)
+                and last_name(one) == name
+            )
+            for one in self.nodes
+        )
+
+    def parameters(self, name: str) -> Sequence[str] | None:
+        """Return the parameters of a function, None if it is not defined or takes any number."""
+        function = self.functions.get(name)
+        if function is None or function.args.vararg:
+            return None
+        return [one.arg for one in (*function.args.posonlyargs, *function.args.args)]
+
+    @property
+    def unmade(self) -> frozenset[str]:
+        """Return the names that are used, and that nothing in the files imports or makes."""
+        used = {one.id for one in self.nodes if isinstance(one, ast.Name)}
+        made = {one.id for one in self.nodes if isinstance(one, ast.Name) and _is_made(one)}
+        made |= {one.name for one in self.nodes if isinstance(one, ast.ClassDef)}
+        made |= {one.arg for one in self.nodes if isinstance(one, ast.arg)}
+        for node in self.nodes:
+            if isinstance(node, (ast.Import, ast.ImportFrom)):
+                made |= {(one.asname or one.name).partition('.')[0] for one in node.names}
+        return frozenset() if '*' in made else frozenset(used - made - set(self.functions))
+
     @property
     def loops(self) -> bool:
         """Return whether there is a loop; one in a list or a sum is none."""
@@ -119,6 +156,10 @@ class Code:
                     value = _followed(node.args[0], known)
                     if isinstance(value, ast.Constant) and isinstance(value.value, (int, float)):
                         yield float(value.value)
+
+
+def _is_made(name: ast.Name | ast.Attribute) -> bool:
+    return isinstance(name.ctx, ast.Store)
 
 
 def calls(files: Mapping[str, str], name: str) -> bool:
