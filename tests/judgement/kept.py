@@ -42,10 +42,10 @@ def run_all(
     :raises GraderError: if the grader itself fails
     """
     box = strongest()
-    before = {} if fresh else _recorded({exam.name for exam, _ in work})
+    before = {} if fresh else recorded({exam.name for exam, _ in work})
 
     def one(exam: Exam, files: Mapping[str, str]) -> ExamResult:
-        path = before.get((exam.name, exam.scenario_digest()[:32], files_digest(files)))
+        path = before.get(place_of(exam, files))
         if path is not None:
             with suppress(RecordingInvalid):  # an older format, or damaged: it is made again
                 return judged(exam, files, Recording.load(path))
@@ -57,19 +57,24 @@ def run_all(
     return [task.result() for task in tasks]
 
 
-def _recorded(names: Iterable[str]) -> dict[tuple[str, str, str], Path]:
-    """Return the newest recording of each exam, scenario and files."""
+def recorded(
+    names: Iterable[str], folder: Path = LAYOUT.recordings
+) -> dict[tuple[str, str, str], Path]:
+    """Return the newest recording of each exam, scenario and files, see :func:`place_of`."""
     found = {}
     for name in names:
-        paths = sorted(
-            (LAYOUT.recordings / name).glob('*.jsonl'), key=lambda one: one.stat().st_mtime
-        )
+        paths = sorted((folder / name).glob('*.jsonl'), key=lambda one: one.stat().st_mtime)
         for path in paths:
             with path.open(encoding='utf-8') as lines:
                 about = json.loads(lines.readline())
             scenario, files = about.get('scenario', ''), about.get('files', '')
             found[name, scenario, files] = path
     return found
+
+
+def place_of(exam: Exam, files: Mapping[str, str]) -> tuple[str, str, str]:
+    """Return what tells the recordings of an exam on files from all others."""
+    return exam.name, exam.scenario_digest()[:32], files_digest(files)
 
 
 def load(name: str) -> dict[str, Any]:

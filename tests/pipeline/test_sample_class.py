@@ -11,12 +11,16 @@ import pytest
 from autograder.authoring import sample_class
 from autograder.exam import catalog
 from autograder.explaining.feedback import check_lines, MOST_LINES, titles_of, WIDTH
+from autograder.grading.examine import judged
 from autograder.grading.pipeline import grade_class, grading_engine, load_lesson
 from autograder.layout import Layout
+from autograder.recording import Recording
 from autograder.results import SubmissionResult, Verdict
 from autograder.submission.inbox import Submission
 from tests.judgement.drawn_inputs import texts_of, told_of
+from tests.judgement.kept import place_of, recorded
 from tests.judgement.references import exercises
+from tests.judgement.rewritten import blanked, commented, rewritten
 from tests.judgement.samples import counted, expected_verdicts, samples, verdicts_of
 
 LAYOUT = Layout.here()
@@ -131,3 +135,40 @@ def test_no_failing_text_tells_what_was_drawn(assignment):
         for result in submission.exams:
             for check in result.failed:
                 assert told_of(drawn[result.exam], texts_of(check)) == [], (name, check)
+
+
+@pytest.mark.parametrize('assignment', EXAMINED)
+def test_what_a_program_says_moves_no_points_and_how_it_says_it_no_cause(assignment):
+    """Each recording is judged again, with nothing and with another text beside it."""
+    assert graded(assignment)
+    exams = {exam.name: exam for exam in catalog.for_assignment(assignment)}
+    known = recorded(exams, WORKING.recordings)
+    moved, count = [], 0
+    for sample in (one for one in samples() if one.exercise.name in exams):
+        exam, files = sample.exercise.exam, sample.files
+        path = known.get(place_of(exam, files))
+        if path is None:
+            continue
+        recording = Recording.load(path)
+        due = judged(exam, files, recording)
+        ways = [commented]
+        # The lines of a traceback are those of the text that has run.
+        if 'Traceback' not in str(recording.process.get('stderr', '')):
+            ways.append(rewritten)
+        silent = judged(exam, blanked(files), recording)
+        count += 1
+        moved += [
+            (sample.name, check.check)
+            for check, other in zip(due.checks, silent.checks)
+            if check.points != other.points
+        ]
+        for way in ways:
+            others = judged(exam, way(files), recording).checks
+            moved += [
+                (sample.name, way.__name__, check.check, check.cause_id, other.cause_id)
+                for check, other in zip(due.checks, others)
+                if (check.points, check.cause_id) != (other.points, other.cause_id)
+            ]
+
+    assert moved == []
+    assert count >= 10 * sum(bool(exam.scenario.program) for exam in exams.values())
