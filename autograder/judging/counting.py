@@ -32,7 +32,7 @@ def why_not_numbered(texts: Sequence[str], place: int, first: int = 1) -> Cause 
         return Cause('never_counts', 'The number is the same in every text.', COUNT_IN)
     if place:
         before = {int(digits) for one in texts[:place] for digits in re.findall(r'\d{1,9}', one)}
-        if before & set(numbers):
+        if before & set(numbers) and text != texts[place - 1]:
             again = f'The count goes back after {place} texts.'
             return Cause('begins_again', again, COUNT_IN)
         wrong = 'From one text to the next the number does not grow by 1.'

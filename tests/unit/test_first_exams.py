@@ -28,7 +28,7 @@ def night(*lines, code='create_timer(1.0, self.report)', printed='', start=()):
     """
     before = [log(0.1, text) for text in start]
     events = [log(1.0 + second, *line) for second, line in enumerate(lines) if line]
-    facts = {'namespace': '/n', 'seconds': SECONDS}
+    facts = night_watch.build(SECONDS, '/n').facts
     ends = (RUNS[0], {**RUNS[1], 'stdout': printed})
     return Run({'n.py': code}, Recording({}, (*before, WATCHED, *events, *ends)), facts)
 
@@ -95,8 +95,8 @@ class TestNightWatch:
             (watches(text='watch {{self.number}}'), 'no_f_string'),
             (watches(step=2), 'wrong_step'),
             (watches(first=0), 'counts_from_zero'),
-            (watches(first=2), 'counted_before'),
-            (watches(first=7), None),
+            (watches(first=2), 'begins_later'),
+            (watches(first=7), 'begins_later'),
             (watches(step=0), 'never_counts'),
         ],
     )
@@ -428,7 +428,9 @@ class TestRunningMean:
 
         run = Run({}, Recording({}, (graph, *RUNS)), running_mean.exam.facts)
 
-        assert cause_of(running_mean.reads_and_writes, run) == 'swapped'
+        check = next(one for one in running_mean.exam.checks if one.name == 'reads_and_writes')
+
+        assert cause_of(check.judge, run) == 'wrong_direction'
 
     def test_message_before_the_first_number_is_no_answer(self):
         """It comes from somewhere other than the callback."""

@@ -7,6 +7,7 @@ import pytest
 from autograder.exam.exam import Failed, Run
 from autograder.exams.visible.milli_reader import (
     answers_one_for_one,
+    build,
     divides_by_a_thousand,
     readings,
     stamps_with_its_own_clock,
@@ -17,7 +18,7 @@ from autograder.recording import Recording
 
 def run_of(events) -> Run:
     """Return a run of two numbers."""
-    facts = {'numbers': (1234, 5678), 'names': ('oven', 'fridge'), 'burst': 2}
+    facts = build((1234, 5678), ('oven', 'fridge'), burst=2).facts
     return Run({}, Recording({}, tuple(events)), facts)
 
 
@@ -77,9 +78,9 @@ def test_each_number_has_one_reading_which_may_be_late(indexes, cause):
         (5003, 350_000_000, 'stale_stamp'),
         (5004, 100_000_000, 'stale_stamp'),
         (5003, 600, 'nanoseconds'),
-        (5003, 0, 'no_nanoseconds'),
+        (5003, 0, 'whole_seconds'),
         (0, 0, 'missing_stamp'),
-        (1_767_225_603, 600_000_000, 'other_clock'),
+        (1_767_225_603, 600_000_000, 'wall_clock'),
         (1003, 600_000_000, 'other_clock'),
     ],
 )
@@ -106,8 +107,6 @@ def test_stamp_lies_between_number_and_reading(sec, nanosec, cause):
     ('values', 'cause'),
     [
         ((0.0, 0.0), 'value_not_set'),
-        ((5e-324, 1e-323), 'field_value'),
-        ((float('nan'), float('nan')), 'field_value'),
         ((1234.0, 5678.0), 'not_divided'),
         ((1.0, 5.0), 'whole_numbers'),
         ((12.34, 56.78), 'wrong_factor'),

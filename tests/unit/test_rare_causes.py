@@ -9,7 +9,6 @@ from autograder.exams.readings import Reading, Sent
 from autograder.exams.visible import (
     map_server,
     sensor_watch,
-    talker,
     temperature_message,
     temperature_publisher,
     temperature_subscriber,
@@ -29,16 +28,6 @@ def why(check, run):
     with pytest.raises(Failed) as failed:
         check(run)
     return failed.value.why
-
-
-def test_node_that_ignores_the_namespace_it_was_given():
-    """The name is right, and only the namespace is its own."""
-    run = Run({}, Recording({}, (graph(['/mine/talker']), *ENDS)), {'space': '/lab'})
-
-    found = why(talker.starts_its_node, run)
-
-    assert found.cause_id == 'own_namespace'
-    assert '/lab' not in found.text
 
 
 def test_message_type_that_builds_and_is_another_one():

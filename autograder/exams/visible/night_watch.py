@@ -191,7 +191,8 @@ def _why_other_lines(run: Run) -> Cause | None:
     if slip is FIFTH_MISSING:
         return why_not_logged(run, [], WARN, _has_a_fifth) or slip
     steady = why_other_rhythm(reports(run), 1.0, run.facts['seconds'], 'line')
-    return slip or (MISSING if () in rows and not steady else None)
+    few = () in rows or len(rows) < run.facts['seconds'] - 1
+    return slip or (MISSING if rows and few and not steady else None)
 
 
 def _has_a_fifth(text: str) -> bool:
