@@ -14,6 +14,8 @@ from typing import Any
 
 from autograder.exam.specification import Cause, Rule, Slip
 
+HIGHEST = 125.0
+"""Above it, some programs take a value for a fault; common sensors measure up to it."""
 Compare = Callable[[float, float], bool]
 """Tells by a value and its limit whether a warning is due."""
 
@@ -96,6 +98,12 @@ def above_limit(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]
             'It warns of a value far below zero: its size is compared, not its value.',
             f'{each_itself}, without abs().',
             rule(lambda value, limit: abs(value) > limit),
+        ),
+        Slip(
+            'upper_bound',
+            'A value far above the limit is not warned about, as if it were a fault.',
+            f'Warn of each value with value > {limit}, however high.',
+            rule(lambda value, limit: limit < value <= HIGHEST),
         ),
         *(
             Slip(

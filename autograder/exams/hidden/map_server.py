@@ -15,13 +15,14 @@ def surveys(draw: random.Random) -> list[str]:
     Return the texts.
 
     One has outer spaces and a capital letter, another comes twice in a row; the first one comes
-    again, and one is empty.
+    again, one is long, and one is empty.
     """
     texts = [f'{room} {draw.randrange(100, 1000)}' for room in draw.sample(_ROOMS, k=5)]
     spaced, twice = draw.sample(range(4), k=2)
     texts[spaced] = f'  {texts[spaced].capitalize()} '
     texts.insert(twice, texts[twice])
-    return [*texts[:-1], texts[0], '', texts[-1]]
+    long = ', '.join(draw.choices(_ROOMS, k=60))
+    return [*texts[:-1], texts[0], long, '', texts[-1]]
 
 
 exam = build(surveys(generator('map_server', 'rooms')))

@@ -20,6 +20,7 @@ def edges(draw: random.Random) -> list[Reading]:
         Reading(30.004, 'a reading of 30.004 °C'),
         Reading(29.99, 'a reading just below 30 °C'),
         Reading(0.0, 'a reading of 0 °C'),
+        Reading(round(draw.uniform(200.0, 900.0), 1), 'a reading far above 30 °C'),
         Reading(round(draw.uniform(-60.0, -31.0), 2), 'a reading far below zero'),
         Reading(round(draw.uniform(86.1, 86.4), 2), 'a warm reading in °F', 'Fahrenheit'),
         Reading(round(draw.uniform(85.5, 85.9), 2), 'a cool reading in °F', 'Fahrenheit'),

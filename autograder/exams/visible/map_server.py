@@ -91,6 +91,12 @@ SLIPS = (
         'Publish String(data=survey.data) for each one, without a look at its text.',
         once_each(lambda text, before: not text),
     ),
+    Slip(
+        'text_cut',
+        'A long text is cut off.',
+        'Publish String(data=survey.data) as it is, however long.',
+        each(lambda text: (text[:100],)),
+    ),
     *(
         Slip.of(TEXT_CHANGED, each(lambda text, change=change: (change(text),)))  # type: ignore[misc]
         for change in (str.strip, str.lower, str.upper, str.title)
