@@ -21,7 +21,7 @@ The docstring is the sentence the learner reads.  A check passes by returning, f
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 import hashlib
 import inspect
 import json
@@ -86,6 +86,10 @@ class Run:
     def secret(self) -> bool:
         """Tell whether the inputs were drawn, so that no text may show them."""
         return bool(self.facts.get('secret'))
+
+    def during(self, phase: str) -> Run:
+        """Return one phase of the run, see :meth:`autograder.recording.Recording.phase`."""
+        return replace(self, recording=self.recording.phase(phase))
 
     @property
     def names(self) -> Names:

@@ -171,3 +171,48 @@ def with_memory(rule: Rule) -> tuple[Slip, ...]:
         ),
         Slip.of(REPEATED, changed(lambda due: [2 * one for one in due])),
     )
+
+
+def leaving_out(rule: Rule, key: Callable[[Any], Any] = lambda one: one) -> tuple[Slip, ...]:
+    """
+    Return the slips of a program that does not answer each message.
+
+    :param rule: what is due; its answers are tuples with a value for each message
+    :param key: what a program may look at to decide
+    """
+
+    def unless(skips: Callable[[Any, Sequence[Any]], bool]) -> Rule:
+        def slipped(inputs: Sequence[Any]) -> list[Any]:
+            keys = [key(one) for one in inputs]
+            left = [skips(one, keys[:place]) for place, one in enumerate(keys)]
+            return [() if out else due for out, due in zip(left, rule(inputs))]
+
+        return slipped
+
+    each_one = 'Publish for each message, without a look at'
+    return (
+        Slip(
+            'no_answer',
+            NO_ANSWER.text,
+            NO_ANSWER.try_this,
+            unless(lambda one, before: True),
+        ),
+        Slip(
+            'skips_equal',
+            'A message that is equal to the one before it is not answered.',
+            f'{each_one} the last one.',
+            unless(lambda one, before: one in before[-1:]),
+        ),
+        Slip(
+            'skips_known',
+            'A message that is equal to an earlier one is not answered.',
+            f'{each_one} earlier ones.',
+            unless(lambda one, before: one in before),
+        ),
+        Slip(
+            'skips_empty',
+            'An empty text or a zero is not answered, and it is a message like any other.',
+            f'{each_one} what is in it.',
+            unless(lambda one, before: not one),
+        ),
+    )

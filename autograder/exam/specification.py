@@ -174,5 +174,6 @@ def in_order(answers: Iterable[Any]) -> tuple[Any, ...]:
 def _order(answer: Any) -> tuple[Any, ...]:
     if isinstance(answer, tuple):
         return tuple(map(_order, answer))
-    plain = isinstance(answer, (int, float, str))
-    return (isinstance(answer, str), not plain, answer if plain else repr(answer))
+    text = isinstance(answer, str) or (isinstance(answer, float) and not math.isfinite(answer))
+    number = isinstance(answer, (int, float)) and not text
+    return (text, number, answer if number else str(answer))

@@ -47,8 +47,14 @@ NOT_LOGGED = Cause(
 )
 NO_VALUE = Cause(
     'no_value',
-    'There is an INFO line, but the value of the reading is not in it.',
+    'There is an INFO line, but the value of the reading is not in it, or only without its '
+    'decimals.',
     "Put msg.temperature_value into the text: f'{msg.temperature_value:.2f}'.",
+)
+NO_ERROR = Cause(
+    'no_error',
+    'A reading in an unknown unit gives no ERROR line.',
+    'For any unit that you do not know: self.get_logger().error(...), return.',
 )
 UNKNOWN_UNIT = Cause(
     'unknown_unit',

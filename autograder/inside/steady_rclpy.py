@@ -1,20 +1,25 @@
 """
-Keep a defect of rclpy's executors out of marks: no student makes it, and chance decides.
+Keep two defects of rclpy's executors out of marks: no student makes them, and chance decides.
 
-An executor lists the entities of its nodes and then puts them into a wait
-set.  If another of its threads destroys a publisher or subscription in between, as a node that
-cleans up in a callback does, rclpy 7.1 leaves its subscriptions, timers, services and clients out,
-but not its events: ``InvalidHandle`` then ends the program, in about one run of four of a correct
-managed node on three threads.  Here a destroyed event is left out like the rest.
+An executor lists the entities of its nodes and then puts them into a wait set.  If another of its
+threads destroys a publisher or subscription in between, as a node that cleans up in a callback
+does, rclpy 7.1 leaves its subscriptions, timers, services and clients out, but not its events:
+``InvalidHandle`` then ends the program, in about one run of four of a correct managed node on
+three threads.  Here a destroyed event is left out like the rest.
+
+It keeps its nodes in a set, whose order is that of their addresses in memory.  Of two timers that
+are due at the same moment, either may come first.  Here it is that of the node that was added
+first.
 
 Usage as a program: steady_rclpy.py SCRIPT [arguments], for the executables of a package.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.machinery import ModuleSpec
 import importlib.util
+import itertools
 from pathlib import Path
 import runpy
 import sys
@@ -31,17 +36,21 @@ def steady() -> None:
 
 class _Patching:
     """
-    Finds one module of rclpy, patches it as it is loaded, and is gone.
+    Finds the modules of rclpy that are mended, and patches each as it is loaded.
 
     A finder as importlib describes it; to import importlib.abc for a name takes 20 ms.
     """
 
+    def __init__(self) -> None:
+        self.begun: set[str] = set()
+
     def find_spec(
         self, name: str, path: Sequence[str] | None, target: types.ModuleType | None = None
     ) -> ModuleSpec | None:
-        if name != 'rclpy.event_handler':
+        patch = PATCHES.get(name)
+        if patch is None or name in self.begun:
             return None
-        sys.meta_path.remove(self)
+        self.begun.add(name)
         spec = importlib.util.find_spec(name)
         if spec is None or spec.loader is None:
             return None
@@ -49,18 +58,19 @@ class _Patching:
 
         def load_and_patch(module: types.ModuleType) -> None:
             load(module)
-            mend(module.EventHandler)
+            patch(module)
 
         spec.loader.exec_module = load_and_patch  # type: ignore[method-assign]
         return spec
 
 
-def mend(handler: Any) -> None:
+def bear_destroyed_events(module: Any) -> None:
     """
-    Make a class of event handlers tolerate that its event is destroyed in the meantime.
+    Make event handlers tolerate that their event is destroyed in the meantime.
 
-    :param handler: ``rclpy.event_handler.EventHandler``, changed in place
+    :param module: ``rclpy.event_handler``, changed in place
     """
+    handler = module.EventHandler
     from rclpy.impl.implementation_singleton import rclpy_implementation
 
     destroyed = rclpy_implementation.InvalidHandle
@@ -79,6 +89,32 @@ def mend(handler: Any) -> None:
             return None
 
     handler.add_to_wait_set, handler.take_data = add_if_there, take_if_there
+
+
+def keep_order_of_nodes(module: Any) -> None:
+    """
+    Make executors serve their nodes in the order in which they were added.
+
+    :param module: ``rclpy.executors``, changed in place
+    """
+    executor = module.Executor
+    add_node, get_nodes = executor.add_node, executor.get_nodes
+    counter = itertools.count()
+
+    def add_and_count(self: Any, node: Any) -> Any:
+        node._added_as = next(counter)
+        return add_node(self, node)
+
+    def in_order(self: Any) -> list[Any]:
+        return sorted(get_nodes(self), key=lambda node: getattr(node, '_added_as', -1))
+
+    executor.add_node, executor.get_nodes = add_and_count, in_order
+
+
+PATCHES: dict[str, Callable[[Any], None]] = {
+    'rclpy.event_handler': bear_destroyed_events,
+    'rclpy.executors': keep_order_of_nodes,
+}
 
 
 if __name__ == '__main__':

@@ -57,7 +57,8 @@ def _why_elsewhere(run: Run, namespace: str, base: str) -> Cause | None:
             return Cause(
                 'namespace',
                 f'Your node {base} is in the namespace {other or "/"}.',
-                'Give the node its plain name and let the command line choose the namespace.',
+                'Let the command line choose it: a plain name, no namespace= and no '
+                'use_global_arguments=False.',
             )
     return None
 

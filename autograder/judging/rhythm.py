@@ -71,12 +71,9 @@ def why_other_rhythm(
     The parameters are those of :func:`require_period`.
     """
     gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND for one, two in pairwise(found)]
-    if len(found) > during_s / period_s + 1.5 and 0.0 in gaps:
-        return Cause(
-            'several_at_once',
-            f'Several {what}s come at the same moment.',
-            f'Make one timer only, with one {what} in its callback.',
-        )
+    due = during_s / period_s
+    if len(found) > due + 1.5 and 0.0 in gaps:
+        return _why_several(found, what)
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
     steady = len(gaps) > 1 and all(abs(gap - mean_s) <= GRAIN_S for gap in gaps)
     if steady and abs(mean_s - period_s) > GRAIN_S:
@@ -86,7 +83,42 @@ def why_other_rhythm(
             f'The first argument of create_timer() is the period in seconds, {period_s:g}. Each '
             f'call of its callback has one {what}, and nothing else in the program waits.',
         )
+    if steady and len(found) < due - 1.5:
+        return Cause(
+            'stops',
+            f'After {len(found)} {what}s nothing more comes.',
+            'Is a timer cancelled, or what it sends used up? It goes on until the program ends.',
+        )
+    periods = [gap / period_s for gap in gaps]
+    if periods and not steady and all(one > 0.5 and _is_whole(one) for one in periods):
+        return Cause(
+            'some_missing',
+            f'Your {what}s keep the rhythm of {period_s:g} s, but some are missing.',
+            f'Each call of the callback of the timer has one {what}: is there an if or a return '
+            'before it?',
+        )
     return None
+
+
+def _is_whole(periods: float) -> bool:
+    return abs(periods - round(periods)) <= GRAIN_S * max(1.0, periods)
+
+
+def _why_several(found: Sequence[Event], what: str) -> Cause:
+    """Explain several messages or lines of one moment; a line tells where it was logged."""
+    places = sorted({one['line'] for one in found if one.get('line')})
+    if len(places) > 1:
+        lines = ' and '.join(map(str, places[:3]))
+        return Cause(
+            'several_places',
+            f'The {what}s come from more than one place in your code: from lines {lines}.',
+            f'Log one {what} a period. Does each node use its own self.get_logger()?',
+        )
+    return Cause(
+        'several_at_once',
+        f'Several {what}s come at the same moment.',
+        f'Make one timer only, with one {what} in its callback.',
+    )
 
 
 def is_flood(count: float, due: float) -> bool:

@@ -181,7 +181,7 @@ def require_warnings(
     :param part: places on which one mistake may explain all, see ``Specification.cause``
     :param shared: see :func:`share`
     """
-    came = [row if row is None else _warnings(row) for row in followed]
+    came = warnings_after(followed)
     wrong = [place for place in places if (came[place] or 0) != asked.answers[place]]
     if not wrong:
         return
@@ -219,5 +219,6 @@ def _what(inputs: Sequence[Any]) -> str:
     return f'a burst of {len(inputs)} readings' if len(inputs) > 1 else str(inputs[0].kind)
 
 
-def _warnings(row: Row) -> int:
-    return sum(line['level'] == WARN for line in row)
+def warnings_after(followed: Iterable[Row | None]) -> list[int | None]:
+    """Return how many WARN lines came after each input, None where it was not sent."""
+    return [row if row is None else sum(line['level'] == WARN for line in row) for row in followed]

@@ -69,3 +69,24 @@ def test_nothing_is_imported_for_the_program(tmp_path: Path):
     file.write_text('import sys\nprint(sorted(m for m in sys.modules if "rclpy" in m), __name__)')
 
     assert said(str(STEADY), str(file)) == '[] __main__'
+
+
+MANY = """
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+
+rclpy.init()
+executor = SingleThreadedExecutor()
+for number in (*range(4, 12), *range(4)):
+    executor.add_node(rclpy.create_node(f'node_{number}'))
+print(*(node.get_name()[5:] for node in executor.get_nodes()))
+rclpy.shutdown()
+"""
+
+
+def test_nodes_are_served_in_the_order_in_which_they_were_added(tmp_path: Path):
+    """Of two timers that are due at the same moment, that of the first node comes first."""
+    file = tmp_path / 'many.py'
+    file.write_text(MANY)
+
+    assert said(str(STEADY), str(file)) == '4 5 6 7 8 9 10 11 0 1 2 3'

@@ -7,16 +7,16 @@ from autograder.exams.visible.managed_pressure import build, Inputs
 
 _draw = generator('managed_pressure', 'limits and pressures')
 # Rounded to any digit or cut off, a pressure just above it is not above it.
-_first = _draw.choice((0.11, 0.12, 0.13, 0.21, 0.22, 0.23, 0.31, 0.32, 0.33))
-_second = round(_draw.uniform(40.0, 60.0), 2)
+_first = _draw.choice((3.11, 3.12, 3.13, 3.21, 3.22, 3.23, 3.31, 3.32, 3.33))
+_second = round(_draw.uniform(0.1, 0.4), 2)
 
 
-def _low() -> float:
-    return round(_draw.uniform(0.01, 0.09), 2)
-
-
-def _middle() -> float:
+def _between() -> float:
     """Return a pressure between both limits."""
+    return round(_draw.uniform(0.5, 1.9), 2)
+
+
+def _high() -> float:
     return round(_draw.uniform(8.5, 20.0), 2)
 
 
@@ -27,25 +27,25 @@ _edges = [
     round(_first - 0.01, 2),
     round(-_first - _draw.uniform(1.0, 3.0), 2),  # of a size above the limit
     round(_draw.uniform(500.0, 900.0), 1),  # no sensor's fault, but above the limit
-    _low(),
+    _between(),
     0.0,
 ]
 _draw.shuffle(_edges)
-_high = [_middle(), _middle()]
-# The same value again, and another one: each is above by itself.
-_active = [*_edges, _high[0], _high[0], _high[1], _low()]
+_again = _high()
 # Rounded, it is another number.
 _refused = round(-_draw.randint(0, 4) - _draw.choice((0.35, 0.45, 0.55, 0.65)), 2)
 exam = build(
     Inputs(
         refused=(-1.0, 0.0, _refused),
         limits=(_first, _second),
+        highest=round(_draw.uniform(40.0, 90.0), 2),
         pressures={
             'accepted': (9.5, 1.5),
-            'active': tuple(_active),
+            # The same value again, and another one: each is above by itself.
+            'active': (*_edges, _again, _again, _high(), _between()),
             'paused': (9.75, 20.5),
-            'still': (_middle(), _low()),
-            'again': (_middle(), _second, round(_draw.uniform(61.0, 99.0), 2), _low()),
+            'still': (_high(), _between()),
+            'again': (_between(), _second, _high()),
         },
     )
 )

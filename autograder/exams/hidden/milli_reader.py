@@ -19,15 +19,21 @@ def _name() -> str:
 
 _same = _number(457), _name()
 exam = build(
-    # The same again, zero, and no name: each is a number like any other.
+    # The same again, at once and later, zero, and no name: each is a number like any other.
     [
         _number(7),
         _same[0],
         _same[0],
         0,
         *map(_number, (682, 7, 138)),
+        _same[0],
         *map(_number, (457, 138, 7)),
     ],
-    [_name(), _same[1], _same[1], *(_name() for _ in range(3)), '', *(_name() for _ in range(3))],
+    [
+        *(_name(), _same[1], _same[1]),
+        *(_name() for _ in range(3)),
+        *('', _same[1]),
+        *(_name() for _ in range(3)),
+    ],
     burst=3,
 )

@@ -13,15 +13,22 @@ UNKNOWN = 'a reading in an unknown unit'
 
 
 def edges(draw: random.Random) -> list[Reading]:
-    """Return the readings at and beside the threshold, in an order nobody can know."""
+    """Return the readings in Celsius at and beside the threshold, in an order nobody can know."""
     readings = [
         Reading(30.0, 'a reading of exactly 30.0 °C'),
         Reading(30.01, 'a reading just above 30 °C'),
         Reading(30.004, 'a reading of 30.004 °C'),
         Reading(29.99, 'a reading just below 30 °C'),
         Reading(0.0, 'a reading of 0 °C'),
-        Reading(round(draw.uniform(200.0, 900.0), 1), 'a reading far above 30 °C'),
         Reading(round(draw.uniform(-60.0, -31.0), 2), 'a reading far below zero'),
+    ]
+    draw.shuffle(readings)
+    return readings
+
+
+def fahrenheit(draw: random.Random) -> list[Reading]:
+    """Return readings on both sides of the threshold, in an order nobody can know."""
+    readings = [
         Reading(round(draw.uniform(86.1, 86.4), 2), 'a warm reading in °F', 'Fahrenheit'),
         Reading(round(draw.uniform(85.5, 85.9), 2), 'a cool reading in °F', 'Fahrenheit'),
     ]
@@ -62,8 +69,12 @@ exam = build(
         cool(_draw),
         # The same value again, and another one: each is above by itself.
         *(_again, _again, hot(_draw)),
+        Reading(round(_draw.uniform(200.0, 900.0), 1), 'a reading far above 30 °C'),
         *(cool(_draw), cool(_draw)),
         *edges(_draw),
+        # After a cool one: who warns of changes only has no other mistake with Fahrenheit.
+        cool(_draw),
+        *fahrenheit(_draw),
         *odd(_draw),
         hot(_draw),
         cool(_draw),

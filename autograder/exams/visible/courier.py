@@ -14,13 +14,8 @@ from __future__ import annotations
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Join, Leave, Look, Mark, Scenario, Step
 from autograder.judging.causes.ended import why_no_message, why_silent
-from autograder.judging.checks import (
-    require_endpoint,
-    require_field,
-    require_node,
-    require_partner,
-    SECOND,
-)
+from autograder.judging.checks import require_field, SECOND
+from autograder.judging.claims import node, offers
 from autograder.recording import Event
 from autograder.submission.code.learners_code import Code
 
@@ -33,6 +28,12 @@ QUIET_S = 6.0  # nothing is due, and a node that repeats itself is heard [s]
 ALONE_S = 2.0  # for a node that notices that everybody has left [s]
 LATEST_S = 2.05  # a node that looks around every two seconds is not late yet [s]
 EXERCISE = 'Exercise 2: the courier who waits'
+LATE = Cause(
+    'delivers_late',
+    'Somebody is connected, and the parcel comes seconds later: your node looks too seldom, or '
+    'waits for something else.',
+    'Look every tenth of a second: self.create_timer(0.1, ...).',
+)
 REMEMBER = 'Remember that it was delivered: cancel the timer, or set a flag and look at it.'
 
 
@@ -44,16 +45,6 @@ def parcels(run: Run, listener: str) -> list[Event]:
 def _ends(run: Run) -> list[Event]:
     """Return the publishers on the topic."""
     return run.recording.endpoints('publisher', TOPIC)
-
-
-def starts_its_node(run: Run) -> None:
-    """Your program starts a node called courier."""
-    require_node(run, NODE)
-
-
-def offers_parcels(run: Run) -> None:
-    """It has a publisher of String messages on parcels."""
-    require_partner(require_endpoint(run, 'publisher', TOPIC, TYPE))
 
 
 def _lives(run: Run, when: str) -> bool:
@@ -87,6 +78,8 @@ def delivers_to_who_comes_late(run: Run) -> None:
         why = _why_gone(
             run, 'The node was gone as soon as somebody was connected, and its message with it.'
         )
+    elif parcels(run, 'first') and not _came_with_the_second(run):
+        why = LATE
     elif parcels(run, 'first'):
         why = Cause(
             'waits_for_two',
@@ -102,6 +95,14 @@ def delivers_to_who_comes_late(run: Run) -> None:
     )
 
 
+def _came_with_the_second(run: Run) -> bool:
+    """Return whether the first listener heard nothing until the second one came, and then did."""
+    second = run.recording.of('joined', listener='second')
+    found = parcels(run, 'first')
+    waited_ns = found[0]['clock_ns'] - second[0]['clock_ns'] if found and second else -1
+    return 0 <= waited_ns <= LATEST_S * SECOND
+
+
 def _require_soon(run: Run, parcel: Event) -> None:
     """Fail if the parcel came so late that nobody could have looked for who is there."""
     joined = run.recording.of('joined', listener='first')[0]
@@ -112,12 +113,7 @@ def _require_soon(run: Run, parcel: Event) -> None:
             observed='a parcel that comes seconds later'
             if run.secret
             else f'a parcel that comes {late_s:.2g} s later',
-            why=Cause(
-                'delivers_late',
-                'Somebody is connected, and the parcel comes seconds later: your node looks too '
-                'seldom, or waits for something else.',
-                'Look every tenth of a second: self.create_timer(0.1, ...).',
-            ),
+            why=LATE,
         )
 
 
@@ -249,8 +245,10 @@ def build(alone_s: float, between_s: float = 1.0) -> Exam:
         scenario=Scenario(file='courier.py', steps=steps),
         read='Part 3: Discovery takes time',
     )
-    exam.check(points=1, read=EXERCISE)(starts_its_node)
-    exam.check(points=1, read='Part 1: Speaking and listening')(offers_parcels)
+    exam.check(points=1, read=EXERCISE)(node(NODE))
+    exam.check(points=1, read='Part 1: Speaking and listening')(
+        offers(TOPIC, TYPE, 'offers_parcels', 'It has a publisher of String messages on parcels.')
+    )
     exam.check(points=4, needs=['offers_parcels'])(delivers_to_who_comes_late)
     for points, judge, read in (
         (1, addresses_the_parcel, EXERCISE),

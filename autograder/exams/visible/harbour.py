@@ -8,8 +8,6 @@ its own logger; one executor serves both.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Call, Mark, Scenario
 from autograder.judging.causes.ended import why_no_node, why_silent
@@ -87,7 +85,7 @@ def watched_lines(run: Run, node: str, level: int | None = None) -> list[Event]:
 
     :param node: full name
     """
-    return own_logs(replace(run, recording=run.recording.phase(WATCH)), node, level)
+    return own_logs(run.during(WATCH), node, level)
 
 
 def require_reports(run: Run, node: str, period_s: int) -> None:
@@ -104,7 +102,7 @@ def require_reports(run: Run, node: str, period_s: int) -> None:
             return why_not_logged(run, others, INFO) or why_no_line(
                 run, f'self.create_timer({period_s}.0, self.report)'
             )
-        return why_left_out(run, INFO) if len(lines) < seconds // period_s else None
+        return why_left_out(run, INFO, lines) if len(lines) < seconds // period_s else None
 
     require_period(run, lines, period_s, seconds, 'INFO line', explain)
 

@@ -34,9 +34,9 @@ from autograder.judging.causes.lifecycle import (
 from autograder.judging.checks import (
     require_answers,
     require_endpoint,
-    require_node,
     require_partner,
 )
+from autograder.judging.claims import node
 from autograder.judging.rhythm import require_period
 from autograder.recording import Event
 
@@ -60,6 +60,11 @@ TIMER_LEFT = Cause(
     'The first time it is active the rate is right, the second time it is higher: on_activate() '
     'makes another timer, and the old one goes on.',
     'Create the timer in on_configure(), or end it in on_deactivate(): self.destroy_timer(...).',
+)
+MUTE_AGAIN = Cause(
+    'mute_again',
+    'The first time it is active it publishes, and the second time it does not.',
+    'What on_deactivate() stops, on_activate() starts again: self.timer.reset().',
 )
 STAYS_ON = Cause(
     'stays_on',
@@ -93,11 +98,6 @@ def publishers(run: Run, when: str) -> list[Event]:
         for end in graph['endpoints']
         if end['topic'] == topic_of(run) and end['kind'] == 'publisher'
     ]
-
-
-def starts_its_node(run: Run) -> None:
-    """Your program starts a node called beacon, in the namespace it is given."""
-    require_node(run, node_of(run))
 
 
 def is_managed(run: Run) -> None:
@@ -157,9 +157,9 @@ def takes_every_transition(run: Run) -> None:
 def _why_no_transition(run: Run) -> Cause | None:
     if why := why_no_verdict(run):
         return why
-    for name, answer in zip(ASKED, _changes(run), strict=False):
+    for place, (name, answer) in enumerate(zip(ASKED, _changes(run), strict=False)):
         if answer.get('data') == {'success': False}:
-            return why_refused(run, name)
+            return why_refused(run, name, again=name in ASKED[:place])
     return why_ended(run)
 
 
@@ -174,7 +174,7 @@ def publishes_while_active(run: Run) -> None:
             raise Failed(
                 expected='messages on beacon_signal while it is active',
                 observed='none',
-                why=_why_off(run),
+                why=MUTE_AGAIN if phase != ACTIVE[0] and not why_ended(run) else _why_off(run),
             )
         _require_beat(run, phase, TIMER_LEFT if phase != ACTIVE[0] else None)
 
@@ -258,14 +258,14 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
     :param namespace: in which the node is started, such as ``/lab``, or nothing
     :param seconds: how long each active phase lasts [s]
     """
-    node, topic = f'{namespace}/beacon', f'{namespace}/beacon_signal'
+    name, topic = f'{namespace}/beacon', f'{namespace}/beacon_signal'
     # No tick of a timer that a transition has started meets the end of an active phase.
     pause, work = Advance(2.0), Advance(seconds + 0.05)
-    changes = {name: transition(node, name) for name in WAYS}
+    changes = {way: transition(name, way) for way in WAYS}
     configure, activate = changes['configure'], changes['activate']
     deactivate, cleanup = changes['deactivate'], changes['cleanup']
     steps: list[Step] = [
-        *(Mark('fresh'), state(node), pause, Look('fresh')),
+        *(Mark('fresh'), state(name), pause, Look('fresh')),
         *(Mark('configured'), configure, pause, Look('configured')),
         *(Mark('active'), activate, work),
         *(Mark('paused'), deactivate, pause),
@@ -289,7 +289,8 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
         read='Part 2: A publisher with a switch',
         facts={'namespace': namespace, 'active_s': seconds},
     )
-    exam.check(points=1, read=EXERCISE)(starts_its_node)
+    named = 'Your program starts a node called beacon, in the namespace it is given.'
+    exam.check(points=1, read=EXERCISE)(node(name, sentence=named))
     exam.check(points=1, needs=['starts_its_node'], read='Part 1: Two kinds of life')(is_managed)
     exam.check(points=2, needs=['is_managed'])(takes_every_transition)
     exam.check(points=2, needs=['is_managed'])(creates_its_publisher)

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
+import math
 import operator
 import re
 from typing import Any
@@ -47,8 +48,9 @@ from autograder.judging.causes.lifecycle import (
     WRONG_DEFAULT,
 )
 from autograder.judging.causes.missing_logs import why_not_logged
-from autograder.judging.checks import field_of, own_logs, require_answers, require_node
-from autograder.judging.rows import require_warnings
+from autograder.judging.checks import field_of, own_logs, require_answers
+from autograder.judging.claims import node
+from autograder.judging.rows import require_warnings, warnings_after
 from autograder.recording import ERROR, Event, Recording, WARN
 
 NODE, TOPIC = '/pressure_monitor', '/pressure'
@@ -68,6 +70,7 @@ class Inputs:
 
     :param refused: limits that make no sense, the first one the parameter's default [bar]
     :param limits: of the first and of the second configuration [bar]
+    :param highest: one more limit that makes sense, at the end [bar]
     :param pressures: by phase: ``accepted`` and ``paused``, in which the node is not active,
         ``active`` under the first limit, ``still`` after the parameter was set, and ``again``
         under the second limit [bar]
@@ -75,6 +78,7 @@ class Inputs:
 
     refused: Sequence[float]
     limits: tuple[float, float]
+    highest: float
     pressures: Mapping[str, Sequence[float]]
 
 
@@ -141,6 +145,12 @@ NOT_MANAGED = Cause(
     'Remember in on_activate() and on_deactivate() whether you are active, and look at it in the '
     'callback.',
 )
+STILL_REFUSES = Cause(
+    'still_refuses',
+    'on_configure() returns FAILURE for a limit above zero as well.',
+    "FAILURE only unless self.get_parameter('limit').value > 0.0, and no except around it that "
+    'hides another mistake.',
+)
 SLIPS = (
     Slip(
         'never_warns',
@@ -168,6 +178,27 @@ SLIPS = (
         warns(times=lambda one: 2 if one.phase == 'again' else 1),
     ),
     Slip.of(NOT_MANAGED, warns(active=lambda one: True)),
+    Slip(
+        'active_too_early',
+        'It warns as soon as it is configured, before it is activated.',
+        'Set the flag in on_activate(), and not in on_configure().',
+        warns(active=lambda one: one.phase != 'paused'),
+    ),
+    Slip(
+        'stays_active',
+        'It goes on warning after it was deactivated.',
+        'In on_deactivate(), set the flag to False.',
+        warns(active=lambda one: one.phase != 'accepted'),
+    ),
+    *(
+        Slip(
+            'limit_cut',
+            'The limit in use is not the one that was set: its decimals are cut off or rounded.',
+            "Take it as it is: self.limit = self.get_parameter('limit').value.",
+            warns(limit=lambda one, cut=cut: cut(one.limit)),  # type: ignore[misc]
+        )
+        for cut in (math.trunc, round)
+    ),
     *above_limit(warns, 'self.limit'),
     *with_memory(warns()),
 )
@@ -177,11 +208,6 @@ def inputs(run: Run) -> Inputs:
     """Return the numbers of this exam."""
     found: Inputs = run.facts['inputs']
     return found
-
-
-def starts_its_node(run: Run) -> None:
-    """Your program starts a node called pressure_monitor."""
-    require_node(run, NODE)
 
 
 def refuses_a_senseless_limit(run: Run) -> None:
@@ -210,7 +236,7 @@ def _require(
     run: Run, phase: str, service: str, wanted: Sequence[Mapping[str, Any]], what: str
 ) -> None:
     """Fail unless the calls of one phase were answered as wanted; the whole run says why not."""
-    part = Run(run.files, run.recording.phase(phase), run.facts)
+    part = run.during(phase)
     try:
         require_answers(part, service, wanted, what)
     except Failed as failed:
@@ -221,7 +247,7 @@ def _require(
 def tells_why(run: Run) -> None:
     """Each refusal is one ERROR line with the limit in it."""
     refused = inputs(run).refused
-    found = own_logs(Run(run.files, run.recording.phase('refused'), run.facts), NODE, ERROR)
+    found = own_logs(run.during('refused'), NODE, ERROR)
     if len(found) == len(refused) and all(map(_shows, found, refused)):
         return
     raise Failed(
@@ -290,15 +316,10 @@ def _why_still_refused(run: Run, part: Recording) -> Cause:
     states = [field_of(event, 'goal_state.label') for event in part.messages(EVENTS)]
     if 'errorprocessing' in states:
         return why_refused(run, 'configure')
-    told = own_logs(Run(run.files, part, run.facts), NODE, ERROR)
+    told = own_logs(run.during('accepted'), NODE, ERROR)
     if any(_shows(entry, limit) for entry in told for limit in inputs(run).refused):
         return READ_ONCE
-    return Cause(
-        'still_refuses',
-        'on_configure() returns FAILURE for a limit above zero as well.',
-        "FAILURE only unless self.get_parameter('limit').value > 0.0, and no except around it "
-        'that hides another mistake.',
-    )
+    return STILL_REFUSES
 
 
 def warns_above_the_limit(run: Run) -> None:
@@ -309,12 +330,16 @@ def warns_above_the_limit(run: Run) -> None:
 def ignores_while_not_active(run: Run) -> None:
     """Inactive, it warns of nothing, however high the pressure."""
     for phase in ('accepted', 'paused'):
-        found = own_logs(Run(run.files, run.recording.phase(phase), run.facts), NODE, WARN)
+        found = own_logs(run.during(phase), NODE, WARN)
         if found:
+            asked: Specification = run.facts['warnings']
+            came = warnings_after(_followed(run))
+            quiet = [place for place, one in enumerate(asked.inputs) if not one.active]
+            place = next(iter(asked.wrong(came, quiet)), quiet[0])
             raise Failed(
                 expected='no WARN line while it is inactive',
                 observed=f'{len(found)}',
-                why=NOT_MANAGED,
+                why=asked.cause(came, place, quiet) or NOT_MANAGED,
             )
 
 
@@ -325,6 +350,12 @@ def takes_the_new_limit(run: Run) -> None:
     wanted = [{'success': True}] * 3
     _require(run, 'again', CHANGE, wanted, 'cleanup, configure and activate')
     _require_warnings(run, 'again')
+    wanted = [{'success': True}] * 3
+    try:
+        _require(run, 'highest', CHANGE, wanted, 'deactivate, cleanup and configure')
+    except Failed as failed:
+        failed.why = failed.why or STILL_REFUSES
+        raise
 
 
 def _require_warnings(run: Run, phase: str) -> None:
@@ -383,7 +414,8 @@ def build(numbers: Inputs) -> Exam:
     # A node may refuse to be set before the cleanup; then it is set after it.
     steps += [Mark('still'), _limit(second), activate, feeds['still'], deactivate]
     steps += [Mark('again'), transition(NODE, 'cleanup'), _limit(second), configure, activate]
-    steps += [feeds['again']]
+    steps += [feeds['again'], Mark('highest'), deactivate, transition(NODE, 'cleanup')]
+    steps += [_limit(numbers.highest), configure]
     exam = Exam(
         'managed_pressure',
         title='The managed pressure monitor',
@@ -400,7 +432,7 @@ def build(numbers: Inputs) -> Exam:
         facts={'inputs': numbers},
         asks={'warnings': Specification(pressures_of(numbers), warns(), SLIPS)},
     )
-    exam.check(points=1, read=EXERCISE)(starts_its_node)
+    exam.check(points=1, read=EXERCISE)(node(NODE))
     exam.check(points=2, needs=['starts_its_node'])(refuses_a_senseless_limit)
     exam.check(points=1, needs=['refuses_a_senseless_limit'])(tells_why)
     exam.check(points=2, needs=['refuses_a_senseless_limit'])(recovers)
@@ -423,6 +455,7 @@ exam = build(
     Inputs(
         refused=(-1.0,),
         limits=(2.5, 6.0),
+        highest=30.0,
         pressures={
             'accepted': (3.0,),
             'active': (2.4, 2.5, 2.6, 9.0, 1.0),

@@ -14,10 +14,12 @@ from itertools import groupby
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, FeedTopic, Join, Qos, Scenario
+from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import own_words
-from autograder.judging.checks import require_endpoint, require_node, require_qos, SECOND
+from autograder.judging.checks import SECOND
+from autograder.judging.claims import node, offers
 from autograder.judging.rows import Row, rows
 from autograder.recording import Event
 
@@ -49,56 +51,32 @@ TEXT_CHANGED = Cause(
     'A text comes with other letters or spaces than its survey, and both count.',
     'Publish String(data=survey.data) as it is, without strip(), lower() or upper().',
 )
-EACH = 'Publish String(data=survey.data) for each one, without a look at the last ones.'
 Maps = tuple[str, ...]
 """What is published after one survey."""
 
 
-def once_each(skips: Callable[[str, Sequence[str]], bool]) -> Rule:
-    """
-    Return the rule of a server that leaves surveys out.
-
-    :param skips: tells by a survey and those before it whether it does
-    """
-    return lambda texts: [
-        () if skips(text, texts[:place]) else (text,) for place, text in enumerate(texts)
-    ]
+def passed_on(change: Callable[[str], str] = lambda text: text, times: int = 1) -> Rule:
+    """Return the rule of a server that publishes each survey, by default once and unchanged."""
+    return each(lambda text: (change(text),) * times)
 
 
 SLIPS = (
+    *leaving_out(passed_on()),
+    Slip.of(REPEATS, passed_on(times=2)),
     Slip(
-        'no_answer',
-        'Nothing is published when a survey arrives.',
-        'Publish String(data=survey.data) in its callback.',
-        each(lambda text: ()),
-    ),
-    Slip.of(REPEATS, each(lambda text: (text, text))),
-    Slip(
-        'skips_equal',
-        'A survey with the same text as the one before it gives no map.',
-        EACH,
-        once_each(lambda text, before: text in before[-1:]),
-    ),
-    Slip(
-        'skips_known',
-        'A survey with the text of an earlier one gives no map.',
-        EACH,
-        once_each(lambda text, before: text in before),
-    ),
-    Slip(
-        'skips_empty',
-        'A survey with an empty text gives no map, and it is a text like any other.',
-        'Publish String(data=survey.data) for each one, without a look at its text.',
-        once_each(lambda text, before: not text),
+        'one_behind',
+        'Each survey is published only when the next one comes.',
+        'Publish the survey that has come: String(data=survey.data).',
+        lambda texts: [(), *((text,) for text in texts[:-1])],
     ),
     Slip(
         'text_cut',
         'A long text is cut off.',
         'Publish String(data=survey.data) as it is, however long.',
-        each(lambda text: (text[:100],)),
+        passed_on(lambda text: text[:100]),
     ),
     *(
-        Slip.of(TEXT_CHANGED, each(lambda text, change=change: (change(text),)))  # type: ignore[misc]
+        Slip.of(TEXT_CHANGED, passed_on(change))
         for change in (str.strip, str.lower, str.upper, str.title)
     ),
 )
@@ -154,17 +132,6 @@ def publishers_of_maps(run: Run) -> int:
         for graph in run.recording.of('graph')
     ]
     return max(counts, default=0)
-
-
-def starts_its_node(run: Run) -> None:
-    """Your program starts a node called map_server."""
-    require_node(run, '/map_server')
-
-
-def offers_a_latched_map(run: Run) -> None:
-    """It publishes String messages on map, reliable and transient local."""
-    ends = require_endpoint(run, 'publisher', '/map', TYPE)
-    require_qos(ends, reliability='RELIABLE', durability='TRANSIENT_LOCAL')
 
 
 def has_a_map_from_the_start(run: Run) -> None:
@@ -374,10 +341,19 @@ def build(surveys: Sequence[str]) -> Exam:
             ),
         ),
         read='Part 4: Those who come late',
-        asks={'maps': Specification(surveys, each(lambda text: (text,)), SLIPS)},
+        asks={'maps': Specification(surveys, passed_on(), SLIPS)},
     )
-    exam.check(points=1, read=EXERCISE)(starts_its_node)
-    exam.check(points=2)(offers_a_latched_map)
+    exam.check(points=1, read=EXERCISE)(node('/map_server'))
+    exam.check(points=2)(
+        offers(
+            '/map',
+            TYPE,
+            'offers_a_latched_map',
+            'It publishes String messages on map, reliable and transient local.',
+            reliability='RELIABLE',
+            durability='TRANSIENT_LOCAL',
+        )
+    )
     for points, judge, read in (
         (2, has_a_map_from_the_start, ''),
         (2, publishes_each_survey, EXERCISE),

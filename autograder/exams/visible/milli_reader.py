@@ -9,25 +9,27 @@ The program follows a ROS clock that is far from the computer's, so a stamp from
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
 import math
+from typing import Any
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, RosClock, Scenario, Step
-from autograder.exam.slips import MISSES_SOME, NO_ANSWER, SEVERAL_ANSWERS, UNASKED
-from autograder.exam.specification import each, Slip, Specification
-from autograder.judging.causes.ended import why_silent
+from autograder.exam.slips import leaving_out
+from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.redaction import own_words
-from autograder.judging.checks import field_of, require_field
+from autograder.judging.checks import require_field
 from autograder.judging.claims import node, passes
+from autograder.judging.rows import published, require_one_for_one, rows, shown_values
 from autograder.judging.stamps import require_stamps
-from autograder.recording import Event
 
 NODE = '/milli_reader'
 SOURCE, TARGET = '/raw', '/readings'
 SOURCE_TYPE = 'temp_monitor_pkg/msg/Num'
 TARGET_TYPE = 'temp_monitor_pkg/msg/Temperature'
 CLOCK = RosClock(begins_s=5_000.1)  # so no tick has whole seconds
+EVERY_S = 2.5  # from one number to the next: a thread may answer some seconds late [s]
 EXERCISE = 'Exercise 4.2: from one type to another'
 
 
@@ -43,89 +45,107 @@ WHOLE = Cause(
 )
 
 
+@dataclass(frozen=True)
+class Num:
+    """One message that is sent."""
+
+    num: int
+    description: str
+
+
+def converting(change: Callable[[int], float] = lambda number: number / 1000) -> Rule:
+    """Return the rule of a reader that converts numbers so, by default rightly."""
+    return each(lambda one: (change(one.num),))
+
+
 SLIPS = (
+    *leaving_out(converting(), lambda one: one.num),
+    Slip(
+        'out_of_range',
+        'A number that is no usual temperature is not answered.',
+        'Publish for each number, however large or small it is.',
+        each(lambda one: (one.num / 1000,) if -40 <= one.num / 1000 <= 125 else ()),
+    ),
     Slip(
         'sign_lost',
         'Numbers below zero lose their sign.',
         'Leave out abs().',
-        each(lambda number: abs(number) / 1000),
+        converting(lambda number: abs(number) / 1000),
     ),
-    Slip.of(WHOLE, each(lambda number: float(number // 1000))),
-    Slip.of(WHOLE, each(lambda number: float(int(number / 1000)))),
-    Slip.of(WHOLE, each(lambda number: float(round(number / 1000)))),
+    Slip.of(WHOLE, converting(lambda number: float(number // 1000))),
+    Slip.of(WHOLE, converting(lambda number: float(int(number / 1000)))),
+    Slip.of(WHOLE, converting(lambda number: float(round(number / 1000)))),
     Slip(
         'not_divided',
         'The number is passed on as it came.',
         'Divide it by 1000.0.',
-        each(float),
+        converting(float),
     ),
     Slip(
         'value_not_set',
         'temperature_value is 0.0: it was never set.',
         'Set reading.temperature_value = number.num / 1000.0.',
-        each(lambda number: 0.0),
+        converting(lambda number: 0.0),
     ),
     # CPython reads what is no float as one: the size of a whole number, which has its sign.
     Slip(
         'field_value',
         'A whole number was put into a float64 with field checks off.',
         'Assign a float: number.num / 1000.0.',
-        each(lambda number: math.nan if number < 0 else 0.0),
+        converting(lambda number: math.nan if number < 0 else 0.0),
     ),
     *(
-        Slip.of(ROUNDED, each(lambda number, digits=digits: round(number / 1000, digits)))
+        Slip.of(ROUNDED, converting(lambda number, digits=digits: round(number / 1000, digits)))  # type: ignore[misc]
         for digits in (1, 2)
     ),
 )
 
 
-def readings(run: Run) -> list[Event]:
-    """Return what came on the target topic, that of a burst in the order of its numbers."""
-    found = [event for event in run.recording.messages(TARGET) if 'data' in event]
-    names, burst = run.facts['names'], run.facts['burst']
-    by_name = {field_of(event, 'sensor_id'): event for event in found[len(found) - burst :]}
-    last = names[len(names) - burst :]
-    # Several threads may answer it in any order.
-    if len(found) != len(names) or set(by_name) != set(last):
-        return found
-    return [*found[: len(found) - burst], *(by_name[name] for name in last)]
+OTHER_NAME = Cause(
+    'sensor_id',
+    'sensor_id is something else than the description that arrived.',
+    'Set reading.sensor_id = number.description.',
+)
+FILLS_EMPTY = Cause(
+    'fills_empty',
+    'An empty description becomes another text, and it should stay empty.',
+    'Set reading.sensor_id = number.description, whatever is in it.',
+)
+NAME_SLIPS = (
+    Slip(
+        'first_name',
+        'sensor_id is the first description each time.',
+        'Set reading.sensor_id = number.description in the callback.',
+        lambda inputs: [(inputs[0].description,) for _ in inputs],
+    ),
+)
 
 
 def answers_one_for_one(run: Run) -> None:
     """For each number it publishes exactly one reading."""
-    found, numbers = run.recording.messages(TARGET), len(run.facts['numbers'])
-    for count, event in enumerate(found, 1):
-        sent = 0 if event['after_input'] is None else event['after_input'] + 1
-        if count > sent:
-            raise Failed(
-                expected='1 message on readings for each number',
-                observed=f'{count} after {sent} number{"" if sent == 1 else "s"}',
-                why=SEVERAL_ANSWERS if sent else UNASKED,
-            )
-    if len(found) < numbers:
-        raise Failed(
-            expected=f'{numbers} messages on readings for as many numbers',
-            observed=f'{len(found) or "none"}',
-            why=why_silent(run) or (MISSES_SOME if found else NO_ANSWER),
-        )
+    found = published(run, 'values', TARGET, 'temperature_value')
+    require_one_for_one(run, run.facts['values'], TARGET, found)
 
 
 def divides_by_a_thousand(run: Run) -> None:
     """temperature_value is the number divided by 1000, as a float."""
     asked: Specification = run.facts['values']
-    found = readings(run)[: len(asked.inputs)]
-    values = [field_of(event, 'temperature_value') for event in found]
-    for place in asked.wrong(values)[:1]:
+    came = published(run, 'values', TARGET, 'temperature_value')
+    for place in asked.wrong(came)[:1]:
         raise Failed(
             expected='the number divided by 1000, with its fraction',
-            observed='another value' if run.secret and values[place] else f'{values[place]:.12g}',
-            why=asked.cause(values, place) or _why_near(asked, values),
+            observed=shown_values(run, came[place], 'another value'),
+            why=asked.cause(came, place) or _why_near(asked, came),
         )
 
 
-def _why_near(asked: Specification, values: Sequence[float]) -> Cause | None:
+def _why_near(asked: Specification, came: Sequence[tuple[Any, ...] | None]) -> Cause | None:
     """Explain values that come from another factor, or are nearly right."""
-    pairs = list(zip(values, asked.answers, strict=False))
+    pairs = [
+        (float(value), due)
+        for values, row in zip(came, asked.answers)
+        for value, due in zip(values or (), row)
+    ]
     factors = {f'{1000 * due / value:.9g}' for value, due in pairs if value}
     if len(factors) == 1 and all(value or not due for value, due in pairs):
         return Cause(
@@ -133,31 +153,37 @@ def _why_near(asked: Specification, values: Sequence[float]) -> Cause | None:
             f'The number is divided by {factors.pop()}.',
             'A thousand thousandths are one: divide by 1000.0.',
         )
+    if all(abs(value - due) < 1e-9 for value, due in pairs if due >= 0):
+        return Cause(
+            'wrong_below_zero',
+            'Numbers above zero are right, and those below zero are not.',
+            'Divide as a whole: number.num / 1000.0. int(), // and % do not fit together there.',
+        )
     return ROUNDED if all(abs(value - due) < 2 for value, due in pairs) else None
 
 
 def names_unit_and_sensor(run: Run) -> None:
     """The unit is Celsius, and the sensor is the description of the number."""
-    found = readings(run)
-    require_field(run, found, 'unit', 'Celsius')
-    for event, name in zip(found, run.facts['names'], strict=False):
-        if field_of(event, 'sensor_id') != name:
-            raise Failed(
-                expected='the description of the Num in sensor_id',
-                observed=own_words(run, field_of(event, 'sensor_id'), 'another text')[:60],
-                why=Cause(
-                    'sensor_id',
-                    'sensor_id is something else than the description that arrived.',
-                    'Set reading.sensor_id = number.description.',
-                ),
-            )
+    require_field(run, run.recording.messages(TARGET), 'unit', 'Celsius')
+    asked: Specification = run.facts['names']
+    came = published(run, 'names', TARGET, 'sensor_id')
+    for place in asked.wrong(came)[:1]:
+        other = next((one for one in came[place] or () if one not in asked.answers[place]), '')
+        unnamed = all('' in asked.answers[one] for one in asked.wrong(came))
+        raise Failed(
+            expected='the description of the Num in sensor_id',
+            observed=own_words(run, other, 'another text')[:60],
+            why=asked.cause(came, place) or (FILLS_EMPTY if unnamed else OTHER_NAME),
+        )
 
 
 def stamps_with_its_own_clock(run: Run) -> None:
     """The timestamp is the time of the node's own clock when the number arrives."""
-    sent = run.recording.of('input')
-    found = zip(readings(run), (one['clock_ns'] for one in sent), strict=False)
-    require_stamps(run, found, CLOCK)
+    asked: Specification = run.facts['values']
+    found = rows(run, run.recording.messages(TARGET), len(asked.inputs), asked.burst)
+    sent = [one['clock_ns'] for one in run.recording.of('input')]
+    pairs = ((one, at) for row, at in zip(found, sent) for one in row or ())
+    require_stamps(run, pairs, CLOCK)
 
 
 def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
@@ -168,13 +194,12 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
     :param names: the description of each, those of the burst different
     :param burst: how many of them are sent at once at the end, at most five
     """
-    sent = [
-        {'num': number, 'description': name} for number, name in zip(numbers, names, strict=True)
-    ]
-    singles = len(sent) - burst
-    steps: list[Step] = [Advance(2.0), Feed(SOURCE, sent[:singles])]
+    inputs = [Num(*one) for one in zip(numbers, names, strict=True)]
+    sent, singles = [asdict(one) for one in inputs], len(inputs) - burst
+    steps: list[Step] = [Advance(2.0), Feed(SOURCE, sent[:singles], every_s=EVERY_S)]
     if burst:
-        steps.append(Feed(SOURCE, sent[singles:], burst=True))
+        steps.append(Feed(SOURCE, sent[singles:], burst=True, every_s=EVERY_S))
+    naming = each(lambda one: (one.description,))
     exam = Exam(
         'milli_reader',
         title='From one message type to another',
@@ -188,8 +213,10 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
             ros_clock=CLOCK,
         ),
         read='Part 5: The choice',
-        facts={'numbers': tuple(numbers), 'names': tuple(names), 'burst': burst},
-        asks={'values': Specification(numbers, each(lambda number: number / 1000), SLIPS)},
+        asks={
+            'values': Specification(inputs, converting(), SLIPS, burst),
+            'names': Specification(inputs, naming, NAME_SLIPS, burst),
+        },
     )
     exam.check(points=1, read=EXERCISE)(node(NODE))
     exam.check(

@@ -23,7 +23,7 @@ from autograder.judging.causes.missing_logs import (
 )
 from autograder.judging.checks import own_logs, require_node, SECOND
 from autograder.judging.counting import why_not_numbered
-from autograder.judging.rhythm import GRAIN_S, require_period, why_other_rhythm
+from autograder.judging.rhythm import GRAIN_S, require_period
 from autograder.recording import Event, INFO, WARN
 from autograder.results import shortened
 
@@ -116,12 +116,12 @@ SLIPS = (
         )
         for every in (1, 2, 3, 4, 6, 10)
     ),
-)
-MISSING = Cause(
-    'lines_missing',
-    'Your lines keep the rhythm of one second, but some are missing.',
-    'Does each call of the callback log a line? Is the timer made in __init__(), and never '
-    'cancelled? Start the node, and look at logs().',
+    Slip(
+        'ends_in_five',
+        '5 and 15 are warnings, 10 and 20 are not: the last digit is compared.',
+        'Warn if number % 5 == 0: that holds for 5, 10, 15 and so on.',
+        fifths(10, rest=5),
+    ),
 )
 
 
@@ -190,9 +190,7 @@ def _why_other_lines(run: Run) -> Cause | None:
         return why_not_logged(run, [], INFO, _has_another) or slip
     if slip is FIFTH_MISSING:
         return why_not_logged(run, [], WARN, _has_a_fifth) or slip
-    steady = why_other_rhythm(reports(run), 1.0, run.facts['seconds'], 'line')
-    few = () in rows or len(rows) < run.facts['seconds'] - 1
-    return slip or (MISSING if rows and few and not steady else None)
+    return slip
 
 
 def _has_a_fifth(text: str) -> bool:

@@ -9,6 +9,7 @@ numbers so far; NaN is ignored, neither counted nor answered.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import reduce
 from itertools import accumulate
 import math
 from statistics import fmean
@@ -67,6 +68,15 @@ def changes_only(numbers: Sequence[float]) -> list[Means]:
     return found
 
 
+def skips_equal(numbers: Sequence[float]) -> list[Means]:
+    """Take a number that equals the one before for no news."""
+    kept = [one for place, one in enumerate(numbers) if one not in numbers[:place][-1:]]
+    means = iter(averaging()(kept))
+    return [
+        () if one in numbers[:place][-1:] else next(means) for place, one in enumerate(numbers)
+    ]
+
+
 def forgets(numbers: Sequence[float]) -> list[Means]:
     """Begin anew after each NaN."""
     found: list[Means] = []
@@ -92,7 +102,7 @@ def spoils(numbers: Sequence[float]) -> list[Means]:
 
 ANSWERS_NAN = Cause(
     'answers_nan',
-    'NaN is treated as a number.',
+    'A message comes for NaN, and none is due.',
     'Return from the callback before anything else if math.isnan(message.data).',
 )
 CUT_OFF = Cause(
@@ -112,6 +122,18 @@ SLIPS = (
         averaging(lambda seen: seen[-1]),
     ),
     Slip('sum', 'That is the sum.', 'Divide by how many numbers there were.', averaging(sum)),
+    Slip(
+        'half_and_half',
+        'The newest number has as much weight as all before it together.',
+        'Keep a sum and a count, and divide: (mean + number) / 2 is right for two numbers only.',
+        averaging(lambda seen: reduce(lambda mean, one: (mean + one) / 2, seen)),
+    ),
+    Slip(
+        'one_behind',
+        'The newest number is missing in the mean.',
+        'Add it up first.',
+        averaging(lambda seen: fmean(seen[:-1] or seen)),
+    ),
     Slip(
         'one_behind',
         'The newest number is missing in the mean.',
@@ -153,6 +175,12 @@ SLIPS = (
         'No answer comes where the mean is the same as the one before.',
         'Publish for each number that is not NaN, whatever the mean was before.',
         changes_only,
+    ),
+    Slip(
+        'skips_equal',
+        'A number that equals the one before is neither counted nor answered.',
+        'Count each number that is not NaN, whatever came before.',
+        skips_equal,
     ),
     Slip(
         'stops_at_nan',

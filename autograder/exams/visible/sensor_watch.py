@@ -21,16 +21,16 @@ import re
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Scenario
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
-from autograder.judging.causes.missing_logs import why_not_logged
+from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
 from autograder.judging.causes.redaction import without_numbers
 from autograder.judging.checks import (
     count_of,
     own_logs,
     require_endpoint,
-    require_node,
     require_qos,
     SECOND,
 )
+from autograder.judging.claims import node
 from autograder.recording import ERROR, Event, INFO, Recording, WARN
 from autograder.results import shortened
 
@@ -59,13 +59,18 @@ WARNS_ONCE = Cause(
 )
 WARNS_TWICE = Cause(
     'warned_twice',
-    'Each missed deadline gives more than one WARN line.',
-    'Put all there is to say into one line.',
+    'More WARN lines come than deadlines are missed.',
+    'Log one line in each call of the callback for deadline, however many were missed before.',
 )
 NOT_A_MISS = Cause(
     'warns_of_something_else',
     'WARN is for missed deadlines, and your node logs it when none is missed.',
     'Log a refused publisher as ERROR, and everything else as INFO.',
+)
+FIRST_ONLY = Cause(
+    'first_refusal_only',
+    'One refused publisher is logged, and another one is not.',
+    'Log in every call of the callback for incompatible_qos, without a flag and once=.',
 )
 ONE_LINE = Cause(
     'several_errors',
@@ -82,11 +87,6 @@ def numbers_in(text: str) -> list[float]:
     return [float(number) for number in re.findall(r'\d{1,9}(?:\.\d{1,9})?', text)]
 
 
-def during(run: Run, phase: str) -> Run:
-    """Return one phase of the run."""
-    return replace(run, recording=run.recording.phase(phase))
-
-
 def warnings_before_silence(run: Run) -> list[Event]:
     """Return the WARN lines of the time in which no deadline is missed."""
     until = ('mark', 'silence')
@@ -99,11 +99,6 @@ def missed_deadlines(run: Run) -> int:
     """Return how many deadlines, as the subscription requests them, are missed in the silence."""
     asked = [end['qos']['deadline_ns'] for end in _ends(run) if end['qos']['deadline_ns']]
     return int(SILENCE_S * SECOND // min(asked)) if asked else 0
-
-
-def starts_its_node(run: Run) -> None:
-    """Your program starts a node called sensor_watch."""
-    require_node(run, NODE)
 
 
 def asks_for_no_more_than_is_offered(run: Run) -> None:
@@ -186,7 +181,7 @@ def warns_of_silence(run: Run) -> None:
             observed=repr(shortened(str(early[0]['text']), 80)),
             why=_why_default(early) or NOT_A_MISS,
         )
-    silence = own_logs(during(run, 'silence'), NODE)
+    silence = own_logs(run.during('silence'), NODE)
     found, due = sum(line['level'] == WARN for line in silence), missed_deadlines(run)
     if found == due > 0:
         return
@@ -200,7 +195,7 @@ def warns_of_silence(run: Run) -> None:
 def _why_other_count(run: Run, found: int, due: int) -> Cause:
     if found < due:
         return _why_unheard(run) or WARNS_ONCE
-    return WARNS_TWICE if due and found % due == 0 else NOT_A_MISS
+    return WARNS_TWICE if due else NOT_A_MISS
 
 
 def _why_default(lines: Sequence[Event]) -> Cause | None:
@@ -265,7 +260,7 @@ def _require_refusal(run: Run, publisher: str) -> None:
                 'Give its profile deadline=Duration(seconds=0.3).',
             ),
         )
-    lines = own_logs(during(run, publisher), NODE)
+    lines = own_logs(run.during(publisher), NODE)
     errors = [str(line['text']) for line in lines if line['level'] == ERROR]
     if len(errors) != 1:
         raise Failed(
@@ -291,6 +286,9 @@ def _why_no_error(run: Run, lines: Sequence[Event]) -> Cause | None:
         return why
     if not _ends(run):
         return why_no_endpoint(run, 'subscription', '/distance', TYPE)
+    first = own_logs(run.during(next(iter(LAZY))), NODE, ERROR)
+    if first:
+        return why_left_out(run, ERROR, first) or FIRST_ONLY
     return why_not_logged(run, lines, ERROR) or Cause(
         'no_incompatible_callback',
         'A publisher is refused, and nothing is logged: the event has no callback, or the '
@@ -341,7 +339,7 @@ def build(distances: Sequence[float]) -> Exam:
         read='Part 5: Promises over time',
         facts={'distances': list(distances)},
     )
-    exam.check(points=1, read=EXERCISE)(starts_its_node)
+    exam.check(points=1, read=EXERCISE)(node(NODE))
     for points, judge, read in (
         (2, asks_for_no_more_than_is_offered, 'Part 3: Offer and request'),
         (2, requests_the_deadline, ''),

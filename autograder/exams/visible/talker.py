@@ -101,7 +101,7 @@ def counts_its_greetings(run: Run) -> None:
 def _why_text(texts: list[str], place: int, first: int) -> Cause | None:
     if GREETING.fullmatch(texts[place]) or '{' in texts[place]:
         return why_not_numbered(texts, place, first)
-    near = GREETING.search(texts[place].lower())
+    near = GREETING.fullmatch(' '.join(re.findall(r'[a-z]+|\d+', texts[place].lower())))
     slip = 'Capitals, spaces and punctuation count.' if near else 'It has another form.'
     return Cause('wrong_text', slip, "Publish String(data=f'hello {self.count}').")
 

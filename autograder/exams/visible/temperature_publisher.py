@@ -46,6 +46,16 @@ PACED_BY_SPIN_ONCE = Cause(
     'paces nothing.',
     'Use self.create_timer() with the period in seconds, and rclpy.spin(node).',
 )
+IMPLAUSIBLE = Cause(
+    'implausible',
+    f'No common sensor reads that: {COLDEST_C:g} to {HOTTEST_C:g} °C is usual.',
+    'Check your formula: does the value grow without an end?',
+)
+NOT_FINITE = Cause(
+    'not_finite',
+    'NaN and infinity are floats, and no temperatures.',
+    'Publish a finite number each time.',
+)
 EXERCISE = 'Exercise 2: the publisher node'
 
 
@@ -143,6 +153,15 @@ def _why_wrong_rhythm(run: Run, found: list[int]) -> Cause | None:
     if sleeps := why_it_sleeps(run):
         return sleeps
     clock: RosClock = run.facts['clock']
+    ros = [gap / SECOND * clock.rate for gap in gaps]
+    if len(set(map(round, ros))) > 1 and all(
+        round(one) > 0 and abs(one - round(one)) <= clock.step_s for one in ros
+    ):
+        return Cause(
+            'some_missing',
+            'Your messages keep the rhythm of a second, but some are missing.',
+            'Each call of the callback publishes: is there an if or a return before it?',
+        )
     # From the first message to the last: a late beginning or an early end is not a wrong rate.
     rate = len(gaps) * SECOND / clock.rate / sum(gaps) if gaps else 0.0
     if abs(rate - 1.0) > 0.01:
@@ -193,7 +212,7 @@ def readings_are_plausible(run: Run) -> None:
         raise Failed(
             expected=f'values from {COLDEST_C:g} to {HOTTEST_C:g} °C',
             observed=f'a reading of {shown} °C',
-            why=Cause('implausible', 'No common sensor reads that.', 'Check your formula.'),
+            why=IMPLAUSIBLE if math.isfinite(odd[0]) else NOT_FINITE,
         )
     if len(set(values)) == 1:
         raise Failed(

@@ -22,6 +22,7 @@ from autograder.exams.reading_errors import (
     BURST_IS_CUT,
     LOGGED_TWICE,
     NEEDLESS_ERROR,
+    NO_ERROR,
     NO_VALUE,
     NOT_LOGGED,
     ONE_LINE,
@@ -46,6 +47,7 @@ from autograder.judging.causes.missing_logs import (
     LEVELS,
     why_dropped,
     why_elsewhere,
+    why_left_out,
     why_other_logger,
     why_printed,
 )
@@ -79,6 +81,10 @@ def by_first_letter(reading: Reading) -> float | None:
     return replace(reading, unit=units.get(reading.unit[:1], '')).celsius
 
 
+def _whole_unit(unit: str) -> str:
+    return next((one for one in ('Celsius', 'Fahrenheit') if unit in one), unit)
+
+
 SLIPS = (
     *above_limit(warns, '30.0'),
     of_nan(warns, '30.0'),
@@ -98,7 +104,8 @@ SLIPS = (
         'wrong_conversion',
         'Warm readings in Celsius are warned about, a warm one in Fahrenheit is not: it is not '
         'compared, or its conversion gives too small a number.',
-        'celsius = (value - 32) / 1.8. Try yours: 86 °F must give 30, and 212 °F 100.',
+        'celsius = (value - 32) / 1.8, with / and not //. Try yours: 86 °F must give 30, and '
+        '86.9 °F 30.5.',
         warns(celsius=lambda one: one.value if one.unit == 'Celsius' else None),
     ),
     Slip(
@@ -106,6 +113,12 @@ SLIPS = (
         'A unit that only begins like Celsius or Fahrenheit is taken for it.',
         "Compare the whole word: msg.unit == 'Celsius'.",
         warns(celsius=by_first_letter),
+    ),
+    Slip(
+        'part_of_a_unit',
+        'A unit that is empty, or only a part of the word, is taken for a known one.',
+        "Compare it with ==, and not with in and a text: msg.unit == 'Celsius'.",
+        warns(celsius=lambda one: replace(one, unit=_whole_unit(one.unit)).celsius),
     ),
     Slip(
         'any_case',
@@ -297,11 +310,11 @@ def _why_unknown_unit(run: Run, group: Sent) -> Cause | None:
     asked: Specification = run.facts['warnings']
     groups = sent(run)
     came = [one.count(WARN) if one.sent else None for one in groups]
-    return (
-        (why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR))
-        or (asked.cause(came, groups.index(group)) if group.count(WARN) else None)
-        or UNKNOWN_UNIT
-    )
+    if why := why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR):
+        return why
+    if group.count(WARN):
+        return asked.cause(came, groups.index(group)) or UNKNOWN_UNIT
+    return why_left_out(run, ERROR, run.recording.logs(level=ERROR)) or NO_ERROR
 
 
 def does_not_warn_about_nan(run: Run) -> None:

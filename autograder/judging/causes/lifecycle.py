@@ -102,15 +102,22 @@ def why_accepted(run: Run, let_through: bool) -> Cause | None:
     return None
 
 
-def why_refused(run: Run, name: str) -> Cause:
+def why_refused(run: Run, name: str, again: bool = False) -> Cause:
     """
     Explain a transition that ended with FAILURE or ERROR.
 
     :param name: of the transition, such as ``configure``
+    :param again: whether it succeeded before
     """
     code = Code(run.files)
     if not code.makes('on_configure'):
         return _why_no_configure(code)
+    if again:
+        return Cause(
+            'refused_again',
+            f'The first time, on_{name}() succeeds, and the second time it does not.',
+            'Something is not set back in between, as in on_deactivate() or on_cleanup().',
+        )
     taken = code.parameters(f'on_{name}')
     if taken is not None and len(taken) < 2:
         return Cause(

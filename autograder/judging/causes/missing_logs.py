@@ -90,9 +90,14 @@ def _why_pythons_logger(run: Run, level: int) -> Cause | None:
     )
 
 
-def why_left_out(run: Run, level: int) -> Cause | None:
-    """Explain lines that are missing because the logger is told to leave some out."""
-    name = leaves_out(run.files, _names(level))
+def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | None:
+    """
+    Explain lines that are missing because the logger is told to leave some out.
+
+    :param found: those that came; where they were logged tells which call it is
+    """
+    lines = {one.get('line') for one in found} - {None}
+    name = leaves_out(run.files, _names(level), lines)
     if not name:
         return None
     return Cause(

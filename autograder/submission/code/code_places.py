@@ -15,17 +15,22 @@ _LEAVE_OUT = ('throttle_duration_sec', 'once', 'skip_first')
 _SEEDS = ('seed', 'Random', 'RandomState', 'default_rng')
 
 
-def leaves_out(files: Mapping[str, str], names: Collection[str]) -> str:
+def leaves_out(
+    files: Mapping[str, str], names: Collection[str], lines: Collection[int] = ()
+) -> str:
     """
     Return the argument with which every log call of a level leaves lines out, or nothing.
 
     :param names: of the calls, such as ``warn`` and ``warning``; those of callbacks count
+    :param lines: only calls in these lines, if there are any
     """
     found: list[str] = []
     for tree in trees(files):
         for _, body in bodies_of_callbacks(tree):
             for call in ast.walk(body):
-                if isinstance(call, ast.Call) and last_name(call.func) in names:
+                if not isinstance(call, ast.Call) or (lines and call.lineno not in lines):
+                    continue
+                if last_name(call.func) in names:
                     told = (one for one in call.keywords if one.arg in _LEAVE_OUT)
                     found.append(
                         next((str(one.arg) for one in told if not _is_off(one.value)), '')
