@@ -116,7 +116,7 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
     got = f'as many of {ranked[1][0]} as of {ranked[0][0]}' if ranked else 'none of this course'
     among = sorted(one for one, count in votes.items() if count == ranked[0][1])
     raise NotTakenInError(
-        f'{name}: expected notebooks that were handed in for one assignment, got {got}.',
+        f'{name}: the notebooks do not show which assignment this is: {got}.',
         f'Try: --assignment NAME, with one of {", ".join(among or course.assignments)}',
     )
 
@@ -151,7 +151,7 @@ def _unusable(handed: Handed, course: Course, wanted: str) -> str:
     if wanted and handed.assignment and handed.assignment != wanted:
         return f'handed in for {handed.assignment}'
     if handed.assignment and handed.assignment not in course.assignments:
-        return f'{handed.assignment}: no assignment of this course; name it with --assignment'
+        return f'{handed.assignment}: not an assignment of this course; name one with --assignment'
     return '' if handed.pieces else 'no files'
 
 
@@ -173,7 +173,7 @@ def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
         named, digest, shared, why = course.named(piece.file.parts), '', {}, ''
         try:
             if count >= MOST_NOTEBOOKS or left <= 0:
-                raise UnreadableError(f'not looked at, after {count} other notebooks')
+                raise UnreadableError(f'not read: {count} other notebooks come first')
             data = piece.file.read()
             left -= len(data)
             digest, shared = hashlib.sha256(data).hexdigest(), course.shared(data)
@@ -312,7 +312,7 @@ def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
         return f'{path}: no cell of {goal or "this course"} is in it'
     if goal or one.named:
         return f'{path}: no cell of {goal or one.named} is in it, and it is not the only notebook'
-    return f'{path}: no assignment of this course; name it with --assignment'
+    return f'{path}: not an assignment of this course; name one with --assignment'
 
 
 def _said(handed: Handed) -> tuple[str, ...]:

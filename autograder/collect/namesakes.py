@@ -60,7 +60,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
         got = problems[0].got if problems else 'something else'
         raise NotTakenInError(
             f'{path}: expected JSON with the numbers of people in Moodle, got {got}.',
-            'Try: delete it, and look in the table for people of one name',
+            'Try: delete the file, and look in the table for people with the same name',
         ) from error
 
 

@@ -19,7 +19,7 @@ from autograder.errors import GraderError
 from autograder.gradebook.settings import load_config
 from autograder.layout import Layout
 
-ADVICE = 'if you laid it there yourself: --trust-names (docs/exchange.md)'
+ADVICE = 'if you copied it there yourself: --trust-names (docs/exchange.md)'
 
 
 @dataclass(frozen=True)

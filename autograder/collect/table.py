@@ -55,7 +55,7 @@ def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:
     said = ', '.join(f'{count} {done}' for done, count in sorted(counts.items()))
     where = f'Folder: {to}' if written else 'Nothing was written (--dry-run)'
     console.print(
-        f'{said or "nothing there"}. {where}. Times are UTC.',
+        f'{said or "no submissions"}. {where}. Times are UTC.',
         markup=False,
         highlight=False,
         soft_wrap=True,

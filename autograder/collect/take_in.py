@@ -67,7 +67,7 @@ def collect(
         rows += _kept(layout.people, 'names', lambda: keep_people(layout, names))
         rows += _kept(
             layout.namesakes,
-            'numbers of Moodle',
+            'student numbers from Moodle',
             lambda: keep_namesakes(layout, known, numbers),
         )
         if to.resolve() == layout.submitted.resolve():
@@ -126,7 +126,7 @@ def _refused(tree: Tree) -> Iterator[Row]:
     for where, why in tree.refused:
         grouped.setdefault((*where.split('/')[:depth], why), []).append(where)
     for (*_, why), places in grouped.items():
-        more = (f'and {len(places) - 1} more there',) if len(places) > 1 else ()
+        more = (f'and {len(places) - 1} more in the same folder',) if len(places) > 1 else ()
         yield Row('', '', places[0], LEFT, (why, *more))
 
 
@@ -167,5 +167,7 @@ def _take(several: Sequence[Chosen], course: Course, to: Path, write: bool) -> l
     rows = [newest.row(done, course, *filter(None, (said, *notes)))]
     for one in others:
         odd = one.strange and not newest.strange
-        rows.append(one.row(LEFT, course, 'another one was taken' if odd else 'an earlier one'))
+        rows.append(
+            one.row(LEFT, course, 'a different one was collected' if odd else 'an earlier one')
+        )
     return rows

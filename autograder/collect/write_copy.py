@@ -67,5 +67,5 @@ def _older(wanted: bytes | None, there: bytes | None) -> tuple[bool, str]:
     texts = ((data or b'')[:100].decode('utf-8', 'replace') for data in (wanted, there))
     new, old = (read_time(text)[0] for text in texts)
     if new is None or old is None:
-        return False, 'which one is newer is not known'
-    return new < old, f'older than what is there, of {old:%Y-%m-%d %H:%M}' if new < old else ''
+        return False, 'it is unknown which one is newer'
+    return new < old, f'older than the collected one, of {old:%Y-%m-%d %H:%M}' if new < old else ''

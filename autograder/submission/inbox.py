@@ -149,7 +149,7 @@ def _student(
         problem = Problem(
             f'submitted/{readable[:MAX_NAME_CHARS]!r}',
             f'a student id of at most {MAX_NAME_CHARS} letters, digits and . _ - @',
-            'another folder name, which nbgrader would misread',
+            'a folder name that nbgrader would misread',
             'rename the folder to the student id',
         )
         return Submission(readable[:MAX_NAME_CHARS], folder, None, (problem,), recordable=False)

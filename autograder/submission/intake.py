@@ -49,7 +49,7 @@ def read_handed_in(path: Path) -> dict[str, str]:
         return {path.name: _script(path)}
     if path.is_dir() or path.suffix == '.zip':
         return in_package(_texts(path), str(path))
-    kind = 'another file' if path.exists() else 'nothing of that name'
+    kind = 'another file' if path.exists() else 'no file or folder of this name'
     raise NotTakenInError(
         f'{path}: expected a Python script, a package folder, a zip file or a notebook, '
         f'got {kind}.'

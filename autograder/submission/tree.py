@@ -76,9 +76,9 @@ class Bounds:
         if path.startswith('/') or (len(parts[0]) == 2 and parts[0][1] == ':'):
             return 'an absolute path'
         if {'', '.', '..'} & set(parts):
-            return 'a path that leads elsewhere'
+            return 'a path that leads out of the folder'
         if not readable or not path.isprintable() or '\\' in path:
-            return 'a name with characters that no system shows'
+            return 'a name with unprintable characters'
         if len(path) > self.name_chars:
             return 'a path that is far too long'
         return f'folders more than {DEEPEST} deep' if len(parts) > DEEPEST else ''
@@ -138,7 +138,7 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
     try:
         kind = source.stat().st_mode
     except OSError as error:
-        what = f'{source}: expected a folder or a zip file, got: {str(error.strerror).lower()}.'
+        what = f'{source}: cannot be read: {str(error.strerror).lower()}.'
         raise NotTakenInError(what) from error
     meter = _Meter(str(source), bounds)
     if stat.S_ISDIR(kind):
@@ -151,8 +151,8 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
             yield _tree(source.stem, _in_zip(archive, meter), meter)
     except _DAMAGED as error:
         raise NotTakenInError(
-            f'{source}: expected a folder or a zip file that can be read, got: {error}.',
-            'Try: download or pack it again, or the folder that was packed',
+            f'{source}: the zip file cannot be read: {error}.',
+            'Try: download or pack it again, or give the unpacked folder',
         ) from error
 
 
@@ -221,7 +221,7 @@ def _tree(name: str, names: Iterable[_Name], meter: _Meter) -> Tree:
             continue
         if one.owner is not None:
             owners[one.parts] = one.owner
-        twice = 'a name that is there twice' if one.parts in files else ''
+        twice = 'a name that occurs twice' if one.parts in files else ''
         if trouble := bounds.trouble(one.parts) or one.trouble or twice:
             refused.append(('/'.join(one.parts)[: bounds.name_chars], trouble))
         elif one.read is None:

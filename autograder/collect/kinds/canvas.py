@@ -30,8 +30,8 @@ _ANONYMOUS = re.compile(
     r'(?:(?P<typed>text|link)\.html|(?P<attachment>[1-9][0-9]*)_(?P<file>.+))'
 )
 _TYPED = {
-    'text': 'a text was handed in instead of a file',
-    'link': 'a link was handed in instead of a file',
+    'text': 'the student submitted text instead of a file',
+    'link': 'the student submitted a link instead of a file',
 }
 _SPREAD = 10
 """Attachments are counted upwards, so those of one assignment are not this much apart."""
@@ -103,14 +103,14 @@ def read(level: Level) -> Iterator[Handed | Left]:
                 told[name] = fitting[0]
             else:
                 whose = ' or '.join(sorted({f'user {one.user}' for one in found}))
-                yield Left(name, f'it cannot be told whose it is: {whose}; rename the file')
+                yield Left(name, f'the owner is unclear: {whose}; rename the file')
     users: dict[str, list[str]] = {}
     for name in level.files:
         if name in told:
             users.setdefault(told[name].user, []).append(name)
     for user, names in users.items():
         by_others = [name for name in names if name not in settled]
-        notes = (f'user {user}, as the other files tell',) if by_others else ()
+        notes = (f'user {user}, according to the other files',) if by_others else ()
         yield from _of_user(level, {name: told[name] for name in names}, notes)
 
 

@@ -17,7 +17,7 @@ from autograder.collect.source.deliveries import Handed, in_folder, Left, Level,
 from autograder.collect.source.times import STAMP
 from autograder.submission.tree import File, Tree, UnreadableError
 
-EXPECTED = 'a folder or a notebook a student'
+EXPECTED = 'one folder or one notebook per student'
 FEW = 20
 """Number of notebooks to read, to distinguish a class from one student's copies."""
 
@@ -70,13 +70,15 @@ def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Le
             yield Left(name, "neither a notebook nor a student's folder")
     for folder, files in level.folders.items():
         if folder in course.assignments:
-            yield Left(folder, "an assignment, no student's name: collect the folder above it")
+            yield Left(
+                folder, 'the name of an assignment, not of a student: collect the folder above'
+            )
             continue
         repository = folder in level.repositories
         off = _prefix(folder, prefix) or (course.beginning(folder) if repository else '')
         notes: tuple[str, ...] = ()
         if repository and any(file.name == STAMP for file in files):
-            notes = (f"no time from its {STAMP}: in a repository that is the student's own",)
+            notes = (f'{STAMP} ignored: in a repository, students can edit it',)
         yield _handed(folder, off, in_folder(folder, files), folder, not repository, notes)
 
 
@@ -93,7 +95,7 @@ def _handed(
     stamped: bool = False,
     notes: tuple[str, ...] = (),
 ) -> Handed:
-    """Return a hand-in, which tells what was taken off the name."""
-    said = (f'{off!r} was taken off the name',) if off else ()
+    """Return a delivery, with a note about what was removed from the name."""
+    said = (f'{off!r} was removed from the name',) if off else ()
     student = name[len(off) :]
     return Handed(student, pieces, place, stamped=stamped, notes=(*said, *notes), called=name)

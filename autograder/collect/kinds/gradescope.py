@@ -18,7 +18,7 @@ from autograder.collect.source.times import read_time
 from autograder.submission.tree import File, NotTakenInError, UnreadableError
 
 METADATA = 'submission_metadata.yml'
-EXPECTED = f'the file {METADATA} and folders beside it'
+EXPECTED = f'the file {METADATA} and folders next to it'
 _FOLDER = re.compile(r'submission_\d+')
 
 
@@ -50,7 +50,7 @@ def read(level: Level) -> Iterator[Handed | Left]:
             )
     for folder in level.folders:
         if folder not in described:
-            yield Left(folder, f'not in {METADATA}, so it cannot be told whose it is')
+            yield Left(folder, f'not in {METADATA}, so its owner is unknown')
 
 
 def _metadata(file: File) -> Mapping[Any, Any]:
@@ -59,9 +59,9 @@ def _metadata(file: File) -> Mapping[Any, Any]:
         data = yaml.safe_load(file.read())
     except (yaml.YAMLError, UnreadableError, RecursionError, ValueError) as error:
         what = ' '.join(str(error).split())[:200]
-        raise NotTakenInError(f'{METADATA}: expected YAML, got: {what}.') from error
+        raise NotTakenInError(f'{METADATA}: this is not valid YAML: {what}.') from error
     if not isinstance(data, Mapping):
-        raise NotTakenInError(f'{METADATA}: expected a table of submissions.')
+        raise NotTakenInError(f'{METADATA}: this is not a table of submissions.')
     return data
 
 

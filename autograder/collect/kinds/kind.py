@@ -84,7 +84,7 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     left = [one for one in found if isinstance(one, Left)]
     known = {name for one in handed for name in one.places} | {one.place for one in left}
     known |= {gradescope.METADATA} if chosen == 'gradescope' else set()
-    why = f'not named as {chosen} names what is handed in'
+    why = f'not named the way {chosen} names submissions'
     left += [Left(name, why) for name in place.entries if name not in known]
     return Found(chosen, handed, tuple(left), chosen not in (FOLDER, EXCHANGE))
 
@@ -95,7 +95,7 @@ def _used(tree: Tree, prefix: str, names: Sequence[str]) -> None:
         raise NotTakenInError(
             f'{tree.name}: expected names of students that begin with {printable(prefix)!r} '
             f'(--prefix), got: {_shown(names)}.',
-            'Try: leave out --prefix, or what the names of the folders begin with',
+            'Try: leave out --prefix, or give the text that the folder names begin with',
         )
 
 
@@ -112,7 +112,7 @@ def _recognised(tree: Tree) -> tuple[str, Level | None]:
     if courses and all(_is_exchange(level(tree, name)) for name in courses):
         raise NotTakenInError(
             f'{tree.name}: expected the exchange of one course, got {len(courses)} of them.',
-            'Try: the folder of the course, or its inbound/',
+            'Try: collect the folder of one course, or its inbound/',
         )
     return FOLDER, None
 
@@ -143,12 +143,12 @@ def _is_exchange(place: Level) -> bool:
 
 
 def _nothing(tree: Tree, kind: str, expected: str) -> NotTakenInError:
-    """Return the error that a source is not of the kind that the user named."""
+    """Return the error for a source that is not of the kind that the user named."""
     *_, place = _levels(tree)
     return NotTakenInError(
-        f'{tree.name}: expected submissions of the kind {kind} ({expected}), '
+        f'{tree.name}: expected submissions of kind {kind} ({expected}), '
         f'got: {_shown(place.entries)}.',
-        'Try: leave out --kind, or the source as it was downloaded',
+        'Try: leave out --kind, or collect the source as you downloaded it',
     )
 
 

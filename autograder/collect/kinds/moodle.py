@@ -51,7 +51,7 @@ def read(level: Level) -> Iterator[Handed]:
             pieces = in_folder(place, level.folders[place])
         handed.setdefault(key, []).extend(pieces)
     for (name, number, kind), found in handed.items():
-        what = '' if kind == 'file' else _TYPED.get(kind, f'{kind} of Moodle, no file')
+        what = '' if kind == 'file' else _TYPED.get(kind, f'{kind} of Moodle, not a file')
         place = places[name, number, kind]
         theirs = () if what else tuple(found)
         yield Handed(name, theirs, place, name, instead=what, number=number)

@@ -72,11 +72,11 @@ def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[
     :param due: until when it should have been there, if known
     """
     if when is None:
-        said = f'late, as {late} says; no time known, so a late policy cannot act'
+        said = f'late, according to {late}; the time is unknown, so a late policy cannot apply'
         return (said,) if late else ()
     if due is not None and when > due:
         return (f'late by {_duration(when - due)}',)
-    return (f'late, as {late} says',) if late else ()
+    return (f'late, according to {late}',) if late else ()
 
 
 def _duration(length: timedelta) -> str:
@@ -138,4 +138,4 @@ def due_dates(layout: Layout) -> DueDates:
         )
     except (GraderError, ValueError, ImportError) as error:
         what = ' '.join(str(error).split())[:120]
-        return DueDates(problem=f'no due dates, the gradebook cannot be read: {what}')
+        return DueDates(problem=f'due dates unknown, because the gradebook cannot be read: {what}')

@@ -45,7 +45,7 @@ def opened(source: Path) -> AbstractContextManager[Tree]:
     """
     bounds = Bounds(
         'the submissions of a class',
-        'the folder with the submissions alone, one assignment at a time, or a part of the class',
+        'a folder with submissions only, one assignment at a time, or part of the class',
         _is_noise,
         entries=MOST_ENTRIES,
         listed=MOST_LISTED,
