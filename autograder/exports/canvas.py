@@ -29,7 +29,7 @@ ID_COLUMNS = ('SIS Login ID', 'SIS User ID', 'ID')
 
 ASSIGNMENT = re.compile(r'^(?P<title>.*\S) \((?P<id>\d+)\)$')
 READ_ONLY = re.compile(r'read\s+only')
-KEPT = {'EX': 'is excused in Canvas', 'N/A': 'is not assigned this in Canvas'}
+KEPT = {'EX': 'is excused in Canvas', 'N/A': 'does not have this assignment in Canvas'}
 """Cells that say why there is no score; they stay."""
 BOM = '\N{ZERO WIDTH NO-BREAK SPACE}'
 SHOWN = 12
@@ -92,7 +92,7 @@ class Filled:
         lines += [f'replaced: {who}: {old} -> {new}' for who, old, new in self.replaced]
         lines += [f'not entered: {who}: {why}' for who, why in self.left_out]
         if self.untouched:
-            lines.append(f'{self.untouched} lines of Canvas have no submission; left as they are.')
+            lines.append(f'{self.untouched} rows have no submission and are unchanged.')
         return '\n'.join(lines)
 
 
@@ -127,14 +127,14 @@ def read(data: bytes, where: str) -> Gradebook:
     try:
         text = data.decode('utf-8')
     except UnicodeDecodeError as error:
-        raise _no_gradebook(where, 'text in another encoding than UTF-8') from error
+        raise _no_gradebook(where, 'the text is not UTF-8') from error
     bom, text = text.startswith(BOM), text.removeprefix(BOM)
     first = text.partition('\n')[0]
     delimiter = ';' if first.count(';') > first.count(',') else ','
     try:
         rows = list(csv.reader(io.StringIO(text, newline=''), delimiter=delimiter, strict=True))
     except csv.Error as error:
-        raise _no_gradebook(where, f'a line that is no CSV ({error})') from error
+        raise _no_gradebook(where, f'a line is not valid CSV ({error})') from error
     rows = [row for row in rows if row]
     header = rows[0] if rows else []
     if not header or header[0] not in ('Student', 'LastName') or 'ID' not in header:
@@ -142,7 +142,7 @@ def read(data: bytes, where: str) -> Gradebook:
     for line, row in enumerate(rows, start=1):
         if len(row) != len(header):
             raise _no_gradebook(
-                where, f'{len(row)} fields in line {line}, {len(header)} in the first'
+                where, f'line {line} has {len(row)} fields, the first line {len(header)}'
             )
     possible = [index for index, row in enumerate(rows) if 'Points Possible' in row[0]]
     if not possible:
@@ -160,15 +160,16 @@ def read_file(path: Path) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise GraderError(
-            f'{path}: expected the file that Canvas exports, got: {error.strerror}.',
-            'Try: in Canvas, Grades, Export, Export Entire Gradebook',
+            f'{path}: the gradebook from Canvas cannot be read: {error.strerror}.',
+            'Try: in Canvas choose Grades, Export, Export Entire Gradebook',
         ) from error
 
 
 def _no_gradebook(where: str, got: str) -> GraderError:
     return GraderError(
-        f'{where}: expected a gradebook as Canvas exports it, got {got}.',
-        'Try: in Canvas, Grades, Export, Export Entire Gradebook; do not save it with Excel',
+        f'{where}: this is not a gradebook exported from Canvas: {got}.',
+        'Try: in Canvas choose Grades, Export, Export Entire Gradebook; do not save the file '
+        'with Excel',
     )
 
 
@@ -190,14 +191,14 @@ def _column(book: Gradebook, where: str, wanted: str) -> int:
     if meant:
         several = ', '.join(book.header[index] for index in meant)
         raise GraderError(
-            f'{where}: expected one column {wanted!r}, got several: {several}.', 'Name its id.'
+            f'{where}: several columns match {wanted!r}: {several}.', 'Try: --column with an id'
         )
     titles = {found['title']: found[0] for found in there.values()}
     close = get_close_matches(wanted, titles, n=1, cutoff=0.5)
     hint = f'Did you mean {titles[close[0]]!r}? ' if close else ''
     raise GraderError(
-        f'{where}: expected an assignment column {wanted!r} that may be changed, got none.',
-        f'{hint}There are: {"; ".join(names[:SHOWN]) or "no assignments"}.',
+        f'{where}: there is no assignment column {wanted!r} that can be changed.',
+        f'{hint}Columns: {"; ".join(names[:SHOWN]) or "none"}.',
     )
 
 
@@ -218,7 +219,7 @@ def _factor(book: Gradebook, where: str, index: int, marks: Sequence[Mark], scal
     raise GraderError(
         f'{where}: expected {number(most)} points possible for {book.header[index]}, got '
         f'{number(possible)}.',
-        f'Try: change the points of the assignment in Canvas, or --scale to multiply with '
+        f'Try: change the points of the assignment in Canvas, or --scale to multiply by '
         f'{number(possible / most)}',
     )
 
@@ -251,7 +252,7 @@ def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, 
             continue
         where = ' and '.join(str(row + 1) for row in sorted(rows))
         names = ', '.join(book.header[column] for column in columns)
-        why = f'the lines {where} both have this id' if rows else f'no such {names} in the file'
+        why = f'lines {where} both have this id' if rows else f'no such {names} in the file'
         done.left_out.append((mark.student, why))
     for row, several in found.items():
         if len(several) > 1:

@@ -94,5 +94,7 @@ def _output(exam: ExamResult, check: CheckResult) -> str:
         return ''
     if check.verdict is Verdict.NOT_RUN:
         titles = {one.check: one.title for one in exam.checks}
-        return f'Not looked at, it waits for: {titles.get(check.waits_for, check.waits_for)}'
+        return (
+            f'Not checked, because it depends on: {titles.get(check.waits_for, check.waits_for)}'
+        )
     return '\n'.join(f'{name.capitalize()}: {text}' for name, text in check.facts.items())

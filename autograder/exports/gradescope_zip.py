@@ -48,12 +48,13 @@ def autograder_zip(
     """
     if allow_weak and not MODES[allow_weak].keeps_secrets:
         raise GraderError(
-            f'--allow-weak {allow_weak}: it runs no hidden exam, so it gives no grade.'
+            f'--allow-weak {allow_weak}: hidden exams never run with this isolation, so it gives '
+            'no grade.'
         )
     if not (layout.exams / 'hidden').is_dir():
         raise GraderError(
-            'This is the copy of the course that students have; it has no hidden exams.',
-            'Try: the full project',
+            'The copy of the course for students has no hidden exams.',
+            "Try: run this in the instructors' copy",
         )
     settings = {'assignment': assignment, 'visibility': visibility, 'allow_weak': allow_weak}
     made = io.BytesIO()

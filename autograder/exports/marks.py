@@ -77,7 +77,7 @@ def from_gradebook(
     from autograder.gradebook.converters import opened_gradebook
 
     missing = GraderError(
-        f'{assignment}: expected it in the gradebook, got none.',
+        f'{assignment}: this assignment is not in the gradebook.',
         'Try: make grade, or --points automatic for the points of the checks alone',
     )
     if not has_gradebook(layout):

@@ -33,9 +33,9 @@ def unfit_points(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Itera
     gives = {exam.name: exam.max_points for exam in exams}
     for name in dict.fromkeys((*cells, *gives)):
         if name not in gives:
-            yield f'{where}, cell {CHECK_PREFIX}{name}: there is no exam {name} for this lesson.'
+            yield f'{where}, cell {CHECK_PREFIX}{name}: this lesson has no exam {name}.'
         elif name not in cells:
-            yield f'{where}: the exam {name} has no check cell above which its answers lie.'
+            yield f'{where}: the exam {name} has no check cell below its answers.'
         elif abs(cells[name] - gives[name]) > 1e-9:
             yield (
                 f'{where}, cell {CHECK_PREFIX}{name}: {cells[name]:g} points, but the exam gives '

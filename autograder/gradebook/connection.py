@@ -67,7 +67,7 @@ def refused(layout: Layout, said: str) -> GradebookRefusedError:
     else:
         url = make_url(str(load_config(layout).CourseDirectory.db_url))
         where = url.render_as_string(hide_password=True)
-        advice = 'see that its server runs and that the gradebook on it is complete'
+        advice = 'check that the database server is running and that its gradebook is complete'
     return GradebookRefusedError(
         f'{where}: the gradebook cannot be used: {said}.',
         f'Try: {advice}, then run the same command again. Finished runs are kept.',
@@ -94,13 +94,13 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
         engine = create_engine(url, poolclass=NullPool)
     except (SQLAlchemyError, ValueError) as error:
         raise GraderError(
-            f'{address}: expected the address of a gradebook, got: {error}.',
+            f'{address}: this is not the address of a gradebook: {error}.',
             'Try: c.CourseDirectory.db_url in nbgrader_config.py as in docs/gradebook.md, then '
             'the same command again; no run is lost.',
         ) from error
     except ModuleNotFoundError as error:
         raise GraderError(
-            f'{address}: expected the driver {error.name} for this gradebook, got none.',
+            f'{address}: the driver {error.name} for this gradebook is not installed.',
             'Try: .venv/bin/python -m pip install --no-deps -r '
             'environment/requirements-postgres.txt (see docs/gradebook.md)',
         ) from error

@@ -99,7 +99,8 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
         said = (str(error).strip().splitlines() or [type(error).__name__])[0]
         raise GraderError(
             f'nbgrader cannot use its gradebook: {said}.',
-            'Try: the same command again, when nobody else writes to it; no run is lost.',
+            'Try: close other programs that use it, then run the same command again. Finished '
+            'runs are kept.',
         ) from error
 
 

@@ -69,7 +69,7 @@ def keep_copy(layout: Layout) -> Path | None:
         if type(error) is sqlite3.DatabaseError:  # what SQLite cannot do now is a subclass
             raise _damaged(layout, path, str(error)) from error
         raise GraderError(
-            f'{path}: no copy of the gradebook can be kept: {error}. Nothing was entered.',
+            f'{path}: the gradebook cannot be copied: {error}. Nothing was entered.',
             f'Try: free space for {copy.parent}, close what else writes to the gradebook, then '
             'the same command again. Finished runs are kept.',
         ) from error
@@ -124,7 +124,7 @@ def refuse_damaged(layout: Layout) -> None:
         nothing = not path.stat().st_size
         if not empty or not (_was_filled(layout) or (nothing and copies(layout))):
             return
-        got = 'an empty file' if nothing else 'no submission in it any more'
+        got = 'an empty file' if nothing else 'it no longer has any submission'
     raise _damaged(layout, path, got)
 
 
@@ -144,11 +144,11 @@ def _was_filled(layout: Layout) -> bool:
 
 def _damaged(layout: Layout, path: Path, got: str) -> GraderError:
     """Return the error about a damaged gradebook, with the newest copy of it."""
-    fix = 'restore it from a backup, as no copy of it is kept'
+    fix = 'restore it from a backup, because the grader has no copy'
     if there := copies(layout):
         fix = f'cp {shlex.quote(str(there[-1]))} {shlex.quote(str(path))}'
     return GraderError(
-        f'{path}: expected a gradebook that answers, got: {got}.',
+        f'{path}: the gradebook is damaged: {got}.',
         f'Try: {fix}. To begin a new gradebook instead, remove the file. Nothing was written.',
     )
 

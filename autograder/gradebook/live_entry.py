@@ -69,7 +69,7 @@ class Guard:
             f'{count} mark{"s" * (count != 1)} of {name}' for name, count in counts.items()
         )
         return (
-            f'gradebook: {where} would be lowered or emptied, so the old ones were left there; '
+            f'gradebook: {where} would be lowered or cleared, so they were not changed; '
             f'{done}. Try: look at the list, then the same command with --yes (make grade '
             f'ARGS=--yes). {how_to_dump(self.layout)}'
         ).rstrip()

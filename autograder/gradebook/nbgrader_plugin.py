@@ -237,7 +237,7 @@ class GradeOutside(NbGraderPreprocessor):
         for mark in lowered_marks(layout, lesson, [Graded(submission, opened, result)]):
             resources['nbgrader']['keep_scores'] = True
             self.log.warning(
-                'gradebook: the mark would fall, so the old one was left: %s. Try: make grade '
+                'gradebook: the mark would be lowered, so it was not changed: %s. Try: make grade '
                 'ARGS=--yes',
                 mark.text(),
             )

@@ -24,7 +24,7 @@ def load_config(layout: Layout) -> Config:
         return PyFileConfigLoader(path.name, path=str(layout.root)).load_config()
     except Exception as error:  # noqa: BLE001 - it is a program, and instructors edit it
         raise GraderError(
-            f'{path}: expected settings of nbgrader, got {type(error).__name__}: {error}.',
+            f'{path}: nbgrader cannot read these settings: {type(error).__name__}: {error}.',
             'Try: fix the file, then run the same command again. Finished runs are kept.',
         ) from error
 
