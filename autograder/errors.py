@@ -59,7 +59,7 @@ def of_system(error: OSError, where: str = 'the system') -> GraderError:
             'Try: free space on it, then run the same command again. Finished runs are kept.',
         )
     return GraderError(
-        f'{where}: expected a file or folder to work with, got: {str(error.strerror).lower()}.',
+        f'{where}: cannot be read or written: {str(error.strerror).lower()}.',
         'Try: check its permissions and the free space on the disk',
     )
 

@@ -28,11 +28,11 @@ def refuse_existing(paths: Iterable[Path], force: bool) -> None:
     """
     for path in paths:
         if path.is_dir():
-            raise GraderError(f'{path}: expected a file to write, got a folder.')
+            raise GraderError(f'{path}: cannot write a file here, because this is a folder.')
         if os.path.lexists(path) and not force:
             raise GraderError(
-                f'{path}: expected a new file, got one that is already there.',
-                'Try: --force to replace it, or --to with another name',
+                f'{path}: this file already exists.',
+                'Try: --force to replace it, or --to with a different name',
             )
 
 

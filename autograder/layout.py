@@ -57,14 +57,18 @@ def read_facts(path: Path) -> Facts:
     try:
         found = tomllib.loads(path.read_text(encoding='utf-8')) if path.is_file() else {}
     except (OSError, ValueError) as error:
-        raise GraderError(f'{path}: expected TOML, got: {error}.', 'Try: correct it.') from error
+        raise GraderError(
+            f'{path}: this is not valid TOML: {error}.', 'Try: correct the file'
+        ) from error
     known = {one.name: one for one in fields(Facts)}
     for name, value in found.items():
         if name not in known:
-            raise GraderError(f'{path}: got {name!r}.', f'Known: {", ".join(known)}.')
+            raise GraderError(f'{path}: unknown name {name!r}.', f'Try: one of {", ".join(known)}')
         if not isinstance(value, dict if name == 'messages' else str):
-            kind = 'a table' if name == 'messages' else 'a text'
-            raise GraderError(f'{path}: expected {kind} for {name}, got {value!r}.', 'Correct it.')
+            kind = 'a table' if name == 'messages' else 'a string'
+            raise GraderError(
+                f'{path}: expected {kind} for {name}, got {value!r}.', 'Try: correct the file'
+            )
     return Facts(**found)
 
 
@@ -92,8 +96,8 @@ class Layout:
             if (folder / FILE).is_file():
                 return cls(folder)
         raise GraderError(
-            f'{folders[0]}: expected a course, found no {FILE}.',
-            'Try: cd to a course, or begin one with new-course.',
+            f'{folders[0]}: this is not the folder of a course; it has no {FILE}.',
+            'Try: cd to a course, or create one with new-course',
         )
 
     @cached_property
@@ -195,6 +199,6 @@ class Layout:
         found = sorted((self.notebooks / assignment).glob('*.ipynb'))
         if not found:
             raise FileNotFoundError(
-                f'notebooks/{assignment}/ has no released notebook. Generate it with: make release'
+                f'notebooks/{assignment}/: there is no released notebook. Try: make release'
             )
         return found[0]

@@ -193,10 +193,10 @@ class Recording:
                 AGAIN,
             )
         if not all(isinstance(event, dict) and 'event' in event for event in events):
-            raise RecordingInvalid(f'{where}: a line is no event.', AGAIN)
+            raise RecordingInvalid(f'{where}: a line is not an event.', AGAIN)
         if header.pop('seal', None) != _seal(len(events), rest):
             raise RecordingInvalid(
-                f'{where}: the seal does not fit; it was cut off or changed.', AGAIN
+                f'{where}: the checksum is wrong; the file was cut off or changed.', AGAIN
             )
         return cls(header, events)
 
@@ -217,7 +217,7 @@ class Recording:
             raise RecordingInvalid(f'{path}: cannot be read ({error.strerror}).') from error
 
 
-AGAIN = 'Grade again: that makes a new one.'
+AGAIN = 'Try: grade again, which records it again.'
 
 
 def _seal(count: int, events: bytes) -> dict[str, Any]:

@@ -131,7 +131,7 @@ def steps_of(plan: Plan) -> list[Step]:
             'Trial: import rclpy and the course messages',
             lambda: True,
             lambda job: try_imports(plan, job),
-            try_this='make clean, then run the same command again; make doctor tells more',
+            try_this='make clean, then run the same command again; make doctor shows more',
         ),
         Step(
             'self-check',

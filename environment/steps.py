@@ -141,7 +141,7 @@ class Step:
     needed: Callable[[], bool]
     run: Callable[[Job], None]
     about: str = ''
-    try_this: str = 'run the same command again: it goes on where it stopped'
+    try_this: str = 'run the same command again: it continues where it stopped'
     optional: bool = False
 
 

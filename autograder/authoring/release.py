@@ -148,7 +148,7 @@ def _unfit_check(
         return
     needed = known[name].cells if name in known else ()
     for grade_id in sorted(set(needed) - answers):
-        yield f'{where}: the exam needs the answer {grade_id}, which is not above it.'
+        yield f'{where}: the exam needs the answer {grade_id}, but no cell above has that id.'
 
 
 # -- release --------------------------------------------------------------------------------
@@ -193,7 +193,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         assignments = regenerate(layout)
         if lines := check(layout):
             print('\n'.join(lines))
-            said = 'course: nothing was packed. Try: repair this, then make release'
+            said = 'course: nothing was packed. Try: fix this, then make release'
             print(said, file=sys.stderr)
             return 1
         bundle = layout.work / 'student_bundle.zip'

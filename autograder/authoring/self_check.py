@@ -52,7 +52,7 @@ def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
     ]
     if checks:
         return False, f'{lesson.assignment}: {", ".join(checks)} expected an exam, got none.'
-    return True, f'{lesson.assignment}: nothing to grade, as it must.'
+    return True, f'{lesson.assignment}: nothing to grade, as expected.'
 
 
 def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool, str]:
@@ -61,7 +61,7 @@ def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool
     right = bool(result.exams) and result.points == wanted
     text = f'{lesson.assignment}: {result.student} has {result.points:g} of {result.max_points:g}'
     if right:
-        return True, f'{text}, as it must.'
+        return True, f'{text}, as expected.'
     why = ', '.join(
         f'{exam.exam}/{check.check}: {check.verdict.value}'
         for exam in result.exams

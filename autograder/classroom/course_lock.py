@@ -39,8 +39,8 @@ def alone(layout: Layout, what: str) -> Iterator[None]:
         except BlockingIOError as error:
             holder = os.pread(lock, 200, 0).decode(errors='replace') or 'another one'
             raise InUseError(
-                f'{path}: expected to be the only one that grades or collects, got: {holder}.',
-                'Try: wait until it is done, or end it with Ctrl-C where it runs',
+                f'{path}: another command is writing to this course: {holder}.',
+                'Try: wait until it ends, or stop it with Ctrl-C in its terminal',
             ) from error
         if os.fstat(lock).st_size:  # its holder was killed
             _tidy(layout)

@@ -45,8 +45,8 @@ def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
     if found := namesake(layout, name, students):
         return found
     raise GraderError(
-        f'{name}: expected a student with results, got none of that name.',
-        f'Graded: {", ".join(sorted(students)[:20])}.',
+        f'{name}: no student with this name or id has results.',
+        f'Students with results: {", ".join(sorted(students)[:20])}.',
     )
 
 
@@ -61,7 +61,7 @@ def namesake(layout: Layout, name: str, students: Collection[str]) -> str:
     found = sorted(one for one, named in people.items() if _folded(named) == _folded(name))
     if len(found) > 1:
         raise GraderError(
-            f'{name}: expected one student of that name, got {len(found)}.',
+            f'{name}: {len(found)} students have this name.',
             f'Try: one of the ids {", ".join(found)}',
         )
     return found[0] if found else ''

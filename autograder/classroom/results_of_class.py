@@ -42,7 +42,7 @@ def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...
         return tuple(SubmissionResult.from_json(one) for one in data)
     except (ValueError, KeyError, TypeError) as error:
         raise GraderError(
-            f'{path}: expected results as a report writes them, got {type(error).__name__}.',
+            f'{path}: the results cannot be read ({type(error).__name__}).',
             'Try: grade again',
         ) from error
 
@@ -72,8 +72,8 @@ def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
     there = [one for one in wanted if results_file(layout, one).is_file()]
     if not there:
         raise GraderError(
-            f'{layout.reports}: expected results of {name or "any assignment"}, got none.',
-            'Try: grade the class first, with make grade',
+            f'{layout.reports}: there are no results of {name or "any assignment"}.',
+            'Try: make grade',
         )
     return tuple(ClassResults(one, last_results(layout, one)) for one in there)
 

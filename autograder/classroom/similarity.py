@@ -45,7 +45,7 @@ BELOW = ('body', 'orelse', 'handlers', 'finalbody', 'cases')
 """Fields of statements that hold further statements."""
 WARNING = (
     'Similar is no proof. Small exercises have few good answers, and students may have been '
-    'allowed to work together. Read both files before you talk to anybody.'
+    'allowed to work together. Read both files before you speak to a student.'
 )
 
 
@@ -137,9 +137,9 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
     try:
         there = discover(submitted, assignment, lesson.notebook, layout.assignments())
     except OSError as error:
-        raise GraderError(f'{submitted}: expected a folder, got: {error.strerror}.') from error
+        raise GraderError(f'{submitted}: the folder cannot be read: {error.strerror}.') from error
     if not there:
-        raise GraderError(f'{submitted}: expected submissions of {assignment}, got none.')
+        raise GraderError(f'{submitted}: there are no submissions of {assignment}.')
     own = {one.student: _answers(open_one(one, lesson), lesson) for one in there}
     return compare(
         assignment, own, given_lines(lesson.release), at_least, finished(layout, lesson)

@@ -48,9 +48,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
-    parser.add_argument('exam', metavar='EXAM')
-    parser.add_argument('--files', type=Path, required=True, metavar='DIR', help='the package')
-    parser.add_argument('--visible', action='store_true', help='only the visible checks')
+    parser.add_argument('exam', metavar='EXAM', help='name of the exam, such as talker')
+    parser.add_argument(
+        '--files', type=Path, required=True, metavar='DIR', help='folder of the package'
+    )
+    parser.add_argument('--visible', action='store_true', help='run only the visible checks')
     parser.add_argument('--json', action='store_true', help='print the result as JSON')
     parser.set_defaults(run=run)
 
@@ -62,7 +64,7 @@ def run(chosen: argparse.Namespace) -> int:
     from autograder.submission.package import name_missing, own_files, read_package, what_is_there
 
     if not chosen.files.is_dir():
-        raise UsageError(f'--files {chosen.files}: expected a package folder, got none.')
+        raise UsageError(f'--files {chosen.files}: there is no such folder.')
     exam = catalog.load(chosen.exam, hidden=not chosen.visible)
     if chosen.visible:
         files = own_files(exam, read_package(chosen.files))
@@ -107,7 +109,10 @@ def sandbox_for(visible: bool) -> Any:
     except SandboxUnavailable as error:
         if not visible:
             raise
-        print(f'No sandbox here, so this runs as a plain process: {error.what}', file=sys.stderr)
+        print(
+            f'There is no sandbox here, so the program runs as a plain process: {error.what}',
+            file=sys.stderr,
+        )
         return choose.plain()
 
 
@@ -126,8 +131,8 @@ def _what_and_fix(error: Exception) -> tuple[str, str]:
     if isinstance(error, GraderError):
         return error.what, error.fix
     if isinstance(error, ModuleNotFoundError):
-        what = f'{sys.executable}: expected a Python that has {error.name}, got one without it.'
-        return what, 'Try: run it with make grade or .venv/bin/python -m autograder'
+        what = f'{sys.executable}: this Python has no module {error.name}.'
+        return what, 'Try: make grade, or .venv/bin/python -m autograder'
     if isinstance(error, OSError) and error.strerror:
         said = of_system(error)
         return said.what, said.fix
@@ -141,7 +146,7 @@ def _as_problem(what: str, fix: str) -> dict[str, Any]:
 
     fix = (
         fix.removeprefix('Try: ').rstrip('.')
-        or 'run it again; if it stays, type make doctor in a terminal'
+        or 'run the cell again; if the error stays, type make doctor in a terminal'
     )
     where = 'the checker itself, not your code'
     return asdict(Problem(where, 'a verdict', what.rstrip(' .'), fix))

@@ -39,8 +39,8 @@ from autograder.submission.inbox import students_in
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
-    parser.add_argument('students', nargs='+', metavar='STUDENT', help='id or name')
-    parser.add_argument('--yes', action='store_true', help='remove it')
+    parser.add_argument('students', nargs='+', metavar='STUDENT', help='id or name of the student')
+    parser.add_argument('--yes', action='store_true', help='remove everything that is listed')
     parser.set_defaults(run=run)
 
 
@@ -54,11 +54,11 @@ def run(chosen: argparse.Namespace) -> int:
         if chosen.yes:
             copies = [forget(layout, one.student) for one in found]
     if not chosen.yes:
-        print('Nothing was removed. Try: the same command with --yes')
+        print('Nothing was removed. To remove all this, run the same command with --yes')
         return OK
-    print('Removed. Earlier exports and copies of the gradebook still have what was in them.')
+    print('Removed. Earlier exports and copies of the gradebook are unchanged.')
     if copies[0]:
-        print(f'The gradebook as it was: {copies[0]}')
+        print(f'Copy of the gradebook before the removal: {copies[0]}')
     return OK
 
 
@@ -94,16 +94,16 @@ class Traces:
         if self.results:
             yield f'  reports: result and page of {", ".join(self.results)}'
         if self.journals:
-            yield f'  journal of what was entered: {", ".join(self.journals)}'
+            yield f'  journal of the gradebook: {", ".join(self.journals)}'
         if self.name:
             yield f'  name: {self.name}'
         yield from (f'  reports: {reason}' for reason in self.refused)
         yield from (f'  folder: {short(folder, layout)}' for folder in self.made)
         if self.moved:
             to, folder = short(_forgotten(layout), layout), short(self.moved, layout)
-            yield f'  moved to {to}, as it would be graded again: {folder}'
+            yield f'  moved to {to} so that it is not graded again: {folder}'
         if self.left:
-            yield f'  left as it is: {short(self.left, layout)}'
+            yield f'  not touched: {short(self.left, layout)}'
 
 
 def traces(layout: Layout, student: str) -> Traces:

@@ -73,7 +73,7 @@ class Totals:
         student, took = self.slowest
         if not student:
             return ''
-        return f'longest in runs {shortened(printable(student), NAME_CHARS)}, {took:.1f} s'
+        return f'longest run time: {shortened(printable(student), NAME_CHARS)}, {took:.1f} s'
 
 
 @contextmanager

@@ -45,16 +45,22 @@ from autograder.submission.tree import NotTakenInError
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
-    parser.add_argument('path', type=Path, metavar='PATH')
+    parser.add_argument(
+        'path', type=Path, metavar='PATH', help='script, package folder, zip file or notebook'
+    )
     parser.add_argument(
         '--exam',
         required=True,
         metavar='NAME',
-        help='an exam (such as talker), or an assignment (topics)',
+        help='exam (such as talker) or assignment (such as topics)',
     )
-    parser.add_argument('--visible', action='store_true', help='only the visible checks')
-    parser.add_argument('--live', action='store_true', help='show what happens while it happens')
-    parser.add_argument('--fresh', action='store_true', help='run again what is recorded')
+    parser.add_argument('--visible', action='store_true', help='run only the visible checks')
+    parser.add_argument('--live', action='store_true', help='print events as they happen')
+    parser.add_argument(
+        '--fresh',
+        action='store_true',
+        help='run the program again, even if its recording is stored',
+    )
     parser.add_argument('--json', action='store_true', help='print the results as JSON')
     parser.set_defaults(run=run)
 
@@ -139,7 +145,7 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
     :raises NotTakenInError: if nothing in it is for these exams
     """
     if not path.exists():
-        raise NotTakenInError(f'{path}: expected a submission, got nothing of that name.')
+        raise NotTakenInError(f'{path}: there is no such file or folder.')
     if path.suffix == '.ipynb':
         return list(_in_notebook(path, chosen, layout))
     files = read_handed_in(path)
@@ -162,7 +168,7 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
         wanted = sorted({name for exam in chosen for name in exam.requires})
         raise NotTakenInError(
             f'{path}: expected one of {", ".join(wanted)}, got {what_is_there(files)}.',
-            'Try: name the one exam with --exam; then a script may have any name.',
+            'Try: --exam with the name of one exam; then the script may have any name.',
         )
     return found
 

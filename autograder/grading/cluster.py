@@ -58,8 +58,8 @@ class Cluster:
             answer: bytes = self._executor.submit(run_task, task).result()
         except KilledWorker as error:
             raise WorkerDied(
-                'The workers that ran it died (killed, or out of memory).',
-                'Grade again; what is done is kept.',
+                'The workers that ran this submission died (killed, or out of memory).',
+                'Try: grade again. Finished runs are kept.',
             ) from error
         except CancelledError as error:
             raise Stopped('The grading was stopped, or the cluster was lost.') from error
@@ -131,8 +131,7 @@ def _ask_all(client: Any, address: str) -> dict[str, Mapping[str, Any]]:
             answers[worker] = json.loads(future.result(timeout=TRY_OUT_S))
         except Exception as error:
             raise ClusterUnavailable(
-                f'Worker {worker}: expected one with this project, got '
-                f'{type(error).__name__}: {error}.',
+                f'Worker {worker} cannot run this project: {type(error).__name__}: {error}.',
                 'Try: start it in the folder of the project, with its own Python',
             ) from error
     return answers
@@ -164,7 +163,7 @@ def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
         if unlike := difference(version(), found['version']):
             raise ClusterUnavailable(
                 f'{where} has another version of the project: {unlike}.',
-                'Try: the same commit there and here, then make grade or make doctor on both',
+                'Try: check out the same commit on both machines, then run make doctor on both',
             )
         if not found['mode'] or not MODES[found['mode']].keeps_secrets:
             raise ClusterUnavailable(

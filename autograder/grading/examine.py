@@ -44,7 +44,7 @@ def examine(
     """
     if exam.hidden and not sandbox.keeps_secrets:
         raise SandboxUnavailable(
-            f'A hidden exam is never run with isolation {sandbox.mode}: it keeps nothing hidden.'
+            f'A hidden exam never runs with isolation {sandbox.mode}, which hides no files.'
         )
     if result := without_recording(exam, files, sandbox.mode):
         return result

@@ -141,7 +141,7 @@ def load_lesson(layout: Layout, assignment: str, engine: Engine) -> Lesson:
     except (OSError, ValueError) as error:
         raise ExamInvalid(
             f'The release of {assignment} cannot be used: {error}',
-            'Regenerate it with: make release',
+            'Try: make release',
         ) from error
     return Lesson(assignment, path.name, release, tuple(engine.exams(assignment)))
 

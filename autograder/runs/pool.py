@@ -135,7 +135,9 @@ def _run(task: Mapping[str, Any]) -> tuple[Recording, dict[str, float]]:
     from autograder.runs.observe import observe
 
     if unlike := difference(task['version'], version()):
-        raise GraderError(f'A worker refused the task: {unlike}.', 'Update it and start it again.')
+        raise GraderError(
+            f'A worker refused the task: {unlike}.', 'Try: update the worker and restart it.'
+        )
     return observe(task['exam'], task['scenario'], task['files'], _sandbox(task['mode']))
 
 
@@ -149,7 +151,7 @@ def _sandbox(mode: str) -> Sandbox:
         # bubblewrap's user namespace started by root would still be uid 0 for the kernel.
         who = 'root' if as_root else 'a plain user'
         raise GraderError(
-            f'A worker refused the task: isolation {mode} does not go with {who}.',
+            f'A worker refused the task: isolation {mode} does not work for {who}.',
             'Start all workers as the same kind of user.',
         )
     return sandbox
@@ -256,8 +258,8 @@ class Pool:
             if self._stopped:
                 raise Stopped('The grading was stopped.') from error
             raise WorkerDied(
-                'The process that ran it died twice (killed, or out of memory).',
-                'Grade again; what is done is kept.',
+                'The process that ran this submission died twice (killed, or out of memory).',
+                'Try: grade again. Finished runs are kept.',
             ) from error
         finally:
             with self._guard:

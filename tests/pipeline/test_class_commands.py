@@ -234,7 +234,7 @@ class TestCommands:
             (['similar', ASSIGNMENT, '--submitted', '/nowhere'], 'expected a folder'),
             (
                 ['export', 'canvas', ASSIGNMENT, '--gradebook', '/nowhere', '--column', 'x'],
-                'expected the file that Canvas exports',
+                'the gradebook from Canvas cannot be read',
             ),
         ],
     )
