@@ -195,7 +195,7 @@ def check_packages(places: Places, python_version: str, ros: bool) -> Iterator[F
         groups.setdefault(group, []).append(name)
     for group, names in groups.items():
         bad = [
-            f'{name} {have.get(name, "not there")} instead of {pins[name]}'
+            f'{name} {have.get(name, "missing")} instead of {pins[name]}'
             for name in names
             if have.get(name) != pins[name]
         ]
@@ -323,7 +323,7 @@ def check_exchange(root: Path) -> Finding:
     loose = unprotected(root)
     if loose:
         fix = ' && '.join(f'chmod {mode:o} {shlex.quote(str(path))}' for path, mode in loose)
-        detail = f'{loose[0][0]} lets users remove the work of others'
+        detail = f'in {loose[0][0]}, users can remove the work of others'
         return Finding('exchange', WEAK, detail, fix)
     if not os.path.isdir(root):
         return Finding('exchange', OK, f'{root} does not exist yet')
@@ -335,7 +335,7 @@ def check_room(name: str, folder: Path, need_mb: int, fix: str) -> Finding:
     try:
         free_mb = shutil.disk_usage(folder).free // 2**20
     except OSError:
-        return Finding(name, WEAK, f'{folder} is not there', fix)
+        return Finding(name, WEAK, f'{folder} does not exist', fix)
     state = OK if free_mb >= need_mb else WEAK
     return Finding(name, state, f'{free_mb} MB free, {need_mb} MB needed', fix)
 

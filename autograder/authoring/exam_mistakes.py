@@ -111,7 +111,7 @@ def inseparable_slips(exam: Exam) -> Iterator[str]:
             for mistake in asked.mistakes():
                 seen.setdefault(f'{name}: {mistake}', f'secret {number}')
     for mistake, secret in seen.items():
-        yield f'exam {exam.name}, {mistake}; first with {secret!r} of {SECRETS} secrets'
+        yield f'exam {exam.name}, {mistake}; first found with secret {secret!r} of {SECRETS}'
 
 
 # -- with the lessons -----------------------------------------------------------------------

@@ -103,11 +103,11 @@ def _unlike(base: str, longest: str | None, value: Any) -> str:
     if base in ('string', 'wstring'):
         most = int(longest) if longest else math.inf
         right = isinstance(value, str) and len(value) <= most
-        return '' if right else f'a text of at most {most} characters' if longest else 'a text'
+        return '' if right else f'a string of at most {most} characters' if longest else 'a text'
     if base == 'bool':
         return '' if is_bool else 'True or False'
     # JSON, in which the probe is told, has no bytes.
-    return 'no value, since a byte cannot be sent' if base == 'byte' else ''
+    return 'no value, because a byte cannot be sent' if base == 'byte' else ''
 
 
 def _wrong(wanted: str, place: str, value: object) -> str:

@@ -62,7 +62,7 @@ class Chosen:
 
     :param student: the student id
     :param digest: SHA-256 of its content
-    :param strange: whether no cell of the assignment is in it
+    :param strange: whether it contains no cell of the assignment
     :param when: time of delivery in UTC, None if it is not known
     """
 
@@ -83,7 +83,7 @@ class Chosen:
         """
         data = self.piece.file.read()
         if hashlib.sha256(data).hexdigest() != self.digest:
-            raise UnreadableError('it changed while it was collected')
+            raise UnreadableError('the file changed while it was collected')
         return data
 
     def row(self, done: str, course: Course, *why: str) -> Row:
@@ -113,7 +113,11 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
         return ranked[0][0]
     if not students:
         return ''
-    got = f'as many of {ranked[1][0]} as of {ranked[0][0]}' if ranked else 'none of this course'
+    got = (
+        f'equally many cells of {ranked[1][0]} and {ranked[0][0]}'
+        if ranked
+        else 'none of this course'
+    )
     among = sorted(one for one, count in votes.items() if count == ranked[0][1])
     raise NotTakenInError(
         f'{name}: the notebooks do not show which assignment this is: {got}.',
@@ -240,7 +244,7 @@ def _chosen(
     name = best.piece.file.name
     said = [*notes, *_said(handed)]
     if strange:
-        said.append('no cell of the assignment is in it')
+        said.append('it contains no cell of the assignment')
     if name != course.file_names[assignment]:
         said.append(f'the file was called {name[:60]!r}')
     said += about_time
@@ -307,11 +311,13 @@ def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
     if one.content:
         return f'wrong assignment: {path} is {one.content}'
     if goal and one.named not in ('', goal):
-        return f'{path}: named as {one.named}, and no cell of {goal} is in it'
+        return f'{path}: named like {one.named}, and it contains no cell of {goal}'
     if chosen and not one.named:
-        return f'{path}: no cell of {goal or "this course"} is in it'
+        return f'{path}: it contains no cell of {goal or "this course"}'
     if goal or one.named:
-        return f'{path}: no cell of {goal or one.named} is in it, and it is not the only notebook'
+        return (
+            f'{path}: it contains no cell of {goal or one.named}, and it is not the only notebook'
+        )
     return f'{path}: not an assignment of this course; name one with --assignment'
 
 

@@ -23,12 +23,12 @@ from autograder.results import (
 )
 
 FOR_REVIEW = (
-    'For review: the grader itself could not finish, so there is no score yet. '
-    'A person will look at it; it costs no points.'
+    'For review: the grader itself failed, so there is no score yet. '
+    'A person will look at it; you lose no points.'
 )
 UNUSABLE = (
-    'For review: nothing of this assignment could be read in what was handed in, so there is no '
-    'score yet. A person will look at it.'
+    'For review: the grader could not read any part of this assignment in your file, so there is '
+    'no score yet. A person will look at it.'
 )
 WIDTH = 88
 """Columns of a line of text; a terminal has 80 to 120, a notebook's output about 100."""

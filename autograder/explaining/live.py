@@ -112,8 +112,8 @@ _WORDS: dict[str, Callable[[Event], str]] = {
     'offered': _met,
     'left': lambda event: f'{event["name"]} left',
     'mark': lambda event: f'-- {event["name"]} --',
-    'imitated': lambda _: "a node with the name of the grader's own",
-    'not_connected': lambda event: f'nobody is connected to {event["topic"]}',
+    'imitated': lambda _: "a node with the same name as the grader's node",
+    'not_connected': lambda event: f'no node is connected to {event["topic"]}',
     'end': lambda event: f'end: {event["reason"]}',
     'process': _process,
 }

@@ -257,7 +257,7 @@ def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, 
     for row, several in found.items():
         if len(several) > 1:
             names = ' and '.join(mark.student for mark in several)
-            why = f'{names} are the same line {row + 1} of Canvas'
+            why = f'{names} match the same row of Canvas, line {row + 1}'
             done.left_out += [(mark.student, why) for mark in several]
     return {row: several[0] for row, several in found.items() if len(several) == 1}
 

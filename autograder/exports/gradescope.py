@@ -33,7 +33,9 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
     mark = automatic(result)
     # A student reads at once that a file is unusable, and can upload again; that needs a score.
     if mark.points is None and not result.unusable:
-        raise GraderError(f'{result.student}: {mark.status}, so no results.', result.review)
+        raise GraderError(
+            f'{result.student}: {mark.status}, so there are no results.', result.review
+        )
     return {
         'score': round(result.points, 4),
         'execution_time': round(sum(map(seconds_of_exam, result.exams)), 2),

@@ -95,8 +95,8 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
     except (SQLAlchemyError, ValueError) as error:
         raise GraderError(
             f'{address}: this is not the address of a gradebook: {error}.',
-            'Try: c.CourseDirectory.db_url in nbgrader_config.py as in docs/gradebook.md, then '
-            'the same command again; no run is lost.',
+            'Try: set c.CourseDirectory.db_url in nbgrader_config.py as docs/gradebook.md shows, '
+            'then run the same command again. Finished runs are kept.',
         ) from error
     except ModuleNotFoundError as error:
         raise GraderError(

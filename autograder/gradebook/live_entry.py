@@ -70,7 +70,7 @@ class Guard:
         )
         return (
             f'gradebook: {where} would be lowered or cleared, so they were not changed; '
-            f'{done}. Try: look at the list, then the same command with --yes (make grade '
+            f'{done}. Try: look at the list, then run the same command with --yes (make grade '
             f'ARGS=--yes). {how_to_dump(self.layout)}'
         ).rstrip()
 

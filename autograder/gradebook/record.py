@@ -39,9 +39,9 @@ def enter_assignment(layout: Layout, assignment: str) -> None:
         except GraderError as error:
             raise GraderError(
                 error.what,
-                'If the cells of the assignment changed since it was last graded: put them back, '
-                'or export the marks, which have what was graded by hand, and begin a new '
-                'gradebook (see docs/gradebook.md).',
+                'If the cells of the assignment changed since it was last graded: restore them, '
+                'or export the marks, which include manual grades, and begin a new gradebook '
+                '(see docs/gradebook.md).',
             ) from error
 
 

@@ -21,4 +21,4 @@ class NothingRuns(Engine):
 
     def run(self, exam: Exam, files: Mapping[str, str]) -> ExamResult:
         """Refuse."""
-        raise GraderError('Judging again runs nothing.')
+        raise GraderError('Judging again runs no program.')

@@ -132,7 +132,7 @@ def _ask_all(client: Any, address: str) -> dict[str, Mapping[str, Any]]:
         except Exception as error:
             raise ClusterUnavailable(
                 f'Worker {worker} cannot run this project: {type(error).__name__}: {error}.',
-                'Try: start it in the folder of the project, with its own Python',
+                'Try: start the worker in the folder of the project, with the Python of its .venv',
             ) from error
     return answers
 

@@ -286,7 +286,9 @@ class _Watched:
             try:
                 event = json.loads(line)
             except ValueError as error:
-                raise ProbeFailed(f'The probe wrote a line that is no event: {error}.') from error
+                raise ProbeFailed(
+                    f'The probe wrote a line that is not an event: {error}.'
+                ) from error
             if event['event'] == 'ready':
                 # Virtual time stands still until the probe has heard that it goes on.
                 self.ready_s, self.released_ns = time.monotonic(), self.clock.elapsed_ns
@@ -326,7 +328,7 @@ class _Watched:
             raise ProbeFailed('The machine ran out of memory, and the system ended the program.')
         # No signal from inside reaches the launcher, which is in another pid namespace.
         if self.student.namespaces and self.exit < 0:
-            raise ProbeFailed(f'Somebody ended the sandbox from outside, by signal {-self.exit}.')
+            raise ProbeFailed(f'Another program ended the sandbox with signal {-self.exit}.')
 
     def _look_around(self) -> None:
         """See from outside what the probe cannot: other ROS domains, and further processes."""

@@ -12,17 +12,17 @@ from pathlib import Path
 
 SHARED_NETWORK = (
     'the network is shared: a program can send to other programs on this machine and, over UDP, '
-    'to others, and whoever finds its ROS domain can talk into its run'
+    'to others; a program that finds its ROS domain can take part in its run'
 )
 SHARED_USER = (
     "the program runs as the grader's own user: it can change modes and dates of that user's "
-    "files, and its processes count together with that user's"
+    "files, and it shares that user's limit of processes"
 )
 SIGNALS = 'before Linux 6.12 the program can end processes of the same user, the grader included'
-NAMES = 'names and sizes of files can be asked for, although their content cannot be read'
+NAMES = 'the program can see names and sizes of files, but cannot read them'
 EVERYTHING = (
-    'nothing is hidden from the program and nothing is protected from it: files, other programs '
-    'and the network are those of the user; only limits of time and memory hold'
+    'nothing is hidden or protected from the program: it can use the files, programs and network '
+    'of the user; only limits of time and memory hold'
 )
 
 

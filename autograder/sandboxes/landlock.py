@@ -43,11 +43,11 @@ def refusal(root: bool) -> tuple[str, str]:
         found = confine.landlock_version()
     except OSError as error:
         what = f'This kernel has no Landlock ({error.strerror}).'
-        fix = 'Add landlock to the kernel parameter lsm=..., or use a kernel from 6.2 on.'
+        fix = 'Add landlock to the kernel parameter lsm=..., or use kernel 6.2 or newer.'
         return what, fix
     if not root and found < SAME_USER_FROM:
         what = f'Landlock {found} cannot protect files against a program of the same user.'
-        return what, 'Use a kernel from 6.2 on.'
+        return what, 'Use kernel 6.2 or newer.'
     return ('', '') if filter_file().is_file() else NO_FILTER
 
 

@@ -62,8 +62,8 @@ def try_out(sandbox: Sandbox) -> None:
         finally:
             confined.kill()
     if confined.process.returncode in KILLED:
-        what = f'The trial of isolation {sandbox.mode} was ended from outside.'
-        raise SandboxUnavailable(what, 'Try: the same command again')
+        what = f'Another program ended the trial of isolation {sandbox.mode}.'
+        raise SandboxUnavailable(what, 'Try: run the same command again')
     if said.strip() == b'open':
         raise SandboxUnavailable(
             f'Isolation {sandbox.mode} lets a program read the grader.', isolation.SECTION

@@ -34,7 +34,7 @@ def changes(release: Mapping[str, Any], cells: Sequence[StudentCell]) -> tuple[s
         if grade_id:
             lines += _about(released, grade_id, by_id.pop(grade_id, []))
     lines += [
-        f'there is a cell with the grade id {name[:60]!r}, which the release does not have'
+        f'the release has no cell with the grade id {name[:60]!r}'
         for name in sorted(by_id)
         if name
     ]
@@ -53,16 +53,16 @@ def _about(
         yield f'{name} is missing'
         return
     if len(copies) > 1:
-        yield f'{name} is there {len(copies)} times'
+        yield f'{name} occurs {len(copies)} times'
     wanted = {key: marks[key] for key in MARKS if marks.get(key) is not None}
     for cell in copies[:1]:
         if not answer and cell.source.strip() != released['source'].strip():
-            yield f'{name} has another text'
+            yield f'{name} has a different text'
         if cell.cell_type != released['cell_type']:
             yield f'{name} is a {cell.cell_type[:20]!r} cell'
         for key, value in wanted.items():
             if cell.marks.get(key) != value:
-                yield f'{name} has another value of {key}'
+                yield f'{name} has a different value of {key}'
         tags = released['metadata'].get('tags', [])
         if not answer and sorted(cell.tags) != sorted(tags):
             yield f'{name} has the tags {", ".join(cell.tags)[:80] or "removed"!r}'

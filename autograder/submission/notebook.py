@@ -177,7 +177,7 @@ def read_release(path: Path) -> Notebook:
     """
     notebook = json.loads(path.read_text(encoding='utf-8'))
     if not isinstance(notebook, dict) or not isinstance(notebook.get('cells'), list):
-        raise ValueError(f'{path.name} is no notebook in format 4')
+        raise ValueError(f'{path.name} is not a notebook in format 4')
     for cell in notebook['cells']:
         cell['source'] = ''.join(cell['source'])
     return notebook

@@ -162,6 +162,6 @@ def _changed_check(grade_id: str, where: str) -> Problem:
     return Problem(
         f'{where}, cell {grade_id}',
         'the text of the release (this cell is locked)',
-        'a changed text, which was ignored',
+        'changed text, which was ignored',
         'leave locked cells as they are',
     )

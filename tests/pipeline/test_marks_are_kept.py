@@ -122,7 +122,7 @@ class TestLoweredMarks:
         out = ' '.join(said.out.split())
         assert 'Unchanged in the gradebook: ann 40 to 30.' in out
         assert said.err.startswith(f'autograder: gradebook: 1 mark of {ASSIGNMENT} would be ')
-        assert 'Try: look at the list, then the same command with --yes' in said.err
+        assert 'Try: look at the list, then run the same command with --yes' in said.err
         assert scores(here, 'ann')[CHECK] == scores(here, 'bob')[CHECK] == 15
         assert [one.points for one in one_graded(here, ASSIGNMENT).results] == [30, 40]
 
@@ -207,7 +207,7 @@ class TestLoweredMarks:
         said = capsys.readouterr()
         assert 'lower mark in the gradebook: ann 40 to 30\n' in said.out
         assert 'Nothing was written, because marks would be lowered or cleared.' in said.out
-        assert 'nothing was written. Try: look at the list, then the same command' in said.err
+        assert 'nothing was written. Try: look at the list, then run the same command' in said.err
         assert scores(here, 'ann')[CHECK] == 15
         assert one_graded(here, ASSIGNMENT).results[0].points == 40
 

@@ -311,7 +311,11 @@ class TestExplain:
     @pytest.mark.parametrize(
         ('student', 'check', 'said'),
         [
-            ('nobody', 'names_the_unit', 'Students with results: fail__crashes_in_mid_run, fail__stamps'),
+            (
+                'nobody',
+                'names_the_unit',
+                'Students with results: fail__crashes_in_mid_run, fail__stamps',
+            ),
             ('pass__reference', 'nothing', 'Try: one of temperature_publisher/starts_its_node'),
             ('pass__reference', 'other/names_the_unit', 'has no check of this name'),
         ],

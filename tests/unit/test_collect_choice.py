@@ -28,7 +28,7 @@ from autograder.collect.source import tree
 from autograder.collect.table import LEFT, TAKEN
 from autograder.submission.tree import NotTakenInError
 
-STRANGE = 'no cell of the assignment is in it'
+STRANGE = 'it contains no cell of the assignment'
 
 
 def done(rows) -> list[tuple[str, str, str]]:
@@ -119,7 +119,7 @@ class TestOneAssignmentASource:
     @pytest.mark.parametrize(
         ('one', 'two', 'said'),
         [
-            (GOOD, OTHER, f'as many of {LISTEN} as of {TALK}. Try: --assignment'),
+            (GOOD, OTHER, f'equally many cells of {LISTEN} and {TALK}. Try: --assignment'),
             (OWN, OWN, 'none of this course'),
         ],
     )
@@ -297,7 +297,7 @@ class TestBounds:
         rows = collect(source, layout, layout.submitted)
 
         assert [(row.student, row.done) for row in rows] == [('ann', LEFT), ('bob', TAKEN)]
-        assert rows[0].notes == ('it changed while it was collected',)
+        assert rows[0].notes == ('the file changed while it was collected',)
         assert set(taken(layout)) == {f'bob/{TALK}/talk.ipynb'}
 
     @pytest.mark.parametrize('how', [packed, laid])

@@ -134,7 +134,7 @@ def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, m
 
     captured = capsys.readouterr()
     line = one_line(captured)
-    assert f'{tmp_path}/ros_environment.json: expected' in line
+    assert f'{tmp_path}/ros_environment.json: the description' in line
     assert line.endswith('Try: make doctor')
     if '--json' in options:
         assert json.loads(captured.out)['error']['try_this'] == 'make doctor'
