@@ -51,7 +51,7 @@ def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
         if cell['cell_type'] == 'code' and (marks := marks_of(cell)).get('grade')
     ]
     if checks:
-        return False, f'{lesson.assignment}: {", ".join(checks)} expected an exam, got none.'
+        return False, f'{lesson.assignment}: {", ".join(checks)} has no exam.'
     return True, f'{lesson.assignment}: nothing to grade, as expected.'
 
 

@@ -137,7 +137,7 @@ def histogram(marks: Marks) -> str:
     parts.append(svg.text(WIDTH / 2, BASE + 34, 'points', anchor='middle', faint=True))
     words = ', '.join(f'{_label(marks, place)}: {n}' for place, n in enumerate(marks.bins) if n)
     title = f'How the points of {marks.count} submissions are distributed'
-    return svg.picture(WIDTH, HEIGHT, title, f'Points and how many have them. {words}.', parts)
+    return svg.picture(WIDTH, HEIGHT, title, f'Number of submissions by points. {words}.', parts)
 
 
 def _label(marks: Marks, place: int) -> str:

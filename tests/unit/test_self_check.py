@@ -97,7 +97,7 @@ def test_check_cell_without_an_exam_is_no_lesson_without_exams(course):
     """An exam that got lost would else be missed by nobody."""
     lines = list(self_check(course('right', 'x'), FakeEngine()))
 
-    assert lines == [(False, '01_x: check_talker expected an exam, got none.')]
+    assert lines == [(False, '01_x: check_talker has no exam.')]
 
 
 def test_a_run_without_a_verdict_has_no_points_to_compare(course):
