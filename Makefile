@@ -5,7 +5,7 @@
 #|  make lab                  open JupyterLab with the notebooks
 #|  make publisher            run the course's publisher node in this terminal
 #|  make subscriber           run the course's subscriber node in this terminal
-#|  make prepare              prepare everything; the other goals do this first
+#|  make prepare              prepare everything; most other goals do this first
 #|  make doctor               list what is installed and what is missing, without network
 #|  make clean                remove everything that was prepared
 #
