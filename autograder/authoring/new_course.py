@@ -1,7 +1,7 @@
 """
-Begin another course, or another exercise in one: files that work at once and are then edited.
+Create a course, or an exercise in it, as files that work at once and can then be edited.
 
-The texts are in ``skeleton/``; ``$$NAME`` in them is filled in.
+The templates are in ``skeleton/``; ``$$NAME`` in them is replaced.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LESSON = re.compile(r'\d\d_[a-z][a-z0-9_]{1,40}')
 
 def new_course(folder: Path) -> list[Path]:
     """
-    Make the folder of a course: its facts, nbgrader's settings, a message package, no exams yet.
+    Create the folder of a course: its facts, nbgrader's settings and a message package.
 
     :param folder: new or empty; its name is that of the course
     :returns: the files, from the folder
@@ -64,7 +64,7 @@ def new_course(folder: Path) -> list[Path]:
 
 def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
     """
-    Make an exercise that works: a lesson with its node and its check cell, and both exams.
+    Create an exercise that works: a lesson with its node and its check cell, and both exams.
 
     :param name: of the exam, the node and its file
     :param lesson: folder of the lesson, ``01_points``
