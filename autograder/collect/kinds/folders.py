@@ -23,7 +23,7 @@ FEW = 20
 
 
 def level_of(tree: Tree, course: Course) -> Level:
-    """Return the folder whose entries are students: some programs pack a zip with one around."""
+    """Return the folder whose entries are students; a zip may have an extra folder around it."""
     outer = level(tree)
     if outer.files or len(outer.folders) != 1:
         return outer
@@ -57,7 +57,7 @@ def _are_students(files: Mapping[str, File], course: Course) -> bool:
 
 def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Left]:
     """
-    Yield what each student handed in; whose it is, the name alone tells, never who else is there.
+    Yield the delivery of each student; only the folder's own name decides whose it is.
 
     :param prefix: what the instructor takes off the names that begin with it
     """

@@ -23,7 +23,7 @@ _FOLDER = re.compile(r'submission_\d+')
 
 
 def claims(level: Level) -> int:
-    """Return how many entries are named as Gradescope does; none without its table."""
+    """Return how many entries have names in Gradescope's form; 0 without its metadata file."""
     if METADATA not in level.files:
         return 0
     return 1 + sum(bool(_FOLDER.fullmatch(name)) for name in level.folders)
@@ -31,7 +31,7 @@ def claims(level: Level) -> int:
 
 def read(level: Level) -> Iterator[Handed | Left]:
     """
-    Yield what is in the table, and the folders that are not.
+    Yield the submissions in the metadata, and the folders that are missing there.
 
     :raises NotTakenInError: if the table cannot be read
     """
@@ -54,7 +54,7 @@ def read(level: Level) -> Iterator[Handed | Left]:
 
 
 def _metadata(file: File) -> Mapping[Any, Any]:
-    """Return the table; YAML makes no objects here."""
+    """Return the metadata; the YAML cannot create Python objects."""
     try:
         data = yaml.safe_load(file.read())
     except (yaml.YAMLError, UnreadableError, RecursionError, ValueError) as error:
@@ -66,7 +66,7 @@ def _metadata(file: File) -> Mapping[Any, Any]:
 
 
 def _submitters(facts: object) -> list[tuple[str, str]]:
-    """Return id and name of everybody whose submission it is."""
+    """Return id and name of every student of a submission."""
     found = []
     people = _field(facts, 'submitters')
     for person in people if isinstance(people, list) else []:
@@ -76,7 +76,7 @@ def _submitters(facts: object) -> list[tuple[str, str]]:
 
 
 def _text(facts: object, name: str) -> str:
-    """Return a field as text; what is nested is none."""
+    """Return a field as a string; a nested value counts as missing."""
     value = _field(facts, name)
     return str(value).strip() if isinstance(value, (str, int)) else ''
 
