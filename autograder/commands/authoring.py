@@ -1,4 +1,4 @@
-"""The commands for who writes a course: ``new-course``, ``new-exam``, ``sample-class``, ..."""
+"""The commands for authors of a course: ``new-course``, ``new-exam``, ``sample-class``, ..."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def new_course_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _new_course(chosen: argparse.Namespace) -> int:
-    """Make the folder and say how it is prepared."""
+    """Create the folder and print how to prepare it."""
     made = new_course(chosen.folder)
     print(f'Created a course of {len(made)} files in {chosen.folder}. Next, in that folder:')
     print(f'  {shlex.quote(sys.executable)} -m environment prepare')
@@ -44,7 +44,7 @@ def new_exam_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _new_exam(chosen: argparse.Namespace) -> int:
-    """Make the files and say how they are proven."""
+    """Create the files and print how to test them."""
     course = Layout.here()
     for path in new_exam(course, chosen.name, chosen.lesson):
         print(os.path.relpath(course.root / path))
@@ -74,12 +74,12 @@ def _sample_class(chosen: argparse.Namespace) -> int:
 
 
 def self_check_options(parser: argparse.ArgumentParser) -> None:
-    """There are none."""
+    """Describe the options of ``self-check``: it has none."""
     parser.set_defaults(run=_self_check)
 
 
 def _self_check(chosen: argparse.Namespace) -> int:
-    """Show that the reference passes every exam here and that the bare release does not."""
+    """Check that the reference passes every exam here and that the bare release does not."""
     layout = Layout.here()
     code = OK
     for right, line in self_check(layout, grading_engine(layout)):

@@ -1,10 +1,10 @@
 """
-Run one exam on the files of a package: what ``check(...)`` starts from a notebook.
+Run one exam on the files of a package; ``check(...)`` in a notebook starts this.
 
     python -m autograder.commands.check EXAM --files DIR --visible [--json]
 
-It is a command of ``python -m autograder`` too.  It stands here because students' copies have it
-and none of the others.
+It is also a command of ``python -m autograder``.  It is a separate program because students'
+copies have it and none of the others.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Run one exam on a package; the visible one also runs where nothing isolates."""
+    """Run one exam on a package; a visible exam also runs without isolation."""
     from autograder.exam import catalog
     from autograder.grading.examine import examine
     from autograder.submission.package import name_missing, own_files, read_package, what_is_there
@@ -89,7 +89,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _kept_builds(exam: Exam) -> Path | None:
-    """Return where the runs of visible checks that build are kept: unchanged files build once."""
+    """Return the folder for recordings of visible builds: unchanged files build once."""
     folder = Layout.here().recordings
     if exam.scenario.program != 'build':
         return None
@@ -101,7 +101,7 @@ def _kept_builds(exam: Exam) -> Path | None:
 
 
 def sandbox_for(visible: bool) -> Any:
-    """Return the strongest sandbox; only visible checks may do without."""
+    """Return the strongest sandbox; visible checks may run without one."""
     from autograder.sandboxes import choose
 
     try:
@@ -120,7 +120,7 @@ def sandbox_for(visible: bool) -> Any:
 
 
 def refuse(error: Exception, as_json: bool) -> None:
-    """Say in one line why the command cannot be done."""
+    """Print in one line why the command failed."""
     what, fix = _what_and_fix(error)
     print(f'autograder: {" ".join(f"{what} {fix}".split())}', file=sys.stderr)
     if as_json:
@@ -141,7 +141,7 @@ def _what_and_fix(error: Exception) -> tuple[str, str]:
 
 
 def _as_problem(what: str, fix: str) -> dict[str, Any]:
-    """Return why there is no verdict, for a program that shows it."""
+    """Return why there is no verdict, as data for a program that shows it."""
     from autograder.results import Problem
 
     fix = (

@@ -1,4 +1,4 @@
-"""``collect``, with which a class begins: its options and what it prints."""
+"""The command ``collect``: its options and what it prints."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Take in a class."""
+    """Collect a class."""
     layout = Layout.here()
     assignment = layout.assignment_named(chosen.assignment) if chosen.assignment else ''
     to = chosen.to or layout.submitted

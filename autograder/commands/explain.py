@@ -1,9 +1,9 @@
 """
-The evidence behind one verdict, for an appeal: what was run, what was seen, and where it differs.
+Print the evidence behind one verdict, for an appeal: what was run, seen and expected.
 
-Everything comes from the last results, the kept recording and the submission as it lies there; the
-check is judged once more and nothing is run.  It shows hidden inputs, so it is for the person who
-decides, who may show the student what of it helps.
+Everything comes from the last results, the stored recording and the current submission; the check
+is judged once more and no program is run.  The evidence shows hidden inputs, so it is for the
+instructor, who decides what to show the student.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def evidence(
     submitted: Path | None = None,
 ) -> dict[str, Any]:
     """
-    Return all that is known about one verdict, in JSON types.
+    Return the evidence behind one verdict, in JSON types.
 
     :param student: id or display name
     :param check: name of the check, or ``exam/check``
@@ -192,7 +192,7 @@ def _now(
     files: Mapping[str, str],
     exam_result: ExamResult,
 ) -> str:
-    """Judge once more and say in words whether it comes out the same."""
+    """Judge once more and return whether the verdict is the same, as text."""
     result, why = again(layout, exam, files, exam_result)
     if result is None:
         return f'cannot be judged again: {why}'
@@ -224,7 +224,7 @@ def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[s
 
 
 def _last_words(recording: Recording) -> list[str]:
-    """Return the last lines that the program printed, of the stream with its errors if any."""
+    """Return the last lines that the program printed, from stderr if it has any."""
     streams = (str(recording.process.get(name, '')) for name in ('stderr', 'stdout'))
     said = next((text for text in streams if text.strip()), '')
     return [line for line in said.splitlines() if line.strip()][-LAST_WORDS:]
@@ -233,7 +233,7 @@ def _last_words(recording: Recording) -> list[str]:
 def _around(
     exam: Exam, name: str, files: Mapping[str, str], recording: Recording
 ) -> dict[str, Any]:
-    """Return the first deviation, what was seen around it, and what was sent before."""
+    """Return the first deviation, the events around it, and the inputs before it."""
     checks = [one for one in exam.checks if one.name == name]
     where = deviation(checks[0], Run(files, recording, exam.facts)) if checks else None
     events = recording.events
@@ -340,7 +340,7 @@ def _seen_lines(found: Mapping[str, Any]) -> list[str]:
 
 
 def _input_lines(found: Mapping[str, Any], at: int | None) -> list[str]:
-    """Return the last inputs that were sent, if they are not among the lines that follow."""
+    """Return the last inputs that were sent, unless the lines that follow show them."""
     inputs = found['inputs_before']
     there = {
         one['event'].get('index') for one in found['seen'] if one['event']['event'] == 'input'

@@ -1,4 +1,4 @@
-"""The command ``export``: the results of the last grading for other programs."""
+"""The command ``export``: write the results of the last grading for other programs."""
 
 from __future__ import annotations
 
@@ -134,13 +134,13 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _marked(layout: Layout, chosen: argparse.Namespace) -> Marked:
-    """Return the results that are wanted, each with everybody's marks."""
+    """Return the chosen results, with the marks of all students."""
     source = getattr(chosen, 'points', AUTOMATIC)
     return [(one, marks(layout, one, source)) for one in graded(layout, chosen.assignment)]
 
 
 def _without_mark(marked: Marked) -> bool:
-    """Name everyone who has no mark yet; return whether there is somebody."""
+    """Print the students without a mark; return whether there are any."""
     missing = [(one, mark) for one, given in marked for mark in given if mark.points is None]
     for one, mark in missing:
         line = f'no mark: {one.assignment}: {mark.student}: {mark.status}'

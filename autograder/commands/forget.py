@@ -1,9 +1,9 @@
 """
-Remove a student from the course, with everything that grading has made of their work.
+Remove a student from the course, with everything that grading made from their work.
 
-What the student handed in is not deleted.  If the next grading would find it again, it moves to
-``_work/forgotten``.  Recordings stay: they are named by the content of the files, and equal files
-of several students share one.
+The submission is not deleted.  If the next grading would find it again, it moves to
+``_work/forgotten``.  Recordings are kept: they are named by the content of the files, and equal
+files of several students share one.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Show what the course has of students, and remove it if that is meant."""
+    """Print what the course has of students, and with ``--yes`` remove it."""
     layout, copies = Layout.here(), []
     with alone(layout, 'forget') if chosen.yes else nullcontext():
         found = [traces(layout, student) for student in chosen.students]
@@ -88,7 +88,7 @@ class Traces:
     moved: Path | None = None
 
     def lines(self, layout: Layout) -> Iterator[str]:
-        """Yield what would go, and what would not."""
+        """Yield what would be removed and what would not."""
         yield f'{self.student}:'
         yield from (f'  gradebook: {mark}' for mark in self.marks)
         if self.results:
@@ -108,7 +108,7 @@ class Traces:
 
 def traces(layout: Layout, student: str) -> Traces:
     """
-    Return what a course has of a student; nothing is changed.
+    Return what a course has of a student; change nothing.
 
     :param student: id or display name
     :raises GraderError: if there is no such student, or several have the name
@@ -171,7 +171,7 @@ def forget(layout: Layout, student: str) -> Path | None:
 
 
 def _forgotten(layout: Layout) -> Path:
-    """Return the folder of what forgotten students handed in."""
+    """Return the folder for submissions of forgotten students."""
     return layout.work / 'forgotten'
 
 
@@ -183,7 +183,7 @@ def _folders(above: Path) -> set[str]:
 
 
 def _marks(layout: Layout) -> dict[str, list[str]]:
-    """Return what the gradebook has, by student."""
+    """Return the marks in the gradebook, by student."""
     found: dict[str, list[str]] = {
         str(student): [] for (student,) in query(layout, text('select id from student'))
     }
@@ -207,7 +207,7 @@ order by assignment.name
 
 
 def _forget_name(layout: Layout, student: str) -> None:
-    """Remove a student from the names of people and from Moodle's numbers."""
+    """Remove a student from the display names and from Moodle's numbers."""
     known = read_namesakes(layout)
     if known.numbers.pop(student, None):
         keep_namesakes(layout, known, ())

@@ -1,7 +1,7 @@
 """
-The command ``grade``: a class from its folder to the gradebook and the reports.
+The command ``grade``: grade a class, fill the gradebook and write the reports.
 
-Every run is saved as soon as it is done.  If a grading was stopped, by any means and at any time,
+Every run is saved as soon as it ends.  If a grading is stopped at any time, even by a power cut,
 the same command continues it.
 """
 
@@ -53,7 +53,7 @@ MAX_NAMED = 5
 
 
 class NotEnteredError(GraderError):
-    """The results are there, but they could not all be entered or written."""
+    """Some results could not be entered in the gradebook or written."""
 
     def __init__(self, what: str, results: Sequence[SubmissionResult]) -> None:
         super().__init__(what)
@@ -107,7 +107,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_yes(command: argparse.ArgumentParser) -> None:
-    """Describe the option that lets marks in the gradebook fall."""
+    """Describe the option that allows the command to lower marks in the gradebook."""
     command.add_argument(
         '--yes',
         action='store_true',
@@ -146,7 +146,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _fit_together(chosen: argparse.Namespace) -> None:
-    """Refuse options of which one would be ignored."""
+    """Refuse options that another option would make useless."""
     for name, value, why in (
         ('--allow-weak', chosen.allow_weak, 'never run with weak isolation'),
         ('--jobs', chosen.jobs, 'set the number of runs themselves'),
@@ -168,7 +168,7 @@ def _grade_all(
     yes: bool = False,
 ) -> tuple[list[SubmissionResult], str]:
     """
-    Grade each assignment; return all results, and what was not entered in the gradebook.
+    Grade each assignment; return all results, and why some were not entered.
 
     :param yes: whether marks in the gradebook may be lowered or emptied
     """
@@ -187,7 +187,7 @@ def _grade_all(
 
 def _refuse_loss(layout: Layout, assignments: Sequence[str], engine: Engine) -> None:
     """
-    Refuse to grade where marks would be lost, before anything is run.
+    Refuse to grade if marks would be lost, before anything is run.
 
     :raises GraderError: for a damaged gradebook, or check cells that do not fit their exams
     """
@@ -203,7 +203,7 @@ def _enters(engine: Engine) -> bool:
 
 
 def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> UsageError:
-    """Return what to say of a folder in which no student handed in anything."""
+    """Return the error about a folder without any submission."""
     known = layout.assignments()
     fix = (
         f'python -m autograder collect {short(submitted, layout)}, if this is a download from '
@@ -223,7 +223,7 @@ def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> Usag
 def _engine(
     layout: Layout, chosen: argparse.Namespace, told: Console
 ) -> Iterator[tuple[Engine, int]]:
-    """Yield what runs exams, in a pool or on a cluster, and how many at a time."""
+    """Yield the engine that runs exams, in a pool or on a cluster, and the number of runs."""
     if chosen.cluster:
         from autograder.grading.cluster import cluster_engine
 
@@ -242,7 +242,7 @@ def _engine(
 @contextmanager
 def in_a_pool(engine: SandboxEngine, jobs: int) -> Iterator[SandboxEngine]:
     """
-    Yield an engine that runs in processes of its own.
+    Yield an engine that runs exams in separate processes.
 
     :param jobs: how many processes
     """
@@ -251,7 +251,7 @@ def in_a_pool(engine: SandboxEngine, jobs: int) -> Iterator[SandboxEngine]:
 
 
 def _say_stopped(pid: int) -> None:
-    """Name a worker that does not work."""
+    """Print a warning about a worker process that is stopped."""
     print(
         f'worker process {pid} is stopped (SIGSTOP), so its run waits. Try: kill -CONT {pid}',
         file=sys.stderr,
@@ -260,7 +260,7 @@ def _say_stopped(pid: int) -> None:
 
 
 def warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:
-    """Print the banner of a weak mode; return how many runs at a time may be."""
+    """Print the banner of a weak mode; return how many runs may be parallel."""
     mode = getattr(getattr(engine, 'sandbox', None), 'mode', '')
     if not not_protected(mode):
         return jobs
@@ -269,7 +269,7 @@ def warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:
 
 
 def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path:
-    """Return the folder to grade; the default one is filled with the sample class if empty."""
+    """Return the folder to grade; fill the default folder with the sample class if empty."""
     if chosen is not None:
         if not chosen.is_dir():
             raise UsageError(f'--submitted {chosen}: there is no such folder.')
@@ -305,7 +305,7 @@ def _grade_assignment(
     told: Console,
     guard: Guard | None = None,
 ) -> list[SubmissionResult]:
-    """Grade one assignment of a class, record it, write the reports, print the table."""
+    """Grade one assignment of a class, enter it, write the reports, print the table."""
     lesson = load_lesson(layout, assignment, engine)
     submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())
     if not submissions:
@@ -363,7 +363,7 @@ def _report(
     told: Console,
 ) -> str:
     """
-    Write the reports of everybody, and print the table of those who were graded now.
+    Write the reports of all students, and print the table of those graded now.
 
     :returns: why the reports could not be written, empty if they are
     """
@@ -398,5 +398,5 @@ def _summary(graded: Sequence[Graded], graded_s: float, total_s: float, totals: 
 
 
 def short(path: Path, layout: Layout) -> str:
-    """Return a path as seen from the course."""
+    """Return a path relative to the course."""
     return str(path.relative_to(layout.root)) if path.is_relative_to(layout.root) else str(path)

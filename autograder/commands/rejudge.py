@@ -1,10 +1,9 @@
 """
-New verdicts after an exam was edited, from the recordings that are kept; nothing is run.
+Judge stored recordings again after an exam was edited; run no program.
 
-What was graded last is in the reports' ``results.json``, which names each recording.  A recording
-counts only for the files it was made of and for the scenario it was made with, both of which its
-header names; everyone else is named and keeps the points that are there.  What is to be written
-goes the way of a grading: nbgrader is given only what differs from what it has.
+The last results, ``results.json`` of the reports, name each recording.  A recording counts only if
+its header names the same files and the same scenario; otherwise the student is listed and keeps
+the old points.  ``--write`` works like a grading: nbgrader gets only what has changed.
 """
 
 from __future__ import annotations
@@ -116,7 +115,7 @@ class Rejudged:
 @dataclass(frozen=True)
 class Account:
     """
-    What judging one assignment again came to.
+    The outcome of judging one assignment again.
 
     :param seconds: wall time of the judging
     :param written: what became of it, empty if nothing was to be written
@@ -186,7 +185,7 @@ def rejudge_command(
     layout: Layout, assignment: str | None, submitted: Path | None, write: bool, yes: bool = False
 ) -> tuple[list[Account], int]:
     """
-    Judge one assignment or all graded ones again.
+    Judge one assignment, or all graded ones, again.
 
     :param write: enter the new points in gradebook and reports; what the gradebook refuses is in
         the account, and the reports are written anyway
@@ -209,7 +208,7 @@ def rejudge_command(
 
 def rejudge(layout: Layout, lesson: Lesson, submitted: Path) -> Account:
     """
-    Judge everyone who was graded.
+    Judge all students who were graded.
 
     :param submitted: the folder of the class
     """
@@ -242,7 +241,7 @@ def _judge_again(
     files: Mapping[str, ExamFiles],
     known: Known,
 ) -> Rejudged:
-    """Judge one student's files, or say why not."""
+    """Judge one student's files, or return why that is impossible."""
     old = {exam.exam: exam for exam in before.exams}
     results = []
     for exam in lesson.exams:
@@ -264,7 +263,7 @@ def again(
     layout: Layout, exam: Exam, files: Mapping[str, str], old: ExamResult | None
 ) -> tuple[ExamResult | None, str]:
     """
-    Judge one student's files by one exam, from the recording.
+    Judge one student's files with one exam, from the recording.
 
     :param old: the last result, which names the recording
     :returns: the result; or None, and why there is none
@@ -289,7 +288,7 @@ def again(
 
 
 def changes(before: ExamResult | None, after: ExamResult) -> list[Changed]:
-    """Return what is different between two results of one exam, check by check."""
+    """Return the checks that differ between two results of one exam."""
     old = {check.check: check for check in before.checks} if before else {}
     new = {check.check: check for check in after.checks}
     found = []
@@ -308,7 +307,7 @@ def _shown(check: CheckResult) -> tuple[Any, ...]:
 
 
 def _why(before: CheckResult | None, after: CheckResult | None) -> str:
-    """Return the reason in words: what the check says now, or what it said."""
+    """Return the reason for a change: what the check says now, or what it said before."""
     if after is None:
         return 'the exam no longer has this check'
     if before is None:
@@ -324,7 +323,7 @@ def _why(before: CheckResult | None, after: CheckResult | None) -> str:
 def _write_all(
     layout: Layout, lessons: Sequence[Lesson], accounts: Sequence[Account], yes: bool
 ) -> list[Account]:
-    """Write all accounts; or none, if a mark would be lowered or emptied and that is not meant."""
+    """Write all accounts; write none if a mark would fall without ``--yes``."""
     guard = Guard(layout, yes)
     for lesson, account in zip(lessons, accounts):
         guard.allowed(lesson, to_enter(layout, lesson, _judged(account)))
@@ -345,7 +344,7 @@ def _judged(account: Account) -> list[Graded]:
 
 
 def _write(layout: Layout, lesson: Lesson, account: Account, guard: Guard) -> Account:
-    """Enter what is new in the gradebook, write all reports, and note what came of it."""
+    """Enter new results in the gradebook, write all reports, and note the outcome."""
     again = _judged(account)
     new, refused = enter(
         layout, lesson, again, lambda: begin_to_enter(layout, lesson.assignment, guard), guard

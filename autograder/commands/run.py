@@ -1,9 +1,10 @@
 """
-An instructor's quick look: the exams of the course on one submission, whatever its form.
+Run the exams of the course on one submission of any form, for an instructor.
 
-A script, a package folder, a zip of one, or a notebook.  The same exams, the same sandbox and the
-same words as for a class; nothing goes into a gradebook.  A package that says how it is built is
-built, and run by its executables; other folders are laid out beside the node file.
+A submission is a script, a package folder, a zip of one, or a notebook.  Exams, sandbox and
+messages are the same as for a class; nothing is entered in a gradebook.  A package with build
+files is built and its executables are run; the files of other folders are put next to the node
+file.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Look at one submission."""
+    """Run exams on one submission."""
     layout = Layout.here()
     found = exams_named(chosen.exam, layout, hidden=not chosen.visible)
     to_look_at = looks(chosen.path, found, layout)
@@ -99,7 +100,7 @@ def _show(event: Any) -> None:
 @dataclass(frozen=True)
 class Look:
     """
-    One exam and what it will look at.
+    One exam and the files that it gets.
 
     :param files: relative path to text
     :param problems: what is wrong with the cells of a notebook
@@ -113,7 +114,7 @@ class Look:
 
 
 def short_name(assignment: str) -> str:
-    """Return an assignment's folder without its number."""
+    """Return the name of an assignment's folder without its number."""
     return assignment.partition('_')[2] if assignment[:1].isdigit() else assignment
 
 
@@ -139,7 +140,7 @@ def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
 
 def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
     """
-    Return what each exam looks at in a submission.
+    Return the files of a submission that each exam gets.
 
     :param path: a script, a package folder, a zip file or a notebook
     :raises NotTakenInError: if nothing in it is for these exams
@@ -194,7 +195,7 @@ def quick_look(
     told: Callable[[Event], None] | None = None,
 ) -> Iterator[tuple[Look, ExamResult]]:
     """
-    Run the exams, at the same time, or one after the other if somebody watches.
+    Run the exams in parallel, or one after another if their events are shown.
 
     :param told: called with each event of a run as it happens
     :returns: in the order of the exams
@@ -229,7 +230,7 @@ def quick_look(
 
 @contextmanager
 def _folder(recordings: Path | None) -> Iterator[Path]:
-    """Yield the folder of recordings, one that is thrown away if nothing is to be kept."""
+    """Yield the folder for recordings; a temporary one if none is given."""
     if recordings is not None:
         yield recordings
         return
@@ -238,13 +239,13 @@ def _folder(recordings: Path | None) -> Iterator[Path]:
 
 
 def text_of(look: Look, result: ExamResult) -> str:
-    """Return what the terminal shows of one exam."""
+    """Return the outcome of one exam as text for the terminal."""
     head = f'{look.exam.title} ({look.exam.name}): '
     return printable(head) + exam_text(result, look.problems)
 
 
 def summary(results: Sequence[ExamResult], visible: bool) -> str:
-    """Return the last line."""
+    """Return the last line of the output."""
     points = number(sum(one.points for one in results))
     most = number(sum(one.max_points for one in results))
     modes = ', '.join(sorted({one.mode for one in results if one.mode})) or 'nothing was run'

@@ -1,4 +1,4 @@
-"""The command ``similar``: submissions that are alike, for a person to look at."""
+"""The command ``similar``: list similar submissions for a person to compare."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def similar_text(found: Similar) -> str:
-    """Return the list to look at as plain text."""
+    """Return the pairs as plain text."""
     lines = [f'{found.assignment}: {found.compared} submissions compared. {found.warning}']
     if found.typical is not None:
         lines.append(f'Two submissions of this class are typically {found.typical:.0%} alike.')

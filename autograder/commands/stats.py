@@ -1,4 +1,4 @@
-"""The commands ``stats`` and ``report``: a class in numbers, as text and as a page."""
+"""The commands ``stats`` and ``report``: statistics of a class, as text and as a page."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Print a class in numbers."""
+    """Print the statistics of a class."""
     layout = Layout.here()
     found = [class_numbers(layout, one) for one in graded(layout, chosen.assignment)]
     if chosen.json:
@@ -51,7 +51,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def stats_text(numbers: ClassNumbers) -> str:
-    """Return a class in numbers as plain text."""
+    """Return the statistics of a class as plain text."""
     lines = [
         f'{numbers.assignment}: {numbers.submissions} submission{"s" * (numbers.submissions != 1)}'
     ]
