@@ -1,5 +1,5 @@
 """
-The gradebook file that Canvas gave, with the one column of an assignment filled in.
+Fill the column of one assignment in a gradebook file exported from Canvas.
 
 What Canvas writes and reads again (its own ``gradebook_exporter.rb``, ``gradebook_importer.rb``):
 a header with ``Student`` (or ``LastName``, ``FirstName``), ``ID``, perhaps ``SIS User ID``,
@@ -38,7 +38,7 @@ SHOWN = 12
 @dataclass(frozen=True)
 class Gradebook:
     """
-    A file of Canvas, cell by cell.
+    A gradebook file from Canvas, cell by cell.
 
     :param possible: index of the line ``Points Possible``
     :param delimiter: comma or semicolon
@@ -61,7 +61,7 @@ class Gradebook:
         return range(self.possible + 1, len(self.rows))
 
     def to_bytes(self) -> bytes:
-        """Return the file again."""
+        """Return the file with its new cells."""
         text = io.StringIO()
         writer = csv.writer(text, delimiter=self.delimiter, lineterminator=self.newline)
         writer.writerows(self.rows)
@@ -71,7 +71,7 @@ class Gradebook:
 @dataclass
 class Filled:
     """
-    What was done to the file.
+    The changes to the file.
 
     :param column: header of the column
     :param replaced: student, what the cell held, what it holds now
@@ -87,7 +87,7 @@ class Filled:
     untouched: int = 0
 
     def text(self) -> str:
-        """Return it in words, a line a fact."""
+        """Return the changes as text, one line each."""
         lines = [f'{self.column}: {self.filled} scores entered.']
         lines += [f'replaced: {who}: {old} -> {new}' for who, old, new in self.replaced]
         lines += [f'not entered: {who}: {why}' for who, why in self.left_out]
@@ -120,7 +120,7 @@ def fill(data: bytes, where: str, column: str, marks: Sequence[Mark], scale: boo
 
 def read(data: bytes, where: str) -> Gradebook:
     """
-    Read a file of Canvas.
+    Read a gradebook file from Canvas.
 
     :raises GraderError: if it is none
     """
@@ -152,7 +152,7 @@ def read(data: bytes, where: str) -> Gradebook:
 
 def read_file(path: Path) -> bytes:
     """
-    Read the file that Canvas gave.
+    Read a gradebook file from Canvas, from the disk.
 
     :raises GraderError: if it cannot be read
     """
@@ -174,7 +174,7 @@ def _no_gradebook(where: str, got: str) -> GraderError:
 
 
 def _column(book: Gradebook, where: str, wanted: str) -> int:
-    """Return the index of the one assignment column that is meant."""
+    """Return the index of the assignment column with this name or id."""
     there = {
         index: found
         for index, name in enumerate(book.header)
@@ -203,7 +203,7 @@ def _column(book: Gradebook, where: str, wanted: str) -> int:
 
 
 def _factor(book: Gradebook, where: str, index: int, marks: Sequence[Mark], scale: bool) -> float:
-    """Return what to multiply points with: 1, unless scaling is wanted."""
+    """Return the factor for points: 1 unless scaling is requested."""
     most = max((mark.max_points for mark in marks), default=0.0)
     possible = _number(book.rows[book.possible][index])
     if possible is None or most <= 0 or abs(possible - most) < 0.005:
@@ -225,7 +225,7 @@ def _factor(book: Gradebook, where: str, index: int, marks: Sequence[Mark], scal
 
 
 def _number(text: str) -> float | None:
-    """Read a number as Canvas writes it, with a point or a comma; None if it is none."""
+    """Read a number as Canvas writes it, with a point or a comma; None if it is not a number."""
     parts = re.split('[.,]', text.strip())
     joined = f'{"".join(parts[:-1])}.{parts[-1]}' if len(parts) > 1 else parts[0]
     try:
@@ -235,7 +235,7 @@ def _number(text: str) -> float | None:
 
 
 def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, Mark]:
-    """Return which line belongs to which student; who fits none or several is left out."""
+    """Return the line of each student; leave out students with no line or with several."""
     columns = [book.header.index(name) for name in ID_COLUMNS if name in book.header]
     lines: dict[str, set[int]] = {}
     for row in book.students():
@@ -263,7 +263,7 @@ def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, 
 
 
 def _enter(row: list[str], index: int, mark: Mark, factor: float, done: Filled) -> None:
-    """Write one cell, unless there is no mark or Canvas says that there is to be none."""
+    """Write one cell, unless there is no mark or Canvas allows none."""
     old = row[index].strip()
     if mark.points is None:
         kept = f'; Canvas keeps {old}' if old else ''
