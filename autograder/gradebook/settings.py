@@ -1,4 +1,4 @@
-"""nbgrader's settings for the course, read without nbgrader, whose import takes seconds."""
+"""Read nbgrader's settings for the course without nbgrader, whose import takes seconds."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def load_config(layout: Layout) -> Config:
 
 
 def gradebook_file(layout: Layout) -> Path | None:
-    """Return the file of the gradebook, there or not, None if a server keeps it."""
+    """Return the path of the gradebook, even if it does not exist; None for a server."""
     place, found, path = str(load_config(layout).CourseDirectory.db_url).partition('sqlite:///')
     return Path(path) if found and not place else None
 
 
 def has_gradebook(layout: Layout) -> bool:
-    """Return whether there is a gradebook; one on a server counts as there."""
+    """Return whether a gradebook exists; one on a server always counts as existing."""
     path = gradebook_file(layout)
     return path is None or path.is_file()
