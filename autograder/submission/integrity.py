@@ -1,11 +1,10 @@
 """
-Whether a submitted notebook still has the cells of the release, in words for the instructor.
+Report to the instructor whether a submitted notebook still has the cells of the release.
 
-None of it changes a grade, because only the answers' texts survive (see
-:mod:`autograder.submission.submission`). nbgrader's checksums say nothing about tags, and are
-wrong for every cell whose text is made at release; here cells are compared with the release
-itself.  What editors add by themselves (outputs, ids, folding, timing) is not looked at, so an
-honest notebook gives no line.
+None of it changes a grade, because the grader uses only the texts of answers (see
+:mod:`autograder.submission.submission`).  nbgrader's checksums ignore tags, and are wrong for
+every cell whose text is generated at release; this module compares cells with the release itself.
+It ignores what editors add (outputs, ids, folding, timing), so an honest notebook gives no line.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ MOST_LINES = 20
 
 def changes(release: Mapping[str, Any], cells: Sequence[StudentCell]) -> tuple[str, ...]:
     """
-    Return how the cells that nbgrader knows differ from the release.
+    Return how the graded cells differ from those of the release.
 
     :param release: the notebook that students received
     :param cells: all cells of the submitted one
@@ -45,7 +44,7 @@ def changes(release: Mapping[str, Any], cells: Sequence[StudentCell]) -> tuple[s
 def _about(
     released: dict[str, Any], grade_id: str, copies: Sequence[StudentCell]
 ) -> Iterator[str]:
-    """Say what is different about one cell of the release."""
+    """Yield the differences of one cell of the release."""
     marks = released['metadata'].get('nbgrader', {})
     answer = bool(marks.get('solution'))
     name = f'{"answer" if answer else "locked"} cell {grade_id}'
