@@ -1,8 +1,8 @@
 """
-The course: what ``course.toml`` says about it, and where its parts lie.
+Read ``course.toml``, and find the folders and files of a course.
 
-The grader is for any course. Which one is meant is said once: by ``--course``, else by the folder
-in which a command or a notebook was started, else it is the course that the grader came with.
+The grader serves any course.  It uses the one that ``--course`` names, else the one around the
+current folder, else the course that the grader came with.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ CHOSEN = 'COURSE_DIR'
 @dataclass(frozen=True)
 class Facts:
     """
-    What ``course.toml`` says.
+    The content of a ``course.toml``.
 
     :param name: what nbgrader calls the course
     :param exams: the Python package with ``visible`` and ``hidden`` exams, found from the root
@@ -50,7 +50,7 @@ class Facts:
 
 def read_facts(path: Path) -> Facts:
     """
-    Return what a ``course.toml`` says; what it leaves out is as in :class:`Facts`.
+    Return the content of a ``course.toml``, with the defaults of :class:`Facts`.
 
     :raises GraderError: if it is no TOML, or a name or a type in it is wrong
     """
@@ -86,7 +86,7 @@ class Layout:
     @classmethod
     def here(cls) -> Layout:
         """
-        Return the course that is meant.
+        Return the current course.
 
         :raises GraderError: if ``COURSE_DIR`` names a folder without a course, or none is found
         """
@@ -102,12 +102,12 @@ class Layout:
 
     @cached_property
     def facts(self) -> Facts:
-        """Return what ``course.toml`` says."""
+        """Return the content of ``course.toml``."""
         return read_facts(self.root / FILE)
 
     @property
     def solutions(self) -> Path:
-        """Return the folder of the single source of every notebook."""
+        """Return the folder with the source of every notebook."""
         return self.root / 'solutions'
 
     @property
@@ -122,7 +122,7 @@ class Layout:
 
     @property
     def work(self) -> Path:
-        """Return the folder of everything that grading writes; git ignores it."""
+        """Return the folder for everything that grading writes; git ignores it."""
         return self.root / self.facts.work
 
     @property
@@ -137,12 +137,12 @@ class Layout:
 
     @property
     def people(self) -> Path:
-        """Return the file with the names of people, by student id."""
+        """Return the file with the display names of students, by student id."""
         return self.work / 'people.json'
 
     @property
     def namesakes(self) -> Path:
-        """Return the file with the names that two people have, and people's numbers in Moodle."""
+        """Return the file with names that two people have, and with Moodle's numbers."""
         return self.work / 'namesakes.json'
 
     @property
@@ -174,7 +174,7 @@ class Layout:
 
     def assignment_named(self, name: str) -> str:
         """
-        Return the assignment that is meant.
+        Return the assignment with this name, with or without its number.
 
         :param name: with or without its number, ``07_temperature_monitor`` or
             ``temperature_monitor``
