@@ -35,7 +35,7 @@ def strongest(allow_weak: str = '') -> Sandbox:
     offers = isolation.permitted(isolation.WEAK[-1], root) if not allow_weak else ()
     if offers:
         reasons.append(
-            f'To accept less, name it: --allow-weak={" or --allow-weak=".join(offers)}.'
+            f'To accept weaker isolation: --allow-weak={" or --allow-weak=".join(offers)}.'
         )
     raise SandboxUnavailable(refusal.what, ' '.join([refusal.fix, *reasons])) from refusal
 

@@ -163,7 +163,7 @@ class TestIdsOfFolders:
         """Systems have names of their own."""
         source = packed(tmp_path / 'm.zip', MOODLE)
 
-        with pytest.raises(NotTakenInError, match='for --prefix, got names of moodle'):
+        with pytest.raises(NotTakenInError, match='these are names from moodle'):
             collect(source, layout, layout.submitted, prefix='Li ')
 
 

@@ -264,7 +264,7 @@ class TestExchange:
         """With what to name instead."""
         files = {**EXCHANGE, **{name.replace('c/', 'd/', 1): GOOD for name in EXCHANGE}}
 
-        with pytest.raises(NotTakenInError, match='the exchange of one course, got 2'):
+        with pytest.raises(NotTakenInError, match='this exchange has 2 courses'):
             collect(laid(tmp_path / 'exchange', files), layout, layout.submitted)
 
     def test_releases_are_nobodys_work_before_the_first_hand_in(self, tmp_path, layout):

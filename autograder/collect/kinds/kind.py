@@ -73,7 +73,8 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     else:
         if prefix:
             raise NotTakenInError(
-                f'{tree.name}: expected folders of students for --prefix, got names of {chosen}.',
+                f'{tree.name}: --prefix works only with folders of students; these are names '
+                f'from {chosen}.',
                 'Try: leave out --prefix',
             )
         expected, system = SYSTEMS[chosen].EXPECTED, SYSTEMS[chosen]
@@ -111,7 +112,7 @@ def _recognised(tree: Tree) -> tuple[str, Level | None]:
     courses = level(tree).folders
     if courses and all(_is_exchange(level(tree, name)) for name in courses):
         raise NotTakenInError(
-            f'{tree.name}: expected the exchange of one course, got {len(courses)} of them.',
+            f'{tree.name}: this exchange has {len(courses)} courses.',
             'Try: collect the folder of one course, or its inbound/',
         )
     return FOLDER, None
