@@ -2,11 +2,11 @@
 # ROS 2, the course's ROS package and a Jupyter kernel. The second time that takes no time.
 # `make help` prints the lines with a bar. Students' copies have this file without instructors.mk.
 #
-#|  make lab                  JupyterLab with the notebooks
-#|  make publisher            run the course's publisher node in this terminal ...
-#|  make subscriber           ... and its subscriber in another one
-#|  make prepare              only prepare; all other goals begin with it
-#|  make doctor               what is there and what is missing; needs no network
+#|  make lab                  open JupyterLab with the notebooks
+#|  make publisher            run the course's publisher node in this terminal
+#|  make subscriber           run the course's subscriber node in this terminal
+#|  make prepare              prepare everything; most other goals do this first
+#|  make doctor               list what is installed and what is missing, without network
 #|  make clean                remove everything that was prepared
 #
 # Choices: PYTHON=python3.11 (which Python), VENV=.venv-3.11 (where), ROS_SOURCE=wheels|sourced.

@@ -1,17 +1,18 @@
 # The goals of the full project, included by the Makefile; students' copies are without them.
 #
-#|  make grade                grade all of submitted/ (ARGS='--jobs 2' passes options on)
-#|  make release              generate notebooks/ from solutions/, check the course, pack a student
-#|                            bundle
-#|  make quick                style, types and the quick unit tests: under a minute
-#|  make test                 all tests, without the browser and the benchmarks
-#|  make test-browser         JupyterLab and formgrader in headless Chromium; also test-cluster (Dask)
-#|                            and test-postgres (a real server)
-#|  make check                style, types, words, and whether generated files are up to date
-#|  make coverage             docs/coverage.md: what the course claims, teaches and proves
-#|  make judgement            docs/agreement.md, mutants.md, causes.md: how well the grader judges
-#|  make bench                the benchmarks; half an hour, best on a quiet machine
-#|  make soak                 the same files judged 200 times, calm and under load; half an hour
+#|  make grade                grade everything in submitted/ (ARGS='--jobs 2' passes options)
+#|  make release              generate notebooks/ from solutions/, check the course, pack the
+#|                            students' copy
+#|  make quick                check style and types and run the quick unit tests: under a minute
+#|  make test                 run all tests except browser, cluster, PostgreSQL and benchmarks
+#|  make test-browser         test JupyterLab and formgrader in headless Chromium; also
+#|                            test-cluster (Dask) and test-postgres (a real server)
+#|  make check                check style, types, words, and that generated files are up to date
+#|  make coverage             write docs/coverage.md: what the course claims, teaches and tests
+#|  make judgement            write docs/agreement.md, mutants.md, causes.md: how well the grader
+#|                            judges
+#|  make bench                run the benchmarks; half an hour, preferably on a quiet machine
+#|  make soak                 judge the same files 200 times, with and without load; half an hour
 
 .PHONY: grade quick test test-browser test-cluster test-postgres check coverage judgement release bench soak
 

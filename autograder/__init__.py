@@ -1,5 +1,5 @@
 """
-The grader: runs student code it does not trust and judges what it did on the wire.
+Run student code that the grader does not trust, and judge what it did on the wire.
 
 The folders, as the data flow::
 

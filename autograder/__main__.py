@@ -1,8 +1,8 @@
 """
-The grader on the command line; COMMAND --help says more about each.
+Grade a course of ROS 2 exercises; COMMAND --help lists the options of a command.
 
-Exit codes: 0 everything has a verdict, 1 some submissions are for review, 2 the command cannot
-be done (its arguments, or our own fault), 130 stopped by Ctrl-C.
+Exit codes: 0 everything has a verdict, 1 some submissions are for review, 2 the command failed
+(wrong arguments, or a fault of the grader), 130 stopped with Ctrl-C.
 """
 
 from __future__ import annotations
@@ -23,35 +23,38 @@ from autograder.layout import CHOSEN
 COMMANDS = {
     'grade': ('grade:options', 'grade a class and write reports'),
     'check': ('check:options', 'run one exam on the files of a package'),
-    'sample-class': ('authoring:sample_class_options', 'write the bundled example submissions'),
+    'sample-class': (
+        'authoring:sample_class_options',
+        'write the example submissions to a folder',
+    ),
     'self-check': (
         'authoring:self_check_options',
-        'grade the reference solution and the bare release of every lesson',
+        'check that reference solutions pass and untouched notebooks do not',
     ),
-    'run': ('run:options', 'run exams on one script, package, zip or notebook'),
+    'run': ('run:options', 'run exams on one script, package, zip file or notebook'),
     'collect': (
         'collect:options',
-        'take in a class from a folder, a zip of an LMS or an exchange',
+        'import submissions from a folder, a zip file of an LMS or an exchange',
     ),
     'rejudge': (
         'rejudge:options',
-        'new verdicts from the kept recordings after an exam edit; runs nothing',
+        'judge stored recordings again with the edited exam; runs no program',
     ),
-    'forget': ('forget:options', 'show what the course has of a student; with --yes, remove it'),
+    'forget': ('forget:options', 'list what the course has of a student; --yes removes it'),
     'explain': ('explain:options', 'show the evidence behind a verdict'),
-    'report': ('stats:report_options', 'write the page of a class in numbers again'),
-    'stats': ('stats:options', 'the last grading in numbers: marks, checks, causes'),
-    'similar': ('similar:options', 'list similar submissions to look at'),
-    'export': ('export:options', 'the last grading for other programs'),
-    'new-course': ('authoring:new_course_options', 'begin another course in a folder of its own'),
-    'new-exam': ('authoring:new_exam_options', 'begin an exercise: its lesson and its two exams'),
+    'report': ('stats:report_options', 'write the statistics page of a class again'),
+    'stats': ('stats:options', 'print statistics of the last grading: marks, checks, causes'),
+    'similar': ('similar:options', 'list similar submissions for you to compare'),
+    'export': ('export:options', 'export the results of the last grading'),
+    'new-course': ('authoring:new_course_options', 'create a new course in a separate folder'),
+    'new-exam': ('authoring:new_exam_options', 'create an exercise: a lesson and its two exams'),
 }
 """By name: the function in ``commands`` that describes its options, and its line of help."""
 GOES_ON = {
-    'grade': 'Finished runs are kept; the same command goes on.',
-    'collect': 'What was taken stays; the same command goes on.',
+    'grade': 'Finished runs are kept; run the same command again to continue.',
+    'collect': 'Collected files are kept; run the same command again to continue.',
 }
-"""Commands of which something is kept if they are stopped."""
+"""Commands that keep their progress when they are stopped."""
 OURS = ('autograder', 'drawing', 'environment', 'roslab')
 
 
@@ -75,7 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             end_runs()
             return UNREAD
         if isinstance(error, ModuleNotFoundError) and str(error.name).partition('.')[0] in OURS:
-            raise  # a defect of ours, not of the Python in use
+            raise  # a defect of the grader, not of the Python in use
         refuse(error, chosen.command == 'check' and chosen.json)
         return USAGE
     except KeyboardInterrupt:
@@ -90,7 +93,7 @@ def _nobody_reads() -> bool:
     """
     Return whether standard output is a pipe that its reader has closed.
 
-    If so it is led away, or Python itself would complain at its end.
+    If so, redirect it to /dev/null; otherwise Python would report an error when it exits.
     """
     try:
         output = sys.stdout.fileno()
@@ -105,13 +108,13 @@ def _nobody_reads() -> bool:
 
 
 def _how_to_go_on(chosen: argparse.Namespace) -> str:
-    """Say what is kept of a command that was stopped."""
+    """Return what a stopped command has kept and how to continue."""
     if chosen.command not in GOES_ON:
-        return 'The same command begins again.'
+        return 'Run the same command again; it starts from the beginning.'
     if getattr(chosen, 'fresh', False):
         return (
-            'What was reported is done. The same command begins again, as --fresh repeats every '
-            'run; --assignment NAME limits it to what is missing.'
+            'Assignments with a table above are done. With --fresh, the same command repeats '
+            'every run; add --assignment NAME to grade only what is missing.'
         )
     return GOES_ON[chosen.command]
 
@@ -119,7 +122,12 @@ def _how_to_go_on(chosen: argparse.Namespace) -> str:
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """Describe the command line."""
     parser = argparse.ArgumentParser(prog='python -m autograder', description=__doc__)
-    parser.add_argument('--course', type=Path, metavar='DIR', help='folder with a course.toml')
+    parser.add_argument(
+        '--course',
+        type=Path,
+        metavar='DIR',
+        help='folder with a course.toml (default: the course that contains the current folder)',
+    )
     commands = parser.add_subparsers(required=True, metavar='COMMAND', dest='command')
 
     for name, (options, text) in COMMANDS.items():

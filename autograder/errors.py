@@ -1,5 +1,5 @@
 """
-Whose fault it is, as a class.
+The faults of the grader, as classes of exceptions.
 
 ::
 
@@ -24,31 +24,31 @@ from traceback import walk_tb
 
 class GraderError(Exception):
     """
-    Something on our side went wrong, so there is no verdict.
+    The grader failed, so there is no verdict.
 
     :param what: one sentence, what happened and where
     :param fix: what the instructor can do about it
     """
 
     def __init__(self, what: str, fix: str = '') -> None:
-        """Keep both halves, so that a report can lay them out."""
+        """Keep both parts, so that a report can show them separately."""
         super().__init__(f'{what} {fix}'.strip())
         self.what = what
         self.fix = fix
 
 
 class UsageError(GraderError):
-    """The command line asks for something that is not there."""
+    """The command line names something that does not exist."""
 
 
 def is_disk_full(error: BaseException) -> bool:
-    """Return whether there was no room for a file, which is not a defect of anything."""
+    """Return whether an error means that the disk is full."""
     return isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT)
 
 
 def of_system(error: OSError, where: str = 'the system') -> GraderError:
     """
-    Return one line about what the system refused.
+    Return the error that explains a refusal of the operating system in one line.
 
     :param where: the place, if the system does not name one
     """
@@ -59,14 +59,14 @@ def of_system(error: OSError, where: str = 'the system') -> GraderError:
             'Try: free space on it, then run the same command again. Finished runs are kept.',
         )
     return GraderError(
-        f'{where}: expected a file or folder to work with, got: {str(error.strerror).lower()}.',
+        f'{where}: cannot be read or written: {str(error.strerror).lower()}.',
         'Try: check its permissions and the free space on the disk',
     )
 
 
 def defect(error: Exception, where: str) -> GraderError:
     """
-    Return what is said of a defect of ours, which is for a person to look at.
+    Return the error that explains a defect of the grader in one line.
 
     :param where: what was being done, such as the exam's name
     """
@@ -80,7 +80,7 @@ def defect(error: Exception, where: str) -> GraderError:
 
 def line_in(folder: Path, error: BaseException) -> str:
     """
-    Return file and line of the innermost code of a folder that raised an error, or nothing.
+    Return file and line of the innermost frame in a folder, or an empty string.
 
     :param folder: such as that of the exams; files are named from its parent
     """
@@ -99,15 +99,15 @@ class SandboxUnavailable(GraderError):
 
 
 class ProbeFailed(GraderError):
-    """The probe, our observer inside the sandbox's network, did not finish its work."""
+    """The probe did not finish its work."""
 
 
 class TooBusy(GraderError):
-    """The machine had so little time for a program that no verdict would be fair."""
+    """The machine was too busy for a fair verdict."""
 
 
 class RecordingInvalid(GraderError):
-    """A recording cannot be read: wrong version, truncated, or not ours."""
+    """A recording cannot be read: wrong version, cut off, or changed."""
 
 
 class ExamInvalid(GraderError):

@@ -21,24 +21,24 @@ DIGEST_CHARS = 16
 
 def refuse_existing(paths: Iterable[Path], force: bool) -> None:
     """
-    Refuse to replace files.
+    Raise if files exist, unless replacing them is allowed.
 
     :param force: whether replacing is wanted
     :raises GraderError: naming the first file that is there, or a folder in its place
     """
     for path in paths:
         if path.is_dir():
-            raise GraderError(f'{path}: expected a file to write, got a folder.')
+            raise GraderError(f'{path}: cannot write a file here, because this is a folder.')
         if os.path.lexists(path) and not force:
             raise GraderError(
-                f'{path}: expected a new file, got one that is already there.',
-                'Try: --force to replace it, or --to with another name',
+                f'{path}: this file already exists.',
+                'Try: --force to replace it, or --to with a different name',
             )
 
 
 def write_file(path: Path, data: bytes, force: bool = False, mode: int = 0o644) -> None:
     """
-    Put a new file in its place.
+    Write a file atomically, replacing an existing one only if allowed.
 
     :param force: replace a file that is there
     :param mode: permissions, less what the process's umask takes away
@@ -49,17 +49,17 @@ def write_file(path: Path, data: bytes, force: bool = False, mode: int = 0o644) 
 
 
 def json_bytes(data: Any) -> bytes:
-    """Return a JSON document in UTF-8; a program may have printed half a character of it."""
+    """Return a JSON document in UTF-8, even if a string holds half a surrogate pair."""
     text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
     return f'{text}\n'.encode('utf-8', 'replace')
 
 
 def safe_name(student: str) -> str:
     """
-    Return a file name for a student's id, whatever is in it; different ids stay different.
+    Return a safe file name for any student id; different ids get different names.
 
-    A letter that is not ASCII takes six characters or more.  Where there would be too many, the
-    end gives way to a digest of the whole id, after two signs that no whole name has in a row.
+    A letter outside ASCII takes six characters or more.  If the name becomes too long, a digest of
+    the whole id replaces its end, after two characters that never follow each other otherwise.
     """
     name = quote(student, safe='').replace('~', '~7E').replace('%', '~') or '~'
     if name.startswith('.'):
@@ -74,10 +74,10 @@ def keep(
     path: Path, data: bytes, mode: int = 0o666, at_last: Callable[[], None] = lambda: None
 ) -> None:
     """
-    Put a file in its place atomically.
+    Write a file atomically.
 
-    The name appears after the content is on the disk: if a rename overtakes its data, a power cut
-    leaves an empty file.
+    The file gets its name after its content is on the disk; otherwise a power cut could leave an
+    empty file.
 
     :param path: its folder is made
     :param mode: permissions, less what the process's umask takes away

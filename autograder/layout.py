@@ -1,8 +1,8 @@
 """
-The course: what ``course.toml`` says about it, and where its parts lie.
+Read ``course.toml``, and find the folders and files of a course.
 
-The grader is for any course. Which one is meant is said once: by ``--course``, else by the folder
-in which a command or a notebook was started, else it is the course that the grader came with.
+The grader serves any course.  It uses the one that ``--course`` names, else the one around the
+current folder, else the course that the grader came with.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ CHOSEN = 'COURSE_DIR'
 @dataclass(frozen=True)
 class Facts:
     """
-    What ``course.toml`` says.
+    The content of a ``course.toml``.
 
     :param name: what nbgrader calls the course
     :param exams: the Python package with ``visible`` and ``hidden`` exams, found from the root
@@ -50,21 +50,25 @@ class Facts:
 
 def read_facts(path: Path) -> Facts:
     """
-    Return what a ``course.toml`` says; what it leaves out is as in :class:`Facts`.
+    Return the content of a ``course.toml``, with the defaults of :class:`Facts`.
 
     :raises GraderError: if it is no TOML, or a name or a type in it is wrong
     """
     try:
         found = tomllib.loads(path.read_text(encoding='utf-8')) if path.is_file() else {}
     except (OSError, ValueError) as error:
-        raise GraderError(f'{path}: expected TOML, got: {error}.', 'Try: correct it.') from error
+        raise GraderError(
+            f'{path}: this is not valid TOML: {error}.', 'Try: correct the file'
+        ) from error
     known = {one.name: one for one in fields(Facts)}
     for name, value in found.items():
         if name not in known:
-            raise GraderError(f'{path}: got {name!r}.', f'Known: {", ".join(known)}.')
+            raise GraderError(f'{path}: unknown name {name!r}.', f'Try: one of {", ".join(known)}')
         if not isinstance(value, dict if name == 'messages' else str):
-            kind = 'a table' if name == 'messages' else 'a text'
-            raise GraderError(f'{path}: expected {kind} for {name}, got {value!r}.', 'Correct it.')
+            kind = 'a table' if name == 'messages' else 'a string'
+            raise GraderError(
+                f'{path}: expected {kind} for {name}, got {value!r}.', 'Try: correct the file'
+            )
     return Facts(**found)
 
 
@@ -82,7 +86,7 @@ class Layout:
     @classmethod
     def here(cls) -> Layout:
         """
-        Return the course that is meant.
+        Return the current course.
 
         :raises GraderError: if ``COURSE_DIR`` names a folder without a course, or none is found
         """
@@ -92,18 +96,18 @@ class Layout:
             if (folder / FILE).is_file():
                 return cls(folder)
         raise GraderError(
-            f'{folders[0]}: expected a course, found no {FILE}.',
-            'Try: cd to a course, or begin one with new-course.',
+            f'{folders[0]}: this is not the folder of a course; it has no {FILE}.',
+            'Try: cd to a course, or create one with new-course',
         )
 
     @cached_property
     def facts(self) -> Facts:
-        """Return what ``course.toml`` says."""
+        """Return the content of ``course.toml``."""
         return read_facts(self.root / FILE)
 
     @property
     def solutions(self) -> Path:
-        """Return the folder of the single source of every notebook."""
+        """Return the folder with the source of every notebook."""
         return self.root / 'solutions'
 
     @property
@@ -118,7 +122,7 @@ class Layout:
 
     @property
     def work(self) -> Path:
-        """Return the folder of everything that grading writes; git ignores it."""
+        """Return the folder for everything that grading writes; git ignores it."""
         return self.root / self.facts.work
 
     @property
@@ -133,12 +137,12 @@ class Layout:
 
     @property
     def people(self) -> Path:
-        """Return the file with the names of people, by student id."""
+        """Return the file with the display names of students, by student id."""
         return self.work / 'people.json'
 
     @property
     def namesakes(self) -> Path:
-        """Return the file with the names that two people have, and people's numbers in Moodle."""
+        """Return the file with names that two people have, and with Moodle's numbers."""
         return self.work / 'namesakes.json'
 
     @property
@@ -170,7 +174,7 @@ class Layout:
 
     def assignment_named(self, name: str) -> str:
         """
-        Return the assignment that is meant.
+        Return the assignment with this name, with or without its number.
 
         :param name: with or without its number, ``07_temperature_monitor`` or
             ``temperature_monitor``
@@ -195,6 +199,6 @@ class Layout:
         found = sorted((self.notebooks / assignment).glob('*.ipynb'))
         if not found:
             raise FileNotFoundError(
-                f'notebooks/{assignment}/ has no released notebook. Generate it with: make release'
+                f'notebooks/{assignment}/: there is no released notebook. Try: make release'
             )
         return found[0]

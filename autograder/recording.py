@@ -1,10 +1,10 @@
 """
-The recording of one run: what the probe received, one JSON event a line.  Kept, and judged again.
+The recording of one run: what the probe received, as one JSON event per line.
 
-``docs/recording.schema.json`` describes every line and its fields.  The first line, the header,
-has digests of what the recording was made of, and a seal by which a file that was cut off is
-noticed.  Its other facts (time, versions, ``repeated``) are for people, never for a verdict.  Then
-come events of the probe, in order of observation:
+Recordings are stored and can be judged again.  ``docs/recording.schema.json`` describes every line
+and its fields.  The first line, the header, has digests of files, scenario and environment, and a
+checksum that shows whether the file was cut off.  Its other facts (time, versions, ``repeated``)
+are for people, never for a verdict.  Then come events of the probe, in order of observation:
 
 * of the graph: ``seen`` (first nodes), ``graph``, ``asked`` (after the steps: is a node spun?),
   ``imitated`` (a node has the name of the probe's own)
@@ -12,12 +12,12 @@ come events of the probe, in order of observation:
 * what the probe did: ``input``, ``not_connected`` (nobody listened where an input was due),
   ``joined``, ``offered``, ``left``, ``mark`` (a phase begins), ``end`` (complete, or why not)
 
-and ``process``, in which the grader says how the program ended.  What a program prints helps to
-*explain*; it is never evidence.  Messages and log entries are left out while nodes are asked, and
-everything after the end of the program.
+and ``process``, in which the grader records how the program ended.  Printed text can *explain* a
+verdict; it is never evidence.  The recording has no messages and log entries from the time in
+which nodes are asked, and nothing from after the end of the program.
 
-``clock_ns`` is virtual time since the program was let go, exact to the nanosecond; null where a
-limit ended the run.  Non-finite floats are the strings 'nan', 'inf' and '-inf'.
+``clock_ns`` is virtual time since the program started, exact to the nanosecond; null where a limit
+ended the run.  Non-finite floats are the strings 'nan', 'inf' and '-inf'.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Recording:
 
     @cached_property
     def _by_kind(self) -> dict[str, list[Event]]:
-        """Return the events by their kind: checks ask a hundred times."""
+        """Return the events by their kind, because checks ask for them a hundred times."""
         kinds: dict[str, list[Event]] = {}
         for event in self.events:
             kinds.setdefault(event['event'], []).append(event)
@@ -100,7 +100,7 @@ class Recording:
 
     def answers(self, service: str) -> list[Event]:
         """
-        Return what came of the calls of a service, answers or not, in order.
+        Return the outcomes of the calls of a service, in order, including missing answers.
 
         :param service: full name, such as ``/thermometer/get_state``
         """
@@ -125,7 +125,7 @@ class Recording:
 
     @cached_property
     def nodes(self) -> tuple[str, ...]:
-        """Return the full names of every node that was ever seen, sorted, without repeats."""
+        """Return the full names of all nodes that were seen, sorted, without repeats."""
         return tuple(sorted({name for graph in self.of('graph') for name in graph['nodes']}))
 
     def endpoints(self, kind: str, topic: str | None = None) -> list[Event]:
@@ -146,25 +146,25 @@ class Recording:
 
     @cached_property
     def end_reason(self) -> str:
-        """Return why the scenario ended; ``'complete'`` if it was run whole."""
+        """Return why the scenario ended; ``'complete'`` if it ran to its end."""
         ends = self.of('end')
         return str(ends[-1]['reason']) if ends else 'broken_off'
 
     @cached_property
     def process(self) -> Event:
-        """Return how the student's process ended; empty if nothing is known."""
+        """Return how the student's process ended; empty if unknown."""
         found = self.of('process')
         return found[-1] if found else {}
 
     # -- files -----------------------------------------------------------------------------
 
     def lines(self) -> Iterator[str]:
-        """Return the file's lines, without its seal."""
+        """Return the file's lines, without its checksum."""
         for line in (self.header, *self.events):
             yield json.dumps(line, allow_nan=False)
 
     def to_bytes(self) -> bytes:
-        """Return the file, sealed: the header says how many events follow and their CRC-32."""
+        """Return the file, in which the header has the number of events and their CRC-32."""
         _, *events = self.lines()
         rest = ''.join(f'{line}\n' for line in events).encode()
         first = {**self.header, 'seal': _seal(len(events), rest)}
@@ -193,15 +193,15 @@ class Recording:
                 AGAIN,
             )
         if not all(isinstance(event, dict) and 'event' in event for event in events):
-            raise RecordingInvalid(f'{where}: a line is no event.', AGAIN)
+            raise RecordingInvalid(f'{where}: a line is not an event.', AGAIN)
         if header.pop('seal', None) != _seal(len(events), rest):
             raise RecordingInvalid(
-                f'{where}: the seal does not fit; it was cut off or changed.', AGAIN
+                f'{where}: the checksum is wrong; the file was cut off or changed.', AGAIN
             )
         return cls(header, events)
 
     def save(self, path: Path) -> None:
-        """Write the file atomically, even if a process is killed or the power fails meanwhile."""
+        """Write the file atomically, even if a process is killed or the power fails."""
         keep(path, self.to_bytes())
 
     @classmethod
@@ -217,7 +217,7 @@ class Recording:
             raise RecordingInvalid(f'{path}: cannot be read ({error.strerror}).') from error
 
 
-AGAIN = 'Grade again: that makes a new one.'
+AGAIN = 'Try: grade again, which records it again.'
 
 
 def _seal(count: int, events: bytes) -> dict[str, Any]:

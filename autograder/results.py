@@ -1,5 +1,5 @@
 """
-What the stages hand to one another, and what is written down: plain frozen records.
+The documents that the grader's stages exchange, as immutable data classes.
 
 Nothing here knows ROS, Jupyter or nbgrader.  Everything converts to and from JSON types.
 """
@@ -13,7 +13,7 @@ from typing import Any
 
 
 class Verdict(str, Enum):
-    """The three answers a check can give; a grader's own fault is an exception instead."""
+    """The three outcomes of a check; a fault of the grader is an exception instead."""
 
     PASSED = 'PASSED'
     FAILED = 'FAILED'
@@ -22,7 +22,7 @@ class Verdict(str, Enum):
 
 def shortened(text: str, most: int = 60) -> str:
     """
-    Return a text, or its beginning and a sign that there is more.
+    Return a text, or its beginning with an ellipsis if it is too long.
 
     :param most: length of what is returned [characters]
     """
@@ -30,7 +30,7 @@ def shortened(text: str, most: int = 60) -> str:
 
 
 def first_of(names: Sequence[str], most: int, between: str = ', ') -> str:
-    """Return the first of some names, and how many there are besides."""
+    """Return the first of some names, and how many more there are."""
     more = f' and {len(names) - most} more' if len(names) > most else ''
     return between.join(names[:most]) + more
 
@@ -38,7 +38,7 @@ def first_of(names: Sequence[str], most: int, between: str = ', ') -> str:
 @dataclass(frozen=True)
 class Problem:
     """
-    Bad input, said in one line: where, what was expected, what was found, what to try.
+    Bad input in one line: where, what was expected, what was found, what to try.
 
     :param where: file, cell or folder, as the reader knows it
     :param cells: the grade ids whose answers are missing because of it, empty if none
@@ -53,7 +53,7 @@ class Problem:
     unusable: bool = False
 
     def line(self) -> str:
-        """Return the one line that is shown to people."""
+        """Return the problem as one line for people."""
         return f'{self.where}: expected {self.expected}, got {self.got}. Try: {self.try_this}.'
 
     @classmethod
@@ -65,7 +65,7 @@ class Problem:
 @dataclass(frozen=True)
 class CheckResult:
     """
-    The verdict of one check, with the five things a learner is told when it fails.
+    The verdict of one check, with the five items that a learner reads if it fails.
 
     :param check: name of the check, unique in its exam
     :param title: the sentence that is checked, from the check's docstring
@@ -94,7 +94,7 @@ class CheckResult:
 
     @property
     def facts(self) -> dict[str, str]:
-        """Return the five things by name, without those that there are not."""
+        """Return the items that are not empty, by name."""
         facts = {
             'expected': self.expected,
             'observed': self.observed,
@@ -145,7 +145,7 @@ class ExamResult:
 
     @property
     def max_points(self) -> float:
-        """Return the sum of points that could be had."""
+        """Return the sum of the points that could be earned."""
         return sum(check.max_points for check in self.checks)
 
     @property
@@ -173,7 +173,7 @@ class ExamResult:
 @dataclass(frozen=True)
 class SubmissionResult:
     """
-    Everything the grader has to say about one student's notebook.
+    All results for one student's notebook.
 
     :param fault: our own fault in words; then the submission needs a person and has no grade
     :param noticed: what an instructor should look at in the notebook itself, in words
@@ -198,17 +198,17 @@ class SubmissionResult:
 
     @property
     def unusable(self) -> str:
-        """Return why nothing of the student's work could be read, empty if something could."""
+        """Return why the grader could not read any of the student's work; empty if it could."""
         return next((one.line() for one in self.problems if one.unusable), '')
 
     @property
     def review(self) -> str:
-        """Return why a person has to decide and there is no score, empty if there is one."""
+        """Return why there is no score and a person has to decide; empty if there is a score."""
         return self.fault or self.unusable
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Return what an instructor should look at, in words, without repeats."""
+        """Return what an instructor should look at, as text without repeats."""
         exams = (flag for exam in self.exams for flag in exam.flags)
         return tuple(dict.fromkeys((*self.noticed, *exams)))
 

@@ -161,7 +161,7 @@ def _grade(layout: Layout, jobs: int, anew: bool, cores: str = '') -> dict[str, 
     if process.returncode != 0:
         raise RuntimeError(f'autograder grade ended with {process.returncode}:\n{errors}')
     results = json.loads(said)
-    running = re.search(r'\(([\d.]+) s of it running\)', errors)
+    running = re.search(r'of which runs took ([\d.]+) s', errors)
     return {
         'jobs': jobs,
         'cores': cores or 'all',

@@ -67,7 +67,7 @@ def grade(layout: Layout, workers: int) -> dict[str, Any]:
             text=True,
             check=False,
         )
-    running = re.search(r'\(([\d.]+) s of it running\)', done.stderr)
+    running = re.search(r'of which runs took ([\d.]+) s', done.stderr)
     if done.returncode != 0 or running is None:
         raise RuntimeError(f'autograder grade ended with {done.returncode}:\n{done.stderr}')
     return {'workers': workers, 'running_s': float(running[1]), 'points': _points(done.stdout)}

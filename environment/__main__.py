@@ -26,7 +26,10 @@ def main(arguments: Sequence[str], environ: Mapping[str, str]) -> int:
     here = Path.cwd()
     course = here if (here / FILE).is_file() else PROJECT
     if not (course / FILE).is_file():
-        print(f'{here}: expected a course, found no {FILE}. Try: cd COURSE', file=sys.stderr)
+        print(
+            f'{here}: this is not the folder of a course; it has no {FILE}. Try: cd COURSE',
+            file=sys.stderr,
+        )
         return 2
     places = Places.of(environ.get('VENV') or '.venv', course)
     # Imported where they are used: `ready` runs before every make goal and has to be quick.
@@ -93,5 +96,5 @@ if __name__ == '__main__':
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         sys.exit(1)
     except KeyboardInterrupt:
-        print('\nstopped; the same command goes on where it stopped', file=sys.stderr)
+        print('\nstopped; run the same command again to continue', file=sys.stderr)
         sys.exit(130)

@@ -93,7 +93,9 @@ def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
     yield check_ros2_command(places, ros)
     yield check_up_to_date(places, environ)
     yield check_exchange(exchange_root(places.project, environ))
-    yield check_room('disk space', places.project, DISK_MB, 'make room: the venv takes 0.9 GB')
+    yield check_room(
+        'disk space', places.project, DISK_MB, 'free space on the disk: the venv takes 0.9 GB'
+    )
     yield check_room('/dev/shm', Path('/dev/shm'), SHM_MB, 'in Docker: --shm-size=512m')
 
 
@@ -121,7 +123,11 @@ def check_python(found: Interpreter | None, ros: RosEnvironment | None) -> Findi
     detail = f'{found.release} at {found.path}'
     if not found.complete:
         packages = ' '.join(system.python_packages(found))
-        fix = f'sudo apt-get install -y {packages}' if packages else 'make PYTHON=... (another)'
+        fix = (
+            f'sudo apt-get install -y {packages}'
+            if packages
+            else 'make PYTHON=... with a different Python'
+        )
         return Finding('python', MISSING, f'{detail} has no {found.lacking()}', fix)
     refusal = interpreters.wheels_refusal(found)
     if refusal and (ros is None or ros.kind == 'wheels'):
@@ -135,7 +141,7 @@ def check_venv(places: Places, python: Interpreter | None) -> Finding:
         return Finding('venv', OK, f'{places.venv} (Python {python.release})')
     if places.python.is_symlink() or places.python.exists():
         return Finding('venv', MISSING, f'{places.python} does not run', PREPARE)
-    return Finding('venv', MISSING, f'{places.venv} is not there', PREPARE)
+    return Finding('venv', MISSING, f'{places.venv} does not exist', PREPARE)
 
 
 def check_programs(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
@@ -189,7 +195,7 @@ def check_packages(places: Places, python_version: str, ros: bool) -> Iterator[F
         groups.setdefault(group, []).append(name)
     for group, names in groups.items():
         bad = [
-            f'{name} {have.get(name, "not there")} instead of {pins[name]}'
+            f'{name} {have.get(name, "missing")} instead of {pins[name]}'
             for name in names
             if have.get(name) != pins[name]
         ]
@@ -302,14 +308,14 @@ def check_ros2_command(places: Places, ros: RosEnvironment | None) -> Finding:
     script = places.venv / 'bin' / 'ros2'
     if script.is_file():
         return Finding('ros2 command', OK, f"{script} (the course's own)")
-    return Finding('ros2 command', MISSING, f'{script} is not there', PREPARE)
+    return Finding('ros2 command', MISSING, f'{script} does not exist', PREPARE)
 
 
 def check_up_to_date(places: Places, environ: Mapping[str, str]) -> Finding:
     """Report whether the next make goal has something to prepare."""
     if stamps.is_ready(places, environ):
         return Finding('set-up', OK, 'complete and up to date')
-    return Finding('set-up', WEAK, 'the next make goal prepares something first', PREPARE)
+    return Finding('set-up', WEAK, 'the next make goal will prepare something first', PREPARE)
 
 
 def check_exchange(root: Path) -> Finding:
@@ -317,7 +323,7 @@ def check_exchange(root: Path) -> Finding:
     loose = unprotected(root)
     if loose:
         fix = ' && '.join(f'chmod {mode:o} {shlex.quote(str(path))}' for path, mode in loose)
-        detail = f'{loose[0][0]} lets users remove the work of others'
+        detail = f'in {loose[0][0]}, users can remove the work of others'
         return Finding('exchange', WEAK, detail, fix)
     if not os.path.isdir(root):
         return Finding('exchange', OK, f'{root} does not exist yet')
@@ -329,9 +335,9 @@ def check_room(name: str, folder: Path, need_mb: int, fix: str) -> Finding:
     try:
         free_mb = shutil.disk_usage(folder).free // 2**20
     except OSError:
-        return Finding(name, WEAK, f'{folder} is not there', fix)
+        return Finding(name, WEAK, f'{folder} does not exist', fix)
     state = OK if free_mb >= need_mb else WEAK
-    return Finding(name, state, f'{free_mb} MB free, {need_mb} MB wanted', fix)
+    return Finding(name, state, f'{free_mb} MB free, {need_mb} MB needed', fix)
 
 
 def run_doctor(places: Places, environ: Mapping[str, str]) -> int:

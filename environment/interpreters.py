@@ -183,8 +183,8 @@ def wheels_refusal(interpreter: Interpreter) -> str:
     """Return why the ROS 2 wheels cannot be used on this machine; '' if they can."""
     name, version = interpreter.libc
     if interpreter.platform != 'linux-x86_64':
-        return f'the ROS 2 wheels are for Linux on x86_64, this is {interpreter.platform}'
+        return f'the ROS 2 wheels are for Linux on x86_64; this is {interpreter.platform}'
     numbers = tuple(int(part) for part in version.split('.') if part.isdigit())
     if name != 'glibc' or numbers < (2, 28):
-        return f'the ROS 2 wheels need glibc 2.28 or newer, this is {name} {version}'.rstrip()
+        return f'the ROS 2 wheels need glibc 2.28 or newer; this is {name} {version}'.rstrip()
     return ''

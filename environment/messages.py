@@ -153,7 +153,7 @@ def requirements(report: Mapping[str, Any], pins: Mapping[str, str]) -> dict[str
                 )
             if not _suits(pins[other], match['sign'], match['version']):
                 raise StepError(
-                    f'{TITLE}: {name}=={version} requires {text}, the installed version of '
+                    f'{TITLE}: {name}=={version} requires {text}; the installed version of '
                     f'{other} is {pins[other]}',
                     f'choose a version for Jazzy; {_versions_of(name.removeprefix("ros-"))}',
                 )

@@ -131,7 +131,7 @@ def steps_of(plan: Plan) -> list[Step]:
             'Trial: import rclpy and the course messages',
             lambda: True,
             lambda job: try_imports(plan, job),
-            try_this='make clean, then run the same command again; make doctor tells more',
+            try_this='make clean, then run the same command again; make doctor shows more',
         ),
         Step(
             'self-check',
@@ -155,7 +155,7 @@ def check_system(plan: Plan, job: Job) -> None:
     if plan.interpreter is None and request:
         raise StepError(
             f'PYTHON={request}: expected CPython 3.10 to 3.13, found none that runs',
-            'leave PYTHON out, or name another interpreter',
+            'leave out PYTHON, or name a different interpreter',
         )
     system.install_missing(job, plan.environ, plan.interpreter)
     if plan.interpreter is None or not plan.interpreter.complete:
@@ -168,7 +168,7 @@ def check_system(plan: Plan, job: Job) -> None:
     if not plan.interpreter.complete:
         raise StepError(
             f'{plan.interpreter.path} has no {plan.interpreter.lacking()}',
-            'install them, or name another interpreter: make PYTHON=python3.12 ...',
+            'install them, or name a different interpreter: make PYTHON=python3.12 ...',
         )
 
 
@@ -202,9 +202,8 @@ def clear_venv(places: Places) -> None:
     content = {path.name for path in places.venv.iterdir()}
     if content and not content & {'pyvenv.cfg', places.notes.name}:
         raise StepError(
-            f'{places.venv}: expected a virtual environment or nothing, got a folder with other '
-            'files',
-            'choose another place: make VENV=.venv-course ...',
+            f'{places.venv}: this folder exists and is not a virtual environment',
+            'choose a different folder: make VENV=.venv-course ...',
         )
     for stamp in places.notes.glob('*.stamp'):
         stamp.unlink()
@@ -287,7 +286,8 @@ def build_package(plan: Plan, job: Job) -> None:
         shutil.rmtree(sources.parent)
     if not cmake_notes.keep(places):
         print(
-            'CMake has notes of another form here: builds look for all themselves.', file=job.log
+            'CMake writes its cache in an unknown format here, so builds repeat all its checks.',
+            file=job.log,
         )
 
 

@@ -83,13 +83,13 @@ def ros_environment(venv: str | Path | None = None) -> RosEnvironment:
         return RosEnvironment.from_json(path.read_text(encoding='utf-8'))
     except FileNotFoundError:
         raise EnvironmentError_(
-            f'{path}: expected the description of the ROS environment, found no such file. '
-            "Likely cause: this Python is not the course's own, or the set-up did not finish. "
+            f'{path}: the description of the ROS environment is missing. '
+            'Likely cause: this is not the Python of the course, or the set-up did not finish. '
             'Try: make doctor'
         ) from None
     except (OSError, ValueError, TypeError) as error:
         raise EnvironmentError_(
-            f'{path}: expected the description of the ROS environment, got: {error}. '
+            f'{path}: the description of the ROS environment cannot be read: {error}. '
             'Try: make doctor'
         ) from error
 

@@ -141,7 +141,7 @@ class Step:
     needed: Callable[[], bool]
     run: Callable[[Job], None]
     about: str = ''
-    try_this: str = 'run the same command again: it goes on where it stopped'
+    try_this: str = 'run the same command again: it continues where it stopped'
     optional: bool = False
 
 
@@ -205,7 +205,7 @@ def locked(path: Path, screen: Screen) -> Iterator[int]:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            screen.say('another set-up of this folder is running: waiting for it')
+            screen.say('waiting for another set-up of this folder')
             fcntl.flock(handle, fcntl.LOCK_EX)
         yield handle
     finally:

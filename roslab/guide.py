@@ -293,7 +293,7 @@ def _interrupted(error: BaseException) -> str:
     place = f' in {where(own[-1].filename, own[-1].lineno)}' if own else ''
     return (
         f'KeyboardInterrupt: the cell was interrupted{place}. ROS 2 and the nodes that start(...) '
-        'runs go on.'
+        'runs keep running.'
     )
 
 

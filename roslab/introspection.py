@@ -184,6 +184,6 @@ def _actions(services: Sequence[tuple[str, list[str]]]) -> list[tuple[str, list[
 
 def _require_count(count: int, least: int) -> None:
     if not isinstance(count, int) or isinstance(count, bool) or count < least:
-        raise RoslabError(f'count: expected a number of messages from {least} on, got {count!r}.')
+        raise RoslabError(f'count: expected at least {least} messages, got {count!r}.')
     if not math.isfinite(count) or count > 10_000:
         raise RoslabError(f'count: expected at most 10000 messages, got {count}.')

@@ -62,9 +62,13 @@ class LifecyclePicture:
     def _next(self) -> str:
         """Return what can be asked for, as a sentence."""
         if self.state not in STATES:
-            return 'a transition state: its callback has not come to its end'
+            return 'a transition state: its callback has not returned'
         ways = [f'{how} to {goal}' for how, goal in WAYS[self.state].items()]
-        return f'next: {", ".join(ways)}' if ways else 'next: nothing, this is the end'
+        return (
+            f'next: {", ".join(ways)}'
+            if ways
+            else 'next: nothing, because this is the final state'
+        )
 
     def _on_the_way(self) -> str:
         """Return words for a state that has no box."""
@@ -157,7 +161,7 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
         )
     machine: Any = getattr(node, '_state_machine', None)
     if machine is None:  # it went with the node, see destroy_wholly
-        raise NotHereError('lifecycle() expected a running node, this one was stopped.')
+        raise NotHereError('lifecycle() expected a running node, but this one was stopped.')
     return LifecyclePicture(node.get_fully_qualified_name(), str(machine.current_state[1]))
 
 
@@ -175,5 +179,5 @@ def _asked(current: Session, name: str) -> str:
         helper.destroy_client(client)
     raise NotHereError(
         f'lifecycle({name!r}) found no lifecycle node that answers within {_PATIENCE_S:g} s. '
-        'Is it started, and is it spinning?'
+        'Has it been started, and is it spinning?'
     )

@@ -93,8 +93,8 @@ def find_topic(session: Session, topic: str, patience_s: float = DISCOVERY_S) ->
         raise not_here('topic', name, topics_now(node))
     if len(types) > 1:
         raise RoslabError(
-            f'{name} has {len(types)} types, {" and ".join(types)}: somebody uses the wrong one. '
-            f'info({name!r}) shows who.'
+            f'{name} has {len(types)} types, {" and ".join(types)}: a node uses the wrong one. '
+            f'info({name!r}) shows which.'
         )
     return name, types[0]
 
@@ -113,7 +113,7 @@ def not_here(kind: str, name: str, known: Iterable[str]) -> NotHereError:
         return NotHereError(f'There is no {kind} {name} now. Did you mean {near[0]}?')
     others = ', '.join(sorted(set(names))) or 'none'
     return NotHereError(
-        f'There is no {kind} {name} now. Known are: {others}. '
+        f'There is no {kind} {name} now. Known: {others}. '
         'A node that should have it may not be started yet.'
     )
 

@@ -93,7 +93,7 @@ class BuildReport:
     def _use(self, names: str) -> str:
         if self.restart:
             return (
-                f'This kernel already uses another version of {self.package}, which cannot be '
+                f'This kernel already uses a different version of {self.package}, which cannot be '
                 'replaced while it runs: restart the kernel and run the cells again.'
             )
         return f'Ready: from {self.package}.msg import {names}'

@@ -135,7 +135,7 @@ def load(path: Path) -> list[Question]:
     except yaml.YAMLError as error:
         raise QuizError(
             f'{path.name}: expected YAML, got {_one_line(error)}. '
-            'Put a text that contains a colon or begins with a backtick into quotes.'
+            'Quote strings that contain a colon or begin with a backtick.'
         ) from None
     if not isinstance(found, list) or not found:
         raise QuizError(
@@ -196,10 +196,12 @@ def _text(entry: Mapping[str, Any], name: str, where: str) -> str:
     __tracebackhide__ = True
     value = entry[name]
     if not isinstance(value, str) or not value.strip():
-        raise QuizError(f'{where}: expected {name} to be a text, in quotes if need be: {value!r}.')
+        raise QuizError(
+            f'{where}: expected {name} to be a string, in quotes if necessary: {value!r}.'
+        )
     text = ' '.join(value.split())
     if text.count('`') % 2:
-        raise QuizError(f'{where}: {name} has a backtick without its partner.')
+        raise QuizError(f'{where}: {name} has an unmatched backtick.')
     return text
 
 

@@ -248,7 +248,7 @@ class Session:
     ) -> Node:
         called = getattr(factory, '__name__', repr(factory))
         if not callable(factory) or called == 'main':
-            why = 'main() would spin in this cell and not come back. ' if called == 'main' else ''
+            why = 'main() would spin in this cell and never return. ' if called == 'main' else ''
             raise RoslabError(
                 f'start({called}) expected a node class, as in start(TemperaturePublisher). {why}'
             )
@@ -258,7 +258,7 @@ class Session:
                 node = Node(making.name or '') if factory is Node else factory()
             if not isinstance(node, Node):
                 raise RoslabError(
-                    f'start({called}) expected a class or function that makes a Node, got '
+                    f'start({called}) expected a class or function that creates a Node, got '
                     f'{type(node).__name__}. A class must inherit from Node, a function return it.'
                 )
         except BaseException as error:
@@ -269,7 +269,7 @@ class Session:
                 # then a frame has it, and it has the node.
                 traceback.clear_frames(error.__traceback__)
             if isinstance(error, Exception) and not isinstance(error, RoslabError):
-                said = f'start({called}) made no node, it raised an exception:'
+                said = f'start({called}) created no node, because it raised an exception:'
                 shown_as(error, f'{said}\n{short_traceback(error)}{_what_to_do(error)}')
             raise
         return node
@@ -321,8 +321,10 @@ class Session:
     def _say_why(key: str, error: BaseException, page: Page | None) -> None:
         with beside(page):
             print(
-                f'{key} stopped, a callback raised an exception:\n{short_traceback(error)}\n'
-                '  The other nodes go on. Correct the cell, run it, and start the node again.',
+                f'{key} stopped because a callback raised an exception:\n'
+                f'{short_traceback(error)}\n'
+                '  The other nodes keep running. Correct the cell, run it, and start the node '
+                'again.',
                 flush=True,
             )
 

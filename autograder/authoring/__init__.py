@@ -1,1 +1,1 @@
-"""For who writes the course: release, checks of lessons and exams, the students' copy."""
+"""Tools for authors of a course: release, checks of lessons and exams, the students' copy."""

@@ -1,10 +1,9 @@
 """
-Mistakes in an exam that would otherwise show when a class is graded: each a line with its place.
+Find mistakes in an exam before a class is graded; report each in one line with its place.
 
-What a scenario says of itself is looked at when an exam is made: steps that name a topic nobody
-announced, a malformed type.  Whether the types exist and can hold what is sent needs an installed
-ROS, and whether a section to read exists needs the lessons: ``course check`` and ``self-check``
-ask.
+An exam checks its own scenario when it is created: steps that name an unknown topic, a malformed
+type.  ``release check`` and ``self-check`` test the rest: whether the types exist and can hold the
+values needs an installed ROS, and whether a section to read exists needs the lessons.
 """
 
 from __future__ import annotations
@@ -86,7 +85,7 @@ def installed(prefixes: tuple[Path, ...]) -> Mapping[str, tuple[str, ...]]:
 
 def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:
     """
-    Yield where the graded exam is not the one that learners see, with other inputs.
+    Yield the facts in which a hidden exam differs from the visible one, apart from inputs.
 
     :param visible: what ``check(...)`` runs in their notebook
     """
@@ -100,9 +99,9 @@ def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:
 
 def inseparable_slips(exam: Exam) -> Iterator[str]:
     """
-    Yield slips that the inputs of some course do not tell from what is due, or from one another.
+    Yield slips that some secret's inputs cannot distinguish from right answers or other slips.
 
-    A program with such a slip would get full marks there, or be told another one.
+    With these inputs, a program with such a slip would get full marks or a wrong cause.
     """
     seen: dict[str, str] = {}
     for number in range(SECRETS if exam.asks else 0):
@@ -111,7 +110,7 @@ def inseparable_slips(exam: Exam) -> Iterator[str]:
             for mistake in asked.mistakes():
                 seen.setdefault(f'{name}: {mistake}', f'secret {number}')
     for mistake, secret in seen.items():
-        yield f'exam {exam.name}, {mistake}; first with {secret!r} of {SECRETS} secrets'
+        yield f'exam {exam.name}, {mistake}; first found with secret {secret!r} of {SECRETS}'
 
 
 # -- with the lessons -----------------------------------------------------------------------
@@ -119,7 +118,7 @@ def inseparable_slips(exam: Exam) -> Iterator[str]:
 
 def read_mistakes(exam: Exam, headings: Mapping[str, AbstractSet[str]]) -> Iterator[str]:
     """
-    Yield checks that send a learner to no section, or to one that no lesson has.
+    Yield checks that name no section to read, or a section that no lesson has.
 
     :param headings: of each lesson, see :func:`lesson_headings`; without those of the exam's own
         lesson it is only asked whether there is a section
@@ -190,7 +189,7 @@ def ament_prefixes() -> tuple[Path, ...]:
 
 def mistakes_of(exam: Exam, notebooks: Path) -> list[str]:
     """
-    Return all that can be said of a graded exam without running it, one line each.
+    Return all mistakes of a hidden exam that can be found without running it, one line each.
 
     :param exam: a hidden exam of the course
     :param notebooks: folder of the released notebooks

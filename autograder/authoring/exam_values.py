@@ -1,9 +1,9 @@
 """
-What an exam sends, compared with the definitions of its messages: names of fields, and values.
+Compare what an exam sends with the definitions of its messages: field names and values.
 
-The definitions are read as text, from where ROS packages are installed, so nothing of ROS is
-imported.  A value is refused if the probe could not send it: it would break off in the middle of
-somebody's run, or send something else.  A text such as ``'nan'`` is a float, as in a recording.
+The definitions are read as text from the installed ROS packages, so no ROS module is imported.  A
+value is refused if the probe could not send it: the probe would fail in the middle of a run, or
+send a different value.  A string such as ``'nan'`` is a float, as in a recording.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _LONGEST_SHOWN = 60
 
 def value_mistakes(kind: str, data: Mapping[str, Any], prefixes: Sequence[Path]) -> Iterator[str]:
     """
-    Yield what a message cannot hold, a line for each field.
+    Yield the values that a message cannot hold, one line per field.
 
     :param kind: a type such as ``std_msgs/msg/String``, or that of a service
     :param data: fields of a message, or of the service's request
@@ -84,7 +84,7 @@ def _in_element(
 
 
 def _unlike(base: str, longest: str | None, value: Any) -> str:
-    """Return what a primitive type holds, empty if that is what the value is."""
+    """Return what a primitive type holds, or an empty string if the value fits."""
     is_bool = isinstance(value, bool)
     if whole := _WHOLE.fullmatch('uint8' if base == 'char' else base):
         bits = int(whole[2])
@@ -103,11 +103,11 @@ def _unlike(base: str, longest: str | None, value: Any) -> str:
     if base in ('string', 'wstring'):
         most = int(longest) if longest else math.inf
         right = isinstance(value, str) and len(value) <= most
-        return '' if right else f'a text of at most {most} characters' if longest else 'a text'
+        return '' if right else f'a string of at most {most} characters' if longest else 'a text'
     if base == 'bool':
         return '' if is_bool else 'True or False'
     # JSON, in which the probe is told, has no bytes.
-    return 'no value, since a byte cannot be sent' if base == 'byte' else ''
+    return 'no value, because a byte cannot be sent' if base == 'byte' else ''
 
 
 def _wrong(wanted: str, place: str, value: object) -> str:

@@ -1,7 +1,7 @@
 """
-Begin another course, or another exercise in one: files that work at once and are then edited.
+Create a course, or an exercise in it, as files that work at once and can then be edited.
 
-The texts are in ``skeleton/``; ``$$NAME`` in them is filled in.
+The templates are in ``skeleton/``; ``$$NAME`` in them is replaced.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LESSON = re.compile(r'\d\d_[a-z][a-z0-9_]{1,40}')
 
 def new_course(folder: Path) -> list[Path]:
     """
-    Make the folder of a course: its facts, nbgrader's settings, a message package, no exams yet.
+    Create the folder of a course: its facts, nbgrader's settings and a message package.
 
     :param folder: new or empty; its name is that of the course
     :returns: the files, from the folder
@@ -39,9 +39,11 @@ def new_course(folder: Path) -> list[Path]:
     folder = folder.resolve()
     name = folder.name.replace('-', '_')
     if not NAME.fullmatch(name):
-        raise GraderError(f'{folder.name}: expected small letters, digits and _.', 'Rename it.')
+        raise GraderError(
+            f'{folder.name}: use only lower-case letters, digits and underscores.', 'Rename it.'
+        )
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise GraderError(f'{folder}: expected no such folder, or an empty one.')
+        raise GraderError(f'{folder}: this folder exists and is not empty.')
     package = f'{name}_msgs'
     words = {'course': name, 'package': package}
     files = {FILE: _filled('course.toml', words), '.gitignore': '/_work/\n/.venv*\n'}
@@ -62,7 +64,7 @@ def new_course(folder: Path) -> list[Path]:
 
 def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
     """
-    Make an exercise that works: a lesson with its node and its check cell, and both exams.
+    Create an exercise that works: a lesson with its node and its check cell, and both exams.
 
     :param name: of the exam, the node and its file
     :param lesson: folder of the lesson, ``01_points``
@@ -70,7 +72,7 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
     :raises GraderError: if a name is none, or a file is there already
     """
     if not NAME.fullmatch(name):
-        raise GraderError(f'{name}: expected small letters, digits and _.')
+        raise GraderError(f'{name}: use only lower-case letters, digits and underscores.')
     if not LESSON.fullmatch(lesson):
         raise GraderError(f'{lesson}: expected a number and a name, such as 01_points.')
     words = {
@@ -89,7 +91,7 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
     }
     for path in files:
         if (layout.root / path).exists():
-            raise GraderError(f'{path}: it is there already.', 'Choose another name.')
+            raise GraderError(f'{path}: this file already exists.', 'Try: a different name')
     for path, text in files.items():
         keep(layout.root / path, text.encode())
     return list(files)

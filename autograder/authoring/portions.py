@@ -1,9 +1,9 @@
 """
-How much a lesson asks to be read at once: words of a text cell, lines of a code cell.
+Measure how much a lesson asks to be read at once: words and lines per cell.
 
-The notebooks that learners like best have 30 to 50 words a text cell and 1 to 5 lines a code cell
-(measured on well-known ones); walls of text and cells of 90 lines mark those they leave.
-``course check`` prints the figures of each lesson and refuses what is beyond.
+Well-known notebooks that learners like have 30 to 50 words per text cell and 1 to 5 lines per code
+cell; those that learners abandon have walls of text and cells of 90 lines. ``release check``
+prints the figures of each lesson and refuses lessons outside the range.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Portions:
     file_lines: tuple[int, ...]
 
     def line(self, lesson: str) -> str:
-        """Return the figures as one line for people."""
+        """Return the figures as one line of text."""
         return (
             f'{lesson:28} {len(self.words):3} texts, median {median(self.words):4g} words;  '
             f'{len(self.lines):3} cells of code, median {median(self.lines):3g} lines, '
@@ -47,7 +47,7 @@ class Portions:
         )
 
     def problems(self) -> Iterator[str]:
-        """Yield what is beyond the range of good lessons."""
+        """Yield the figures that are outside the range."""
         for what, values, (least, most) in (
             ('words a text cell', self.words, WORDS),
             ('lines a code cell', self.lines, LINES),

@@ -1,8 +1,8 @@
 """
-The course as a whole: ``python -m autograder.authoring.release check | release``.
+Check and release the course: ``python -m autograder.authoring.release check | release``.
 
-``check`` proves that what is committed fits together; ``release`` generates ``notebooks/``, checks
-the course, and packs what students receive.
+``check`` verifies that the committed files agree; ``release`` generates ``notebooks/``, checks the
+course, and packs the students' copy.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ CHECK_CELL = re.compile(r"^check\((['\"])(?P<exam>\w+)\1\)$")
 
 def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
     """
-    Return what does not fit together, one line each; empty if all is well.
+    Return the mistakes of the course, one line each; empty if there are none.
 
     :param exams: instead of the course's own, for tests
     """
@@ -54,7 +54,7 @@ def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
 
 
 def unfit_exams(layout: Layout) -> Iterator[str]:
-    """Yield what is wrong with the exams themselves: types, fields, two versions that differ."""
+    """Yield mistakes in the exams: types, fields, visible and hidden versions that differ."""
     from autograder.authoring.exam_mistakes import mistakes_of
     from autograder.exam.catalog import for_assignment
 
@@ -70,7 +70,7 @@ def notebook_files(layout: Layout) -> Iterator[Path]:
 
 
 def drift(layout: Layout) -> Iterator[str]:
-    """Yield the generated files that differ from what the solutions give."""
+    """Yield the generated files that differ from their sources in ``solutions/``."""
     from autograder.gradebook import converters
 
     assignments = sorted({path.parent.name for path in layout.solutions.glob('*/*.ipynb')})
@@ -89,7 +89,7 @@ def drift(layout: Layout) -> Iterator[str]:
 
 
 def _contents(folder: Path) -> dict[str, bytes]:
-    """Return all files of a folder but what a learner makes in it."""
+    """Return all files of a folder except those that a learner creates in it."""
     if not folder.is_dir():
         return {}
     return {
@@ -119,7 +119,7 @@ def repeated_ids(notebook: Notebook, where: str, seen: dict[str, str]) -> Iterat
 def unfit_checks(
     notebook: Notebook, where: str, assignment: str, exams: Sequence[Exam] | None
 ) -> Iterator[str]:
-    """Yield check cells and exams that do not belong together."""
+    """Yield check cells without an exam and exams without a check cell."""
     if exams is None:
         from autograder.exam.catalog import for_assignment
 
@@ -138,7 +138,7 @@ def unfit_checks(
 def _unfit_check(
     cell: Notebook, where: str, known: dict[str, Exam], answers: set[str]
 ) -> Iterator[str]:
-    """Yield what is wrong with the text of one check cell and with its place."""
+    """Yield mistakes in the text and the place of one check cell."""
     marks = marks_of(cell)
     match = CHECK_CELL.match(cell['source'].strip())
     name = match['exam'] if match else ''
@@ -148,7 +148,7 @@ def _unfit_check(
         return
     needed = known[name].cells if name in known else ()
     for grade_id in sorted(set(needed) - answers):
-        yield f'{where}: the exam needs the answer {grade_id}, which is not above it.'
+        yield f'{where}: the exam needs the answer {grade_id}, but no cell above has that id.'
 
 
 # -- release --------------------------------------------------------------------------------
@@ -193,7 +193,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         assignments = regenerate(layout)
         if lines := check(layout):
             print('\n'.join(lines))
-            said = 'course: nothing was packed. Try: repair this, then make release'
+            said = 'course: nothing was packed. Try: fix this, then make release'
             print(said, file=sys.stderr)
             return 1
         bundle = layout.work / 'student_bundle.zip'

@@ -1,5 +1,5 @@
 """
-The bundled class: submissions named by outcome and cause, put together from small files.
+The bundled sample class: submissions named by outcome and cause, built from small files.
 
 ``tests/submissions/<assignment>/<outcome>__<cause>/`` holds only the files in which a submission
 differs from the reference solution, as plain files without their magic line, and
@@ -8,9 +8,9 @@ differs from the reference solution, as plain files without their magic line, an
     {"about": "...", "notebook": "...", "points": {exam: points},
      "failed": {exam: {check: cause_id}}, "in_class": true}
 
-A submission with ``"in_class": false`` proves a check in the tests and is not in the class that
-``make grade`` shows on a fresh clone.
-``notebook`` names what happened to the notebook as a whole, see :data:`DAMAGES`.
+A submission with ``"in_class": false`` serves the tests only and is not in the class that ``make
+grade`` grades in a new clone. ``notebook`` names what happened to the notebook as a whole, see
+:data:`DAMAGES`.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def _duplicated_cell(notebook: Notebook) -> bytes:
 
 
 def _truncated(notebook: Notebook) -> bytes:
-    """Break off, as if the disk had been full when the notebook was saved."""
+    """Cut off the notebook, as if the disk had been full when it was saved."""
     data = _bytes(notebook)
     return data[: len(data) * 2 // 3]
 
@@ -150,7 +150,7 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
 
 def write_sample_class(layout: Layout, folder: Path) -> int:
     """
-    Write all sample submissions as a class of students; what is there stays.
+    Write all sample submissions as a class of students; never replace existing files.
 
     :param folder: receives ``<outcome>__<cause>/<assignment>/<notebook>.ipynb``
     :returns: how many there are
@@ -174,7 +174,7 @@ def write_sample_class(layout: Layout, folder: Path) -> int:
 
 def take_out_sample_class(layout: Layout) -> int:
     """
-    Remove the sample students from a course, before its own class comes: no marks are theirs.
+    Remove the sample students from a course before its first real class is collected.
 
     :returns: how many there were
     """

@@ -1,8 +1,8 @@
 """
-Does the grader deserve trust on this machine?  The reference must pass, the bare release must not.
+Test the grader on this machine: the reference must pass, the bare release must not.
 
-Run at the end of the set-up and after an exam was edited.  The recordings are kept, so grading
-starts where this ends.
+The set-up runs this last; authors run it after they have edited an exam.  The recordings are kept,
+so grading can use them.
 """
 
 from __future__ import annotations
@@ -44,15 +44,15 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
 
 
 def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
-    """Return whether a lesson without exams is meant to have none, and a line that says so."""
+    """Return whether a lesson may have no exams, and a line that says so."""
     checks = [
         marks['grade_id']
         for cell in lesson.release['cells']
         if cell['cell_type'] == 'code' and (marks := marks_of(cell)).get('grade')
     ]
     if checks:
-        return False, f'{lesson.assignment}: {", ".join(checks)} expected an exam, got none.'
-    return True, f'{lesson.assignment}: nothing to grade, as it must.'
+        return False, f'{lesson.assignment}: {", ".join(checks)} has no exam.'
+    return True, f'{lesson.assignment}: nothing to grade, as expected.'
 
 
 def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool, str]:
@@ -61,7 +61,7 @@ def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool
     right = bool(result.exams) and result.points == wanted
     text = f'{lesson.assignment}: {result.student} has {result.points:g} of {result.max_points:g}'
     if right:
-        return True, f'{text}, as it must.'
+        return True, f'{text}, as expected.'
     why = ', '.join(
         f'{exam.exam}/{check.check}: {check.verdict.value}'
         for exam in result.exams

@@ -1,5 +1,5 @@
 """
-What students receive, and the zip file of it.
+List the files that students receive, and pack them into a zip file.
 
 The list below names everything: a new file stays with the instructors until it is added here.
 """

@@ -1,1 +1,1 @@
-"""A class after grading: its results, pages, numbers and people."""
+"""A class after grading: results, pages, statistics and names."""

@@ -1,8 +1,8 @@
 """
-The page of a class: how the marks lie, which checks failed and why, what to look at first.
+Write the page of a class: the distribution of marks, failed checks and their causes.
 
-One HTML file beside the students' pages.  It opens from the disk, loads nothing and needs no
-script; the picture of the marks has its numbers as a table.  Names and causes come from students,
+The page is one HTML file next to the students' pages.  It opens from the disk, loads nothing and
+needs no script; a table repeats the numbers of the picture. Names and causes come from students,
 so everything is escaped.
 """
 
@@ -62,7 +62,7 @@ def write_all_reports(
     layout: Layout, assignment: str, results: Sequence[SubmissionResult], summary: str = ''
 ) -> Path:
     """
-    Write the results of a class with all of their pages, in place of older ones.
+    Replace the results of a class and all its pages.
 
     :param results: of everybody
     :param summary: one sentence about the run
@@ -121,7 +121,7 @@ def _by_exam(checks: Sequence[CheckNumbers]) -> list[tuple[str, list[CheckNumber
 
 
 def histogram(marks: Marks) -> str:
-    """Return the picture of the marks as SVG; the page says the same as a table."""
+    """Return the picture of the marks as SVG; a table on the page shows the same numbers."""
     most = max(marks.bins)
     step = WIDTH / BINS
     parts = [svg.line(0, BASE, WIDTH, BASE)]
@@ -137,11 +137,11 @@ def histogram(marks: Marks) -> str:
     parts.append(svg.text(WIDTH / 2, BASE + 34, 'points', anchor='middle', faint=True))
     words = ', '.join(f'{_label(marks, place)}: {n}' for place, n in enumerate(marks.bins) if n)
     title = f'How the points of {marks.count} submissions are distributed'
-    return svg.picture(WIDTH, HEIGHT, title, f'Points and how many have them. {words}.', parts)
+    return svg.picture(WIDTH, HEIGHT, title, f'Number of submissions by points. {words}.', parts)
 
 
 def _label(marks: Marks, place: int) -> str:
-    """Return the points of a bar in words."""
+    """Return the range of points of a bar as text."""
     low, high = (marks.max_points * edge / BINS for edge in (place, place + 1))
     if place == BINS - 1:
         return f'{number(low)} to {number(high)}'

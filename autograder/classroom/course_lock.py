@@ -1,4 +1,4 @@
-"""One command at a time writes a course's submissions, gradebook, reports and recordings."""
+"""Lock a course: only one command at a time writes its submissions, gradebook and reports."""
 
 from __future__ import annotations
 
@@ -17,15 +17,16 @@ UNFINISHED = re.compile(r'\..+\.[0-9a-f]{32}')
 
 
 class InUseError(GraderError):
-    """Somebody else grades or collects for the same course."""
+    """Another command is writing to the same course."""
 
 
 @contextmanager
 def alone(layout: Layout, what: str) -> Iterator[None]:
     """
-    Let only this process grade or collect, and first remove what a killed grading left unfinished.
+    Lock the course for this process, and remove files that a killed grading left unfinished.
 
-    The kernel releases the lock however the process ends; the text in the file is only for people.
+    The kernel releases the lock when the process ends, even if it is killed; the text in the file
+    is only for people.
 
     :param what: the command, shown to a second process that wants the lock
     :raises InUseError: if another process holds the lock; the error names that process
@@ -39,8 +40,8 @@ def alone(layout: Layout, what: str) -> Iterator[None]:
         except BlockingIOError as error:
             holder = os.pread(lock, 200, 0).decode(errors='replace') or 'another one'
             raise InUseError(
-                f'{path}: expected to be the only one that grades or collects, got: {holder}.',
-                'Try: wait until it is done, or end it with Ctrl-C where it runs',
+                f'{path}: another command is writing to this course: {holder}.',
+                'Try: wait until it ends, or stop it with Ctrl-C in its terminal',
             ) from error
         if os.fstat(lock).st_size:  # its holder was killed
             _tidy(layout)
@@ -55,7 +56,7 @@ def alone(layout: Layout, what: str) -> Iterator[None]:
 
 
 def _tidy(layout: Layout) -> None:
-    """Remove files that never became whole and that nobody is writing."""
+    """Remove unfinished files that no process is writing."""
     for folder in (layout.reports, layout.recordings):
         for path in filter(lambda path: UNFINISHED.fullmatch(path.name), folder.glob('*/.*')):
             with suppress(OSError), path.open('rb') as file:  # or its writer is done, or at work

@@ -1,8 +1,9 @@
 """
-What ``collect`` found and could not take: whose it was, and why.
+Remember what ``collect`` found but could not collect: from whom, and why.
 
-It is kept until something of that student arrives.  Else a file in the wrong format is seen once,
-in the table of one collection, and the student is missing without a reason in all later reports.
+An entry is kept until a submission of that student is collected. Otherwise a file in the wrong
+format would appear only in the table of one collection, and later reports would not explain why
+the student is missing.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from autograder.submission.reading import read_file
 @dataclass(frozen=True)
 class NotCollected:
     """
-    A delivery that was not taken.
+    A delivery that was not collected.
 
     :param assignment: empty if the delivery does not tell
     :param why: one sentence
@@ -35,14 +36,14 @@ class NotCollected:
 
     @property
     def reason(self) -> str:
-        """Return why it was not taken, with the time of delivery."""
+        """Return why it was not collected, with the time of delivery."""
         when = f' (handed in {self.handed_in} UTC)' if self.handed_in else ''
         return f'Not collected: {self.why}{when}.'
 
 
 def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
     """
-    Return what was not taken while nothing of the student has arrived.
+    Return the entries of students from whom nothing has been collected since.
 
     :returns: nothing if the file is missing or damaged
     """
@@ -56,7 +57,7 @@ def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
 
 def keep_not_collected(layout: Layout, found: Iterable[NotCollected]) -> None:
     """
-    Add what was not taken; of one student and assignment the last delivery stays.
+    Add entries; keep only the last delivery of each student and assignment.
 
     :raises OSError: if it cannot be written
     """
@@ -69,7 +70,7 @@ def keep_not_collected(layout: Layout, found: Iterable[NotCollected]) -> None:
 
 def forget_not_collected(layout: Layout, student: str) -> None:
     """
-    Remove a student.
+    Remove the entries of a student.
 
     :raises OSError: if it cannot be written
     """
@@ -85,7 +86,7 @@ def not_collected(
     layout: Layout, assignment: str, graded: Collection[str]
 ) -> tuple[NotCollected, ...]:
     """
-    Return what is missing in the results of an assignment.
+    Return the entries of students who are missing in the results of an assignment.
 
     :param graded: students who have a result
     """
@@ -97,7 +98,7 @@ def not_collected(
 
 
 def names_to_write_to(missing: Sequence[NotCollected]) -> str:
-    """Return whom to write to, for an e-mail."""
+    """Return the students to write to, as a list for an e-mail."""
     return ', '.join(dict.fromkeys(one.person or one.student for one in missing))
 
 

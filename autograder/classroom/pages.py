@@ -1,5 +1,5 @@
 """
-Results for people: one HTML page per student, an index of the class, a table in the terminal.
+Show results: one HTML page per student, an index of the class, a table in the terminal.
 
 Names, messages and log lines come from students.  The pages escape everything, allow no script
 and load nothing; the terminal gets no control characters.
@@ -39,7 +39,7 @@ def write_reports(
     missing: Sequence[NotCollected] = (),
 ) -> Path:
     """
-    Write the results of a class and their pages, in place of older ones.
+    Replace the results of a class and their pages.
 
     The results are written first, atomically: every other command starts from them, and the
     pages can be generated again.
@@ -77,30 +77,30 @@ def write_reports(
 
 
 def _put(path: Path, text: str) -> None:
-    """Put a page in its place; a reader sees the old one or the new one."""
+    """Write a page atomically: a reader sees the old one or the new one."""
     unfinished = path.with_name(f'.{path.name}')
     unfinished.write_text(text, encoding='utf-8')
     unfinished.replace(path)
 
 
 def worth_a_look(results: Sequence[SubmissionResult]) -> list[tuple[str, tuple[str, ...]]]:
-    """Return students and what to look at: first those whose work could not be read."""
+    """Return what an instructor should look at, with the student; unreadable work comes first."""
     found = [(one.student, (one.unusable.rstrip('.'),)) for one in results if one.unusable]
     return [*found, *((one.student, one.flags) for one in results if one.flags)]
 
 
 def with_name(student: str, people: Mapping[str, str]) -> str:
-    """Return a student id and, if it is known, whose it is."""
+    """Return a student id, with the student's name if it is known."""
     return f'{student} ({people[student]})' if student in people else student
 
 
 def page_name(student: str) -> str:
-    """Return the file of a student's page below the index; any name is safe."""
+    """Return the file name of a student's page; it is safe for any student id."""
     return f'students/{safe_name(student)}.html'
 
 
 def _templates() -> Environment:
-    """Return our templates, with escaping on for every file name."""
+    """Return the page templates, with escaping for every file name."""
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).parents[1] / 'templates'),
         autoescape=True,
@@ -123,7 +123,7 @@ def _templates() -> Environment:
 
 
 def _checks(exam: ExamResult) -> Any:
-    """Return the checks of an exam as HTML, which has escaped all that came from a student."""
+    """Return the checks of an exam as HTML; everything from a student is escaped."""
     return Markup(checks_html(exam))  # noqa: S704
 
 
@@ -135,7 +135,7 @@ def print_table(
     missing: Sequence[NotCollected] = (),
 ) -> None:
     """
-    Print student, points and first cause; below them what an instructor should look at.
+    Print student, points and first cause, and then what an instructor should look at.
 
     :param people: names by student id
     :param missing: what could not be collected

@@ -1,4 +1,4 @@
-"""The names of people, for those whose student id is a number."""
+"""Display names of students whose id is a number."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _BIDI_CONTROLS = frozenset(
 
 def read_people(layout: Layout) -> dict[str, str]:
     """
-    Return the names that are known, by student id.
+    Return the known names, by student id.
 
     :returns: nothing if the file is missing or damaged
     """
@@ -35,7 +35,7 @@ def read_people(layout: Layout) -> dict[str, str]:
 
 def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
     """
-    Return the id of the student who has an id or a display name.
+    Return the id of the student with this id or display name.
 
     :param students: ids of those who may be meant
     :raises GraderError: if none of them has it, or several have the name
@@ -45,14 +45,14 @@ def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
     if found := namesake(layout, name, students):
         return found
     raise GraderError(
-        f'{name}: expected a student with results, got none of that name.',
-        f'Graded: {", ".join(sorted(students)[:20])}.',
+        f'{name}: no student with this name or id has results.',
+        f'Students with results: {", ".join(sorted(students)[:20])}.',
     )
 
 
 def namesake(layout: Layout, name: str, students: Collection[str]) -> str:
     """
-    Return the id of the student who has a display name, empty if none of them has it.
+    Return the id of the student with this display name, or an empty string.
 
     :param students: ids of those who may be meant
     :raises GraderError: if several have the name
@@ -61,20 +61,20 @@ def namesake(layout: Layout, name: str, students: Collection[str]) -> str:
     found = sorted(one for one, named in people.items() if _folded(named) == _folded(name))
     if len(found) > 1:
         raise GraderError(
-            f'{name}: expected one student of that name, got {len(found)}.',
+            f'{name}: {len(found)} students have this name.',
             f'Try: one of the ids {", ".join(found)}',
         )
     return found[0] if found else ''
 
 
 def _folded(name: str) -> str:
-    """Return a name without what is not seen or not typed alike: capitals and spaces."""
+    """Return a name without differences in capitals and spaces."""
     return ' '.join(unicodedata.normalize('NFKC', name).casefold().split())
 
 
 def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
     """
-    Add names to those that are known; a new one replaces the old one.
+    Save names; a new name of a student replaces the old one.
 
     :param names: by student id, as a source has them
     :raises OSError: if they cannot be written
@@ -86,7 +86,7 @@ def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
 
 
 def _clean(names: Mapping[Any, Any]) -> dict[str, str]:
-    """Return what can be shown: text in one line, of a bounded length."""
+    """Return a name as one printable line of limited length."""
     found = {}
     for student, name in names.items():
         if isinstance(student, str) and isinstance(name, str):
@@ -97,7 +97,7 @@ def _clean(names: Mapping[Any, Any]) -> dict[str, str]:
 
 
 def _shown(char: str) -> str:
-    """Return a character of a name, nothing for one that only does something."""
+    """Return a printable character, or nothing for a control character."""
     if char in '\t\n\r':
         return ' '
     hidden = unicodedata.category(char) in ('Cc', 'Cs') or char in _BIDI_CONTROLS

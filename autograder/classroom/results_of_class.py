@@ -1,7 +1,7 @@
 """
-What was graded last, for everything that looks at a class as a whole.
+Read the last results, for everything that concerns a class as a whole.
 
-Reports, statistics and exports begin here and run nothing.
+Reports, statistics and exports start from these results and run no program.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ class ClassResults:
 
 
 def results_file(layout: Layout, assignment: str) -> Path:
-    """Return where the last results of an assignment are."""
+    """Return the path of the last results of an assignment."""
     return layout.reports / assignment / 'results.json'
 
 
 def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...]:
     """
-    Return what was graded last.
+    Return the last results of an assignment.
 
     :raises GraderError: if the file is not what a report wrote
     """
@@ -42,7 +42,7 @@ def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...
         return tuple(SubmissionResult.from_json(one) for one in data)
     except (ValueError, KeyError, TypeError) as error:
         raise GraderError(
-            f'{path}: expected results as a report writes them, got {type(error).__name__}.',
+            f'{path}: the results cannot be read ({type(error).__name__}).',
             'Try: grade again',
         ) from error
 
@@ -51,7 +51,7 @@ def results_of_others(
     layout: Layout, assignment: str, students: Collection[str]
 ) -> tuple[SubmissionResult, ...]:
     """
-    Return the last results of everybody but these; of nobody if nothing was graded yet.
+    Return the last results of all students except the given ones.
 
     :raises GraderError: if the file is not what a report wrote
     """
@@ -63,7 +63,7 @@ def results_of_others(
 
 def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
     """
-    Return what was graded last.
+    Return the last results of one assignment, or of all that were graded.
 
     :param name: only this assignment; None for every one that was graded
     :raises GraderError: if it is unknown, or was not graded yet
@@ -72,15 +72,15 @@ def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
     there = [one for one in wanted if results_file(layout, one).is_file()]
     if not there:
         raise GraderError(
-            f'{layout.reports}: expected results of {name or "any assignment"}, got none.',
-            'Try: grade the class first, with make grade',
+            f'{layout.reports}: there are no results of {name or "any assignment"}.',
+            'Try: make grade',
         )
     return tuple(ClassResults(one, last_results(layout, one)) for one in there)
 
 
 def one_graded(layout: Layout, name: str) -> ClassResults:
     """
-    Return what was graded last of one assignment.
+    Return the last results of one assignment.
 
     :raises GraderError: if it is unknown, or was not graded yet
     """
@@ -95,12 +95,12 @@ def has_mark(result: SubmissionResult) -> bool:
 
 
 def seconds_of_exam(exam: ExamResult) -> float:
-    """Return how long an exam was run and judged [s]."""
+    """Return how long running and judging an exam took [s]."""
     return exam.timing.get('run_s', 0.0) + exam.timing.get('judge_s', 0.0)
 
 
 def ran_s(result: SubmissionResult) -> float:
-    """Return how long its runs took, now or when they were recorded [s]; 0.0 if unknown."""
+    """Return how long the runs of a submission took, now or when recorded [s]; 0.0 if unknown."""
     return sum(exam.ran_s for exam in result.exams)
 
 
@@ -110,6 +110,6 @@ def modes(results: Iterable[SubmissionResult]) -> list[str]:
 
 
 def lacks(results: Iterable[SubmissionResult]) -> list[str]:
-    """Return what the isolation of some runs did not protect, empty where it was whole."""
+    """Return what the isolation of some runs did not protect; empty for full isolation."""
     exams = [exam for result in results for exam in result.exams]
     return list(dict.fromkeys(lack for exam in exams for lack in exam.not_protected))

@@ -1,11 +1,11 @@
 """
-List similar submissions: a list to look at, never a verdict.
+List similar submissions for an instructor to compare; this is never a verdict.
 
-Python's own parser drops comments, docstrings and spacing of the student's code; names that the
-file itself gives and lines of the release are left out.  Rapidfuzz compares the rest twice: token
-by token in order, and line by line in any order, so that neither renaming nor moving hides a copy.
-If a lesson asks for nodes of the course's finished package, it compares the students with it, too.
-The score of a typical pair says how much of it is the exercise.  Nothing of a submission runs.
+Python's parser removes comments, docstrings and spacing; names that the file defines and lines of
+the release do not count.  Rapidfuzz compares the rest twice: token by token in order, and line by
+line in any order, so that neither renaming nor moving hides a copy.  If a lesson asks for nodes of
+the course's finished package, submissions are compared with this package too.  The score of a
+typical pair shows how similar the exercise makes all answers.  No submitted code runs.
 """
 
 from __future__ import annotations
@@ -44,15 +44,15 @@ NAMING = ('id', 'attr', 'name', 'arg', 'asname')
 BELOW = ('body', 'orelse', 'handlers', 'finalbody', 'cases')
 """Fields of statements that hold further statements."""
 WARNING = (
-    'Similar is no proof. Small exercises have few good answers, and students may have been '
-    'allowed to work together. Read both files before you talk to anybody.'
+    'Similarity proves nothing. Small exercises have few good answers, and students may have been '
+    'allowed to work together. Read both files before you speak to a student.'
 )
 
 
 @dataclass(frozen=True)
 class Line:
     """
-    One statement of an answer, without those below it; of other text, one line.
+    One statement without those nested in it, or one line of a file that is not Python.
 
     :param number: of its first line in the file, from 1
     :param raw: its tokens
@@ -68,7 +68,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Common:
-    """Lines that two submissions have in common, as each of them wrote them."""
+    """Lines that two submissions have in common, as each submission has them."""
 
     path: str
     first: tuple[str, ...]
@@ -98,7 +98,7 @@ class Pair:
 @dataclass(frozen=True)
 class Similar:
     """
-    What comparing one assignment came to.
+    The result of comparing one assignment.
 
     :param compared: how many submissions had enough of their own
     :param short: who had not
@@ -137,9 +137,9 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
     try:
         there = discover(submitted, assignment, lesson.notebook, layout.assignments())
     except OSError as error:
-        raise GraderError(f'{submitted}: expected a folder, got: {error.strerror}.') from error
+        raise GraderError(f'{submitted}: the folder cannot be read: {error.strerror}.') from error
     if not there:
-        raise GraderError(f'{submitted}: expected submissions of {assignment}, got none.')
+        raise GraderError(f'{submitted}: there are no submissions of {assignment}.')
     own = {one.student: _answers(open_one(one, lesson), lesson) for one in there}
     return compare(
         assignment, own, given_lines(lesson.release), at_least, finished(layout, lesson)
@@ -148,7 +148,7 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
 
 def finished(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
     """
-    Return the course's own package as if it had been handed in, if the lesson asks for its nodes.
+    Return the course's own package as a submission, if the lesson asks for its nodes.
 
     The two forms find copies of the nodes, and copies of the nodes with the modules they import.
     """
@@ -185,7 +185,7 @@ def given_lines(release: Notebook) -> frozenset[tuple[str, ...]]:
 
 
 def lines_of(path: str, text: str) -> list[Line]:
-    """Return the statements of a Python file without docstrings, or the lines of another one."""
+    """Return the statements of a Python file without docstrings, or the lines of another file."""
     if path.endswith('.py'):
         try:
             return list(_python_lines(path, text))
@@ -212,7 +212,7 @@ def _python_lines(path: str, text: str) -> Iterator[Line]:
 
 
 def _statements(node: ast.AST) -> Iterator[ast.stmt]:
-    """Yield the statements below a node in their order; a lone string is a docstring."""
+    """Yield the statements below a node in order, without docstrings."""
     for child in (child for field in BELOW for child in getattr(node, field, ())):
         lone = child.value if isinstance(child, ast.Expr) else None
         if isinstance(child, ast.stmt) and not isinstance(getattr(lone, 'value', None), str):
@@ -221,7 +221,7 @@ def _statements(node: ast.AST) -> Iterator[ast.stmt]:
 
 
 def _tokens(statement: ast.stmt) -> tuple[str, ...]:
-    """Return the tokens of a statement without the statements below it."""
+    """Return the tokens of a statement without the statements nested in it."""
     head = copy(statement)
     for field in BELOW:
         if hasattr(head, field):
@@ -231,7 +231,7 @@ def _tokens(statement: ast.stmt) -> tuple[str, ...]:
 
 def _names(node: ast.AST, given: bool = False) -> Iterator[tuple[str, str]]:
     """
-    Yield the fields of a node that hold a name, with the names.
+    Yield the fields of a syntax node that hold a name, with the names.
 
     :param given: only names that the file itself gives to something; imports keep theirs
     """
@@ -300,7 +300,7 @@ def _scores(
     groups: Mapping[tuple[tuple[str, ...], ...], Sequence[str]],
 ) -> Iterator[tuple[float, Sequence[str], Sequence[str]]]:
     """
-    Yield the score of each two groups of students.
+    Yield the score of each pair of groups.
 
     :param groups: lines of tokens, and whose they are
     """
@@ -323,7 +323,7 @@ def _pair(
     one: Sequence[Line],
     two: Sequence[Line],
 ) -> Pair:
-    """Return a pair with the lines that are the same in both, longest stretches first."""
+    """Return a pair with its common lines, longest stretches first."""
     from rapidfuzz.distance import LCSseq
 
     common, same, renamed = [], 0, 0

@@ -1,7 +1,8 @@
 """
-A class in numbers: marks, checks, what took long, what to look at; computed from results alone.
+Compute the statistics of a class: marks, checks, slow runs, what to look at.
 
-Submissions for review have no mark and count nowhere but in their own list.
+All numbers come from results.  Submissions for review have no mark and appear only in a separate
+list.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ Header = Mapping[str, Any]
 @dataclass(frozen=True)
 class Marks:
     """
-    How the points are distributed.
+    The distribution of the points.
 
     :param bins: how many got 0 to below 10 % of the points, 10 to below 20 %, ..., 90 to 100 %
     """
@@ -58,7 +59,7 @@ class Marks:
 @dataclass(frozen=True)
 class CheckNumbers:
     """
-    How a class did in one check.
+    The results of a class in one check.
 
     :param causes: why it failed, the commonest first: words and how often
     """
@@ -77,7 +78,7 @@ class CheckNumbers:
 @dataclass(frozen=True)
 class ClassNumbers:
     """
-    Everything about one assignment.
+    The statistics of one assignment.
 
     :param marks: None if nobody has a mark
     :param review: student, and why there is no score
@@ -109,7 +110,7 @@ class ClassNumbers:
 
 def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
     """
-    Return a class in numbers.
+    Return the statistics of a class.
 
     :param layout: where the recordings are, whose headers name digests
     """
@@ -190,10 +191,10 @@ def _check(exam: str, checks: Sequence[CheckResult]) -> CheckNumbers:
 
 def _causes(failed: Sequence[CheckResult]) -> tuple[tuple[str, int], ...]:
     """
-    Return the commonest causes in words.
+    Return the most frequent causes of a check as text.
 
-    Causes are counted by their stable name, as the words name lines and values of one student; of
-    the words, the commonest stand for all.
+    Causes are counted by their stable name, because their text names lines and values of one
+    student; the most frequent text is shown.
     """
     words: dict[str, Counter[str]] = {}
     for check in failed:
@@ -212,7 +213,7 @@ def _headers(layout: Layout, exams: Sequence[ExamResult]) -> list[tuple[str, Hea
 
 
 def _origins(headers: Sequence[tuple[str, Header]]) -> dict[str, dict[str, tuple[str, ...]]]:
-    """Return for each exam what its recordings were made with; more than one digest is odd."""
+    """Return what the recordings of each exam were made with; more than one digest is unusual."""
     return {
         exam: {
             name: _texts([header for one, header in headers if one == exam], name)
@@ -223,7 +224,7 @@ def _origins(headers: Sequence[tuple[str, Header]]) -> dict[str, dict[str, tuple
 
 
 def _versions(headers: Sequence[tuple[str, Header]]) -> dict[str, str]:
-    """Return what the recordings say they were made with: this machine may have changed since."""
+    """Return the versions that the recordings name; this machine may have changed since."""
     made = [one['made_with'] for _, one in headers if isinstance(one.get('made_with'), dict)]
     found = {name: _texts(made, name, None) for name in dict.fromkeys(chain(*made))}
     found['environment'] = _texts([header for _, header in headers], 'environment')
@@ -233,12 +234,12 @@ def _versions(headers: Sequence[tuple[str, Header]]) -> dict[str, str]:
 def _texts(
     headers: Sequence[Header], name: str, most: int | None = DIGEST_CHARS
 ) -> tuple[str, ...]:
-    """Return what headers say of one thing, each text once."""
+    """Return the different values of one field in the headers."""
     return tuple(dict.fromkeys(str(one[name])[:most] for one in headers if name in one))
 
 
 def _header(path: Path) -> Header:
-    """Return the first line of a recording, empty if it is not there any more."""
+    """Return the first line of a recording, or an empty string if the file is gone."""
     try:
         with path.open('rb') as file:
             data = json.loads(file.readline(HEADER_BYTES))

@@ -1,5 +1,5 @@
 """
-The command ``collect``: copy what students handed in elsewhere to where nbgrader looks for it.
+The command ``collect``: copy delivered notebooks to the folder that nbgrader reads.
 
 Each file is written atomically and the source is only read.  One table lists everything that was
 found: what was collected, what was not, and why.  Running the command again changes nothing.

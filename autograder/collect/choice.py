@@ -1,13 +1,14 @@
 """
-Which notebook of a hand-in is taken for which assignment.
+Choose the notebook of a delivery that counts for each assignment.
 
-By content first: most grade ids of the assignment, whatever the file is called.  Then by name, and
-of several attempts the newest.  A notebook with no cell of the course is taken only if it is the
-only one that was handed in for the assignment: a broken one is for grading to explain, but a
-student's own notes must not replace the answers.
+Content decides first: the notebook with most grade ids of the assignment counts, whatever its file
+is called.  Then the name decides, and then the time: the newest attempt counts.  A notebook
+without a cell of the course is collected only if it is the only one delivered for the assignment:
+grading can explain a broken notebook, but private notes must not replace the answers.
 
-What one system gives is of one assignment.  If nobody says which, most students' notebooks do, so
-that a notebook of lesson 6 that was uploaded to lesson 7 replaces nothing in lesson 6.
+A learning platform exports one assignment at a time.  Without ``--assignment``, the notebooks of
+most students decide which one, so that a notebook of lesson 6 that was uploaded to lesson 7 does
+not replace one in lesson 6.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ NAMES_SHOWN = 3
 @dataclass(frozen=True)
 class Seen:
     """
-    What was learnt of a notebook; a class of them is too much to hold at once.
+    Facts about a notebook; the notebooks of a class are too large to hold at once.
 
     :param digest: SHA-256 of its content
     :param shared: how many grade ids it has of each assignment
@@ -51,18 +52,18 @@ class Seen:
 
     @property
     def content(self) -> str:
-        """Return the assignment that most cells come from, empty if none does."""
+        """Return the assignment that most cells belong to, or an empty string."""
         return max(self.shared, key=lambda name: (self.shared[name], name), default='')
 
 
 @dataclass(frozen=True)
 class Chosen:
     """
-    A notebook that could be taken.
+    A notebook that can be collected.
 
     :param student: the student id
     :param digest: SHA-256 of its content
-    :param strange: whether no cell of the assignment is in it
+    :param strange: whether it contains no cell of the assignment
     :param when: time of delivery in UTC, None if it is not known
     """
 
@@ -77,17 +78,17 @@ class Chosen:
 
     def read(self) -> bytes:
         """
-        Return the content, as it was when it was chosen.
+        Return the content; it must be the same as when it was chosen.
 
         :raises UnreadableError: if it is another one now
         """
         data = self.piece.file.read()
         if hashlib.sha256(data).hexdigest() != self.digest:
-            raise UnreadableError('it changed while it was collected')
+            raise UnreadableError('the file changed while it was collected')
         return data
 
     def row(self, done: str, course: Course, *why: str) -> Row:
-        """Return the line of the table, which begins its notes with ``why``."""
+        """Return the row of the table, with ``why`` as its first note."""
         due = course.due.of(self.student, self.assignment) if self.when else None
         place = self.piece.place
         return _row(self.handed, self.assignment, place, done, why, self.notes, self.when, due)
@@ -95,9 +96,9 @@ class Chosen:
 
 def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
     """
-    Return the assignment that most students handed in, where all was handed in for one.
+    Return the assignment that most students delivered, if the source is of one assignment.
 
-    Each student counts once for an assignment, with however many notebooks.
+    Each student counts once per assignment, even with several notebooks.
 
     :param seen: the notebooks of each student
     :param name: of the source
@@ -113,10 +114,14 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
         return ranked[0][0]
     if not students:
         return ''
-    got = f'as many of {ranked[1][0]} as of {ranked[0][0]}' if ranked else 'none of this course'
+    got = (
+        f'equally many cells of {ranked[1][0]} and {ranked[0][0]}'
+        if ranked
+        else 'none of this course'
+    )
     among = sorted(one for one, count in votes.items() if count == ranked[0][1])
     raise NotTakenInError(
-        f'{name}: expected notebooks that were handed in for one assignment, got {got}.',
+        f'{name}: the notebooks do not show which assignment this is: {got}.',
         f'Try: --assignment NAME, with one of {", ".join(among or course.assignments)}',
     )
 
@@ -125,7 +130,7 @@ def choose(
     handed: Handed, seen: Sequence[Seen], course: Course, wanted: str = '', single: bool = False
 ) -> tuple[list[Chosen], list[Row]]:
     """
-    Find the notebooks in what one student handed in, one for each assignment.
+    Find the notebooks in one student's delivery, one for each assignment.
 
     :param seen: its notebooks, as :func:`look` has found them
     :param wanted: the only assignment to look for; empty to go by the source and the notebooks
@@ -143,7 +148,7 @@ def choose(
 
 
 def _unusable(handed: Handed, course: Course, wanted: str) -> str:
-    """Return why nothing can be taken, before anything is read; or nothing."""
+    """Return why nothing can be collected, before anything is read; empty if something can."""
     if not student_id(handed.student):
         return 'no letter or digit in the name'
     if why := handed.doubt or handed.instead:
@@ -151,12 +156,12 @@ def _unusable(handed: Handed, course: Course, wanted: str) -> str:
     if wanted and handed.assignment and handed.assignment != wanted:
         return f'handed in for {handed.assignment}'
     if handed.assignment and handed.assignment not in course.assignments:
-        return f'{handed.assignment}: no assignment of this course; name it with --assignment'
+        return f'{handed.assignment}: not an assignment of this course; name one with --assignment'
     return '' if handed.pieces else 'no files'
 
 
 def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
-    """Read the notebooks, the likely ones first, no more than one student may be worth."""
+    """Read the notebooks of a delivery, likely ones first, up to the limit for one student."""
     if _unusable(handed, course, wanted):
         return []
     notebooks = [one for one in handed.pieces if one.file.name.lower().endswith('.ipynb')]
@@ -173,7 +178,7 @@ def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
         named, digest, shared, why = course.named(piece.file.parts), '', {}, ''
         try:
             if count >= MOST_NOTEBOOKS or left <= 0:
-                raise UnreadableError(f'not looked at, after {count} other notebooks')
+                raise UnreadableError(f'not read: {count} other notebooks come first')
             data = piece.file.read()
             left -= len(data)
             digest, shared = hashlib.sha256(data).hexdigest(), course.shared(data)
@@ -187,7 +192,7 @@ def _pick(
     handed: Handed, seen: Sequence[Seen], assignment: str, course: Course, only: bool
 ) -> Chosen | None:
     """
-    Return the notebook for an assignment, None if there is none or none that is certain.
+    Return the notebook for an assignment, or None if there is none or the choice is unclear.
 
     :param only: whether everything was handed in for this assignment
     """
@@ -220,7 +225,7 @@ def _pick(
 def _without_cells(
     seen: Sequence[Seen], assignment: str, course: Course, only: bool
 ) -> list[Seen]:
-    """Return the notebook without cells that was handed in for an assignment, if it is one."""
+    """Return the only notebook delivered for an assignment, if it has none of its cells."""
     names = ('', assignment) if only else (assignment,)
     if any(one.why and one.named in names for one in seen):
         return []  # the answers may be in that one
@@ -234,13 +239,13 @@ def _without_cells(
 def _chosen(
     handed: Handed, best: Seen, assignment: str, course: Course, notes: Sequence[str]
 ) -> Chosen:
-    """Return a notebook that could be taken, with all there is to know about it."""
+    """Return a notebook that can be collected, with notes about it."""
     strange = not best.shared and bool(course.cells[assignment])
     when, about_time = _time(handed, best.piece, assignment)
     name = best.piece.file.name
     said = [*notes, *_said(handed)]
     if strange:
-        said.append('no cell of the assignment is in it')
+        said.append('it contains no cell of the assignment')
     if name != course.file_names[assignment]:
         said.append(f'the file was called {name[:60]!r}')
     said += about_time
@@ -251,7 +256,7 @@ def _chosen(
 def _time(
     handed: Handed, piece: Piece, assignment: str
 ) -> tuple[datetime | None, tuple[str, ...]]:
-    """Return when a notebook was handed in, and what is to be said about that."""
+    """Return when a notebook was delivered, and notes about this time."""
     if not handed.stamped:
         return handed.when, ()
     beside = (assignment, STAMP)  # as nbgrader lays it; elsewhere it is some other file
@@ -274,7 +279,7 @@ def _others(
     lost: Collection[str],
     single: bool,
 ) -> Iterator[Row]:
-    """Yield a line for every entry from which nothing is taken, or not all could be read."""
+    """Yield one row for every entry that was not collected or only partly read."""
     taken = {one.piece.place for one in chosen}
     for place in handed.places:
         there = [one for one in seen if one.piece.place == place]
@@ -307,16 +312,18 @@ def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
     if one.content:
         return f'wrong assignment: {path} is {one.content}'
     if goal and one.named not in ('', goal):
-        return f'{path}: named as {one.named}, and no cell of {goal} is in it'
+        return f'{path}: named like {one.named}, and it contains no cell of {goal}'
     if chosen and not one.named:
-        return f'{path}: no cell of {goal or "this course"} is in it'
+        return f'{path}: it contains no cell of {goal or "this course"}'
     if goal or one.named:
-        return f'{path}: no cell of {goal or one.named} is in it, and it is not the only notebook'
-    return f'{path}: no assignment of this course; name it with --assignment'
+        return (
+            f'{path}: it contains no cell of {goal or one.named}, and it is not the only notebook'
+        )
+    return f'{path}: not an assignment of this course; name one with --assignment'
 
 
 def _said(handed: Handed) -> tuple[str, ...]:
-    """Return what the source says beside, and what became of the name."""
+    """Return the notes of the source, and what was done to the name."""
     same = student_id(handed.student) == handed.student
     return (*handed.notes, *(() if same else (f'the name was {handed.student[:60]!r}',)))
 
@@ -335,7 +342,7 @@ def _row(
     when: datetime | None,
     due: datetime | None = None,
 ) -> Row:
-    """Return a line, with what is to be said first and whether the work is late."""
+    """Return a row of the table, with its first note and whether the work is late."""
     student = student_id(handed.student)
     person = '' if handed.person == student else handed.person
     handed_in = f'{when:%Y-%m-%d %H:%M}' if when else ''

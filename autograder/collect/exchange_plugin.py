@@ -1,8 +1,8 @@
 """
-nbgrader's release and collect, for students who share a machine; named in ``nbgrader_config.py``.
+nbgrader's release and collect, for students who share a machine with the instructor.
 
-They are what formgrader's buttons and ``nbgrader collect`` use.  nbgrader takes work that one user
-has handed in under the name of another, with no more than a warning; here it is refused.
+Named in ``nbgrader_config.py``, they serve formgrader's buttons and ``nbgrader collect``. nbgrader
+itself only warns if one user delivers work under another user's name; these plug-ins refuse it.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ COPY_MODE = 0o755
 
 
 class ReleaseProtected(ExchangeReleaseAssignment):
-    """Releases an assignment, and sets the sticky bit where students hand in."""
+    """Release an assignment, and set the sticky bit on the folder of deliveries."""
 
     def init_dest(self) -> None:
-        """Make the folders of the exchange."""
+        """Create the folders of the exchange."""
         super().init_dest()
         protect(Path(self.root))
 
 
 class CollectFromOwners(ExchangeCollect):
-    """Collects only what the students themselves own."""
+    """Collect only deliveries that their students own."""
 
     src_records: list[dict[str, Any]]
 
@@ -39,7 +39,7 @@ class CollectFromOwners(ExchangeCollect):
     ).tag(config=True)
 
     def init_src(self) -> None:
-        """Find the newest delivery of each student among those that are theirs."""
+        """Find the newest delivery of each student among those that the student owns."""
         super().init_src()
         self.src_records = [one for one in self.src_records if not one['doubt']]
 
@@ -61,11 +61,11 @@ class CollectFromOwners(ExchangeCollect):
         return OwnerRule(self.check_owner, self.owners).doubt(student, uids)
 
     def copy_files(self) -> None:
-        """Copy what is left."""
+        """Copy the deliveries that were accepted."""
         self.check_owner = False  # nbgrader does not know the recorded owners
         super().copy_files()
 
     def do_copy(self, src: str, dest: str, log: Any = None) -> None:
-        """Copy one delivery, which then only the instructor can write to."""
+        """Copy one delivery so that only the instructor can write to it."""
         super().do_copy(src, dest, log)
         Path(dest).chmod(COPY_MODE)

@@ -29,7 +29,7 @@ Numbers = dict[str, dict[str, str]]
 @dataclass(frozen=True)
 class Namesakes:
     """
-    What is known of names.
+    The saved numbers and names that are in doubt.
 
     :param shared: student ids that two people have had in one source
     :param numbers: by student id and assignment, the participant whose work was taken
@@ -41,7 +41,7 @@ class Namesakes:
 
 def read_namesakes(layout: Layout) -> Namesakes:
     """
-    Return what is known.
+    Return the saved names and numbers.
 
     :raises NotTakenInError: if it is damaged: without it two people could become one
     """
@@ -60,7 +60,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
         got = problems[0].got if problems else 'something else'
         raise NotTakenInError(
             f'{path}: expected JSON with the numbers of people in Moodle, got {got}.',
-            'Try: delete it, and look in the table for people of one name',
+            'Try: delete the file, and look in the table for people with the same name',
         ) from error
 
 
@@ -68,7 +68,7 @@ def in_doubt(
     handed: Sequence[Handed], known: Namesakes, assignment: str
 ) -> tuple[list[Handed], Namesakes]:
     """
-    Mark what nobody knows the owner of.
+    Mark deliveries whose owner is unclear.
 
     :param assignment: what the source was handed in for, empty if that is not known
     :returns: the same, with their doubts; and what is known now of the names
@@ -83,7 +83,7 @@ def in_doubt(
 
 
 def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
-    """Return why nobody knows whose a hand-in is and what to do, or nothing."""
+    """Return why the owner of a delivery is unclear and what to do, or an empty string."""
     student = student_id(one.student)
     before = known.numbers.get(student, {}).get(assignment, one.number)
     name = one.student[:60]
@@ -104,7 +104,7 @@ def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
 
 def keep_namesakes(layout: Layout, known: Namesakes, taken: Iterable[tuple[Handed, str]]) -> None:
     """
-    Keep what is known, with the numbers of those whose work is there now.
+    Save the names, with the numbers of the students who were collected now.
 
     :param taken: each with the assignment
     :raises OSError: if it cannot be written

@@ -1,10 +1,11 @@
 """
-Who owns a delivery in nbgrader's exchange.
+Check who owns a delivery in nbgrader's exchange.
 
-Every user of the machine can make a folder in ``inbound/`` and name it after anybody, and nbgrader
-leaves it writable for all.  So its name proves nothing, but the system records who made the folder
-and each file in it, and a student cannot change that.  The owner has to be the student: the user
-of that name, or the one that ``c.ExchangeCollect.owners`` in ``nbgrader_config.py`` records.
+Every user of the machine can create a folder in ``inbound/`` and name it after any student, and
+nbgrader leaves it writable for all.  So the name proves nothing, but the system records who
+created the folder and each file in it, and a student cannot change that. The owner has to be the
+student: the user of that name, or the one that ``c.ExchangeCollect.owners`` in
+``nbgrader_config.py`` records.
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ from autograder.errors import GraderError
 from autograder.gradebook.settings import load_config
 from autograder.layout import Layout
 
-ADVICE = 'if you laid it there yourself: --trust-names (docs/exchange.md)'
+ADVICE = 'if you copied it there yourself: --trust-names (docs/exchange.md)'
 
 
 @dataclass(frozen=True)
 class OwnerRule:
     """
-    Which user has to own the work of which student.
+    The user who has to own the work of each student.
 
     :param check: False to trust the names of the folders
     :param owners: name of the system user, by student id, where the two differ
@@ -36,7 +37,7 @@ class OwnerRule:
 
     def doubt(self, student: str, uids: Collection[int]) -> str:
         """
-        Return why a delivery may not be the student's, empty if it is.
+        Return why a delivery may not be the student's, or an empty string.
 
         :param student: as the name of the folder says
         :param uids: of the folder and all files in it; empty if they are not known
@@ -82,7 +83,7 @@ def owner_rule(layout: Layout, trust_names: bool = False) -> OwnerRule:
 
 
 def with_owners_checked(handed: Iterable[Handed], rule: OwnerRule) -> tuple[Handed, ...]:
-    """Return deliveries of an exchange, with a doubt for those that somebody else owns."""
+    """Return deliveries of an exchange, with a doubt for those that another user owns."""
     doubts = ((one, rule.doubt(one.student, one.owners)) for one in handed)
     return tuple(
         replace(one, doubt=f'{doubt}; {ADVICE}') if doubt else one for one, doubt in doubts

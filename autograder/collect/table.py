@@ -1,4 +1,4 @@
-"""What became of everything that was found, as a table for people and as JSON."""
+"""The table of everything that was found, for people and as JSON."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TAKEN, REPLACED, UNCHANGED, LEFT = 'taken', 'replaced', 'unchanged', 'not taken'
 @dataclass(frozen=True)
 class Row:
     """
-    One line of the table.
+    One row of the table.
 
     :param student: the student id in ``submitted/``, or as the source names them
     :param place: where in the source
@@ -40,7 +40,7 @@ class Row:
 
 
 def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:
-    """Print the table and one line about it; names from outside are shown as text."""
+    """Print the table and a summary; names from outside are escaped."""
     console = Console(width=None if sys.stdout.isatty() else 160)
     table = Table()
     for title in ('Student', 'Assignment', 'Done', 'Handed in', 'From', 'Notes'):
@@ -55,7 +55,7 @@ def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:
     said = ', '.join(f'{count} {done}' for done, count in sorted(counts.items()))
     where = f'Folder: {to}' if written else 'Nothing was written (--dry-run)'
     console.print(
-        f'{said or "nothing there"}. {where}. Times are UTC.',
+        f'{said or "no submissions"}. {where}. Times are UTC.',
         markup=False,
         highlight=False,
         soft_wrap=True,

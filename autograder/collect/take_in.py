@@ -1,4 +1,4 @@
-"""What ``collect`` does: look at a source, choose, write, and keep what was not taken."""
+"""Collect a class: read a source, choose notebooks, copy them, and save what was left out."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def collect(
     trust_names: bool = False,
 ) -> list[Row]:
     """
-    Take in a class.
+    Collect a class.
 
     :param source: a folder or a zip file
     :param to: receives ``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb``
@@ -67,7 +67,7 @@ def collect(
         rows += _kept(layout.people, 'names', lambda: keep_people(layout, names))
         rows += _kept(
             layout.namesakes,
-            'numbers of Moodle',
+            'student numbers from Moodle',
             lambda: keep_namesakes(layout, known, numbers),
         )
         if to.resolve() == layout.submitted.resolve():
@@ -81,7 +81,7 @@ def _choose(
     there: Found, course: Course, wanted: str, name: str
 ) -> tuple[list[Chosen], list[Row], Namesakes]:
     """
-    Find the notebooks that could be taken.
+    Find the notebooks that can be collected.
 
     :param wanted: the only assignment, empty to go by the notebooks
     :param name: of the source
@@ -100,7 +100,7 @@ def _choose(
 
 
 def _kept(path: Path, what: str, keep: Callable[[], None]) -> Iterator[Row]:
-    """Keep something for later commands; yield a line if it cannot be written."""
+    """Save data for later commands; yield a row if that fails."""
     try:
         keep()
     except OSError as error:
@@ -109,7 +109,7 @@ def _kept(path: Path, what: str, keep: Callable[[], None]) -> Iterator[Row]:
 
 
 def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[NotCollected]:
-    """Yield what could not be taken, for the reports."""
+    """Yield what was not collected, for the reports."""
     known = layout.assignments()
     for row in rows:
         if row.done == LEFT and row.student:
@@ -118,7 +118,7 @@ def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[NotCollected
 
 
 def _refused(tree: Tree) -> Iterator[Row]:
-    """Yield a line for what was not looked at, one for all that is in one entry."""
+    """Yield the entries that were not read, one row per entry."""
     paths = [where.split('/') for where, _ in tree.refused]
     tops = {file.parts[0] for file in tree.files} | {parts[0] for parts in paths}
     depth = 2 if len(tops) == 1 else 1  # a folder around everything tells nobody whose it is
@@ -126,12 +126,12 @@ def _refused(tree: Tree) -> Iterator[Row]:
     for where, why in tree.refused:
         grouped.setdefault((*where.split('/')[:depth], why), []).append(where)
     for (*_, why), places in grouped.items():
-        more = (f'and {len(places) - 1} more there',) if len(places) > 1 else ()
+        more = (f'and {len(places) - 1} more in the same folder',) if len(places) > 1 else ()
         yield Row('', '', places[0], LEFT, (why, *more))
 
 
 def _by_owner(found: Sequence[Chosen]) -> dict[tuple[str, str], list[Chosen]]:
-    """Return what belongs together, the newest with cells of the assignment first."""
+    """Group deliveries by owner, the newest with cells of the assignment first."""
     owners: dict[tuple[str, str], list[Chosen]] = {}
     for one in found:
         owners.setdefault((one.student, one.assignment), []).append(one)
@@ -149,7 +149,7 @@ def _by_owner(found: Sequence[Chosen]) -> dict[tuple[str, str], list[Chosen]]:
 
 
 def _take(several: Sequence[Chosen], course: Course, to: Path, write: bool) -> list[Row]:
-    """Lay the first of several where nbgrader looks, and say so for each of them."""
+    """Copy the first notebook of a group to nbgrader's folder, and yield a row for each."""
     newest, *others = several
     names = {one.handed.called or one.handed.student for one in several}
     if len(names) > 1:  # two students map to one id: collect neither and report the clash
@@ -167,5 +167,7 @@ def _take(several: Sequence[Chosen], course: Course, to: Path, write: bool) -> l
     rows = [newest.row(done, course, *filter(None, (said, *notes)))]
     for one in others:
         odd = one.strange and not newest.strange
-        rows.append(one.row(LEFT, course, 'another one was taken' if odd else 'an earlier one'))
+        rows.append(
+            one.row(LEFT, course, 'a different one was collected' if odd else 'an earlier one')
+        )
     return rows

@@ -1,8 +1,8 @@
 """
-Copy a notebook and its time to where nbgrader looks for them; write each file atomically.
+Copy a notebook and its time to nbgrader's folder; write each file atomically.
 
-Collecting Monday's zip after Tuesday's takes nothing back: if the source gives a time and the
-previous copy has one, an older notebook is not collected.  If either time is missing, as with
+Collecting Monday's zip after Tuesday's changes nothing: if the source gives a time and the
+previous copy has one, an older notebook is not collected. If either time is missing, as with
 Canvas, Moodle and repositories, the last collected notebook is kept, and the table says so.
 """
 
@@ -21,7 +21,7 @@ from autograder.submission.reading import read_file
 
 def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
     """
-    Write a notebook and its time, unless they are there or what is there is newer.
+    Write a notebook and its time, unless an equal or newer copy exists.
 
     :param file_name: of the assignment's notebook
     :param to: the folder of the class
@@ -59,7 +59,7 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
 
 def _older(wanted: bytes | None, there: bytes | None) -> tuple[bool, str]:
     """
-    Return whether work is older than what is there, as far as both times are known.
+    Return whether work is older than the existing copy, as far as both times are known.
 
     :param wanted: its time, as it would be written
     :param there: the time that is there
@@ -67,5 +67,5 @@ def _older(wanted: bytes | None, there: bytes | None) -> tuple[bool, str]:
     texts = ((data or b'')[:100].decode('utf-8', 'replace') for data in (wanted, there))
     new, old = (read_time(text)[0] for text in texts)
     if new is None or old is None:
-        return False, 'which one is newer is not known'
-    return new < old, f'older than what is there, of {old:%Y-%m-%d %H:%M}' if new < old else ''
+        return False, 'it is unknown which one is newer'
+    return new < old, f'older than the collected one, of {old:%Y-%m-%d %H:%M}' if new < old else ''

@@ -1,4 +1,4 @@
-"""One module per command, and the exit codes with which they all end."""
+"""One module per command, and the exit codes of all commands."""
 
 OK = 0
 """Everything has a verdict."""

@@ -1,10 +1,10 @@
 """
-Run one exam on the files of a package: what ``check(...)`` starts from a notebook.
+Run one exam on the files of a package; ``check(...)`` in a notebook starts this.
 
     python -m autograder.commands.check EXAM --files DIR --visible [--json]
 
-It is a command of ``python -m autograder`` too.  It stands here because students' copies have it
-and none of the others.
+It is also a command of ``python -m autograder``.  It is a separate program because students'
+copies have it and none of the others.
 """
 
 from __future__ import annotations
@@ -48,21 +48,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
-    parser.add_argument('exam', metavar='EXAM')
-    parser.add_argument('--files', type=Path, required=True, metavar='DIR', help='the package')
-    parser.add_argument('--visible', action='store_true', help='only the visible checks')
+    parser.add_argument('exam', metavar='EXAM', help='name of the exam, such as talker')
+    parser.add_argument(
+        '--files', type=Path, required=True, metavar='DIR', help='folder of the package'
+    )
+    parser.add_argument('--visible', action='store_true', help='run only the visible checks')
     parser.add_argument('--json', action='store_true', help='print the result as JSON')
     parser.set_defaults(run=run)
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Run one exam on a package; the visible one also runs where nothing isolates."""
+    """Run one exam on a package; a visible exam also runs without isolation."""
     from autograder.exam import catalog
     from autograder.grading.examine import examine
     from autograder.submission.package import name_missing, own_files, read_package, what_is_there
 
     if not chosen.files.is_dir():
-        raise UsageError(f'--files {chosen.files}: expected a package folder, got none.')
+        raise UsageError(f'--files {chosen.files}: there is no such folder.')
     exam = catalog.load(chosen.exam, hidden=not chosen.visible)
     if chosen.visible:
         files = own_files(exam, read_package(chosen.files))
@@ -87,7 +89,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _kept_builds(exam: Exam) -> Path | None:
-    """Return where the runs of visible checks that build are kept: unchanged files build once."""
+    """Return the folder for recordings of visible builds: unchanged files build once."""
     folder = Layout.here().recordings
     if exam.scenario.program != 'build':
         return None
@@ -99,7 +101,7 @@ def _kept_builds(exam: Exam) -> Path | None:
 
 
 def sandbox_for(visible: bool) -> Any:
-    """Return the strongest sandbox; only visible checks may do without."""
+    """Return the strongest sandbox; visible checks may run without one."""
     from autograder.sandboxes import choose
 
     try:
@@ -107,7 +109,10 @@ def sandbox_for(visible: bool) -> Any:
     except SandboxUnavailable as error:
         if not visible:
             raise
-        print(f'No sandbox here, so this runs as a plain process: {error.what}', file=sys.stderr)
+        print(
+            f'There is no sandbox here, so the program runs as a plain process: {error.what}',
+            file=sys.stderr,
+        )
         return choose.plain()
 
 
@@ -115,7 +120,7 @@ def sandbox_for(visible: bool) -> Any:
 
 
 def refuse(error: Exception, as_json: bool) -> None:
-    """Say in one line why the command cannot be done."""
+    """Print in one line why the command failed."""
     what, fix = _what_and_fix(error)
     print(f'autograder: {" ".join(f"{what} {fix}".split())}', file=sys.stderr)
     if as_json:
@@ -126,8 +131,8 @@ def _what_and_fix(error: Exception) -> tuple[str, str]:
     if isinstance(error, GraderError):
         return error.what, error.fix
     if isinstance(error, ModuleNotFoundError):
-        what = f'{sys.executable}: expected a Python that has {error.name}, got one without it.'
-        return what, 'Try: run it with make grade or .venv/bin/python -m autograder'
+        what = f'{sys.executable}: this Python has no module {error.name}.'
+        return what, 'Try: make grade, or .venv/bin/python -m autograder'
     if isinstance(error, OSError) and error.strerror:
         said = of_system(error)
         return said.what, said.fix
@@ -136,12 +141,12 @@ def _what_and_fix(error: Exception) -> tuple[str, str]:
 
 
 def _as_problem(what: str, fix: str) -> dict[str, Any]:
-    """Return why there is no verdict, for a program that shows it."""
+    """Return why there is no verdict, as data for a program that shows it."""
     from autograder.results import Problem
 
     fix = (
         fix.removeprefix('Try: ').rstrip('.')
-        or 'run it again; if it stays, type make doctor in a terminal'
+        or 'run the cell again; if the error stays, type make doctor in a terminal'
     )
     where = 'the checker itself, not your code'
     return asdict(Problem(where, 'a verdict', what.rstrip(' .'), fix))

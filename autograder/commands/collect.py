@@ -1,4 +1,4 @@
-"""``collect``, with which a class begins: its options and what it prints."""
+"""The command ``collect``: its options and what it prints."""
 
 from __future__ import annotations
 
@@ -21,38 +21,46 @@ from autograder.layout import Layout
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
-    parser.add_argument('source', type=Path, metavar='SOURCE')
     parser.add_argument(
-        '--assignment', default='', metavar='NAME', help='the only one (default: by the notebooks)'
+        'source', type=Path, metavar='SOURCE', help='folder, zip file or exchange to read'
+    )
+    parser.add_argument(
+        '--assignment',
+        default='',
+        metavar='NAME',
+        help='treat all work as this assignment (default: recognise it by the notebooks)',
     )
     parser.add_argument(
         '--kind',
         choices=('canvas', 'moodle', 'gradescope', 'exchange', 'folder'),
         default='',
-        help='where it comes from (default: by the names in it)',
+        help='platform that SOURCE comes from (default: recognise it by the file names)',
     )
     parser.add_argument(
         '--prefix',
         default='',
         metavar='TEXT',
-        help="what the names of students' folders begin with, as in hw1-ANN; it is taken off",
+        help="remove this from the front of students' folder names, as in hw1-ANN",
     )
     parser.add_argument(
         '--trust-names',
         action='store_true',
-        help="take work from nbgrader's exchange by its name, without checking its owner "
-        '(see docs/exchange.md)',
+        help="trust the folder names in nbgrader's exchange, without checking who owns the "
+        'folders (see docs/exchange.md)',
     )
     parser.add_argument(
-        '--to', type=Path, metavar='DIR', help='default: autograder/_work/submitted'
+        '--to',
+        type=Path,
+        metavar='DIR',
+        help='folder to copy to (default: autograder/_work/submitted)',
     )
-    parser.add_argument('--dry-run', action='store_true', help='write nothing, only say')
+    parser.add_argument('--dry-run', action='store_true', help='print the table and write nothing')
     parser.add_argument('--json', action='store_true', help='print the table as JSON')
     parser.set_defaults(run=run)
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Take in a class."""
+    """Collect a class."""
     layout = Layout.here()
     assignment = layout.assignment_named(chosen.assignment) if chosen.assignment else ''
     to = chosen.to or layout.submitted
@@ -71,7 +79,7 @@ def run(chosen: argparse.Namespace) -> int:
         ours = write and to.resolve() == layout.submitted.resolve()
         taken = ours and any(row.done != LEFT for row in rows)
         if taken and (count := take_out_sample_class(layout)):
-            said = f'The {count} example students were taken out of {to.name}/ and the gradebook.'
+            said = f'Removed the {count} example students from {to.name}/ and the gradebook.'
             print(said, file=sys.stderr)
     if chosen.json:
         print(json.dumps([asdict(row) for row in rows]))

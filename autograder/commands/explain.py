@@ -1,9 +1,9 @@
 """
-The evidence behind one verdict, for an appeal: what was run, what was seen, and where it differs.
+Print the evidence behind one verdict, for an appeal: what was run, seen and expected.
 
-Everything comes from the last results, the kept recording and the submission as it lies there; the
-check is judged once more and nothing is run.  It shows hidden inputs, so it is for the person who
-decides, who may show the student what of it helps.
+Everything comes from the last results, the stored recording and the current submission; the check
+is judged once more and no program is run.  The evidence shows hidden inputs, so it is for the
+instructor, who decides what to show the student.
 """
 
 from __future__ import annotations
@@ -45,24 +45,28 @@ MOST_LINES = 40
 WIDEST = 120
 HOW = {
     'named': 'the check names this moment',
-    'cut': 'up to here the recording alone brings this verdict',
-    'ended': 'the run ended early, and this is how',
-    'end': 'only the whole run shows it',
+    'cut': 'the recording up to this event already leads to this verdict',
+    'ended': 'the run ended early here',
+    'end': 'only the whole run leads to this verdict',
 }
 
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
-    parser.add_argument('student', metavar='STUDENT', help='id or name')
+    parser.add_argument('student', metavar='STUDENT', help='id or name of the student')
     parser.add_argument(
         'check',
         metavar='CHECK',
         nargs='?',
-        help='its name, or EXAM/CHECK (default: list the checks of the student)',
+        help="name of the check, or EXAM/CHECK (default: list the student's checks)",
     )
-    parser.add_argument('--assignment', metavar='NAME', help='if the check is in several')
-    parser.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
-    parser.add_argument('--json', action='store_true', help='all of it, as JSON')
+    parser.add_argument(
+        '--assignment', metavar='NAME', help='needed if several assignments have this check'
+    )
+    parser.add_argument(
+        '--submitted', type=Path, metavar='DIR', help='folder of submissions, as for grade'
+    )
+    parser.add_argument('--json', action='store_true', help='print everything as JSON')
     parser.set_defaults(run=run)
 
 
@@ -87,7 +91,7 @@ def evidence(
     submitted: Path | None = None,
 ) -> dict[str, Any]:
     """
-    Return all that is known about one verdict, in JSON types.
+    Return the evidence behind one verdict, in JSON types.
 
     :param student: id or display name
     :param check: name of the check, or ``exam/check``
@@ -100,7 +104,7 @@ def evidence(
     lesson = load_lesson(layout, result.assignment, NothingRuns())
     exam = next((one for one in lesson.exams if one.name == exam_result.exam), None)
     if exam is None:
-        raise GraderError(f'The exam {exam_result.exam} of this result does not exist any more.')
+        raise GraderError(f'The exam {exam_result.exam} of this result no longer exists.')
     folder = submitted or layout.submitted
     found = _files(lesson, exam, student, folder)
     files = found or {}
@@ -165,8 +169,12 @@ def _find(
         return found[0]
     if found:
         several = ', '.join(f'{exam.exam}/{name}' for _, exam, _ in found)
-        raise GraderError(f'{check}: expected one check, got several: {several}.', 'Name one.')
-    raise GraderError(f'{check}: {student} has no such verdict.', f'There are: {", ".join(there)}')
+        raise GraderError(
+            f'{check}: several checks have this name: {several}.', 'Try: name one of them'
+        )
+    raise GraderError(
+        f'{check}: {student} has no check of this name.', f'Try: one of {", ".join(there)}'
+    )
 
 
 def _files(lesson: Lesson, exam: Exam, student: str, submitted: Path) -> Mapping[str, str] | None:
@@ -184,17 +192,17 @@ def _now(
     files: Mapping[str, str],
     exam_result: ExamResult,
 ) -> str:
-    """Judge once more and say in words whether it comes out the same."""
+    """Judge once more and return whether the verdict is the same, as text."""
     result, why = again(layout, exam, files, exam_result)
     if result is None:
         return f'cannot be judged again: {why}'
     for check in result.checks:
         if check.check == verdict.check:
             if (check.verdict, check.points) == (verdict.verdict, verdict.points):
-                return 'judged again now from the recording: the same'
+                return 'judged again now from the recording: same verdict'
             points = f'{number(check.points)} of {number(check.max_points)} points'
             return f'judged again now from the recording: {check.verdict.value}, {points}'
-    return 'the exam has no such check any more'
+    return 'the exam no longer has this check'
 
 
 def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[str, Any]:
@@ -216,7 +224,7 @@ def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[s
 
 
 def _last_words(recording: Recording) -> list[str]:
-    """Return the last lines that the program printed, of the stream with its errors if any."""
+    """Return the last lines that the program printed, from stderr if it has any."""
     streams = (str(recording.process.get(name, '')) for name in ('stderr', 'stdout'))
     said = next((text for text in streams if text.strip()), '')
     return [line for line in said.splitlines() if line.strip()][-LAST_WORDS:]
@@ -225,7 +233,7 @@ def _last_words(recording: Recording) -> list[str]:
 def _around(
     exam: Exam, name: str, files: Mapping[str, str], recording: Recording
 ) -> dict[str, Any]:
-    """Return the first deviation, what was seen around it, and what was sent before."""
+    """Return the first deviation, the events around it, and the inputs before it."""
     checks = [one for one in exam.checks if one.name == name]
     where = deviation(checks[0], Run(files, recording, exam.facts)) if checks else None
     events = recording.events
@@ -282,7 +290,7 @@ def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
                 )
                 lines.append(f'{head}  {check.cause}' if check.cause else head)
     lines = [shortened(line, WIDEST) for line in printable('\n'.join(lines)).split('\n')]
-    return '\n'.join([*lines, 'With EXAM/CHECK, explain shows the evidence behind a verdict.'])
+    return '\n'.join([*lines, 'To see the evidence behind a verdict: explain STUDENT EXAM/CHECK'])
 
 
 def evidence_text(found: Mapping[str, Any]) -> str:
@@ -318,7 +326,10 @@ def _verdict_lines(found: Mapping[str, Any]) -> list[str]:
 
 def _seen_lines(found: Mapping[str, Any]) -> list[str]:
     if not found.get('seen'):
-        return ['No recording: nothing was run for it, or it is not kept. The files decide.']
+        return [
+            'No recording: nothing was run, or the recording was deleted. The verdict follows '
+            'from the files.'
+        ]
     where = found['deviation']
     at = where['index'] if where else None
     head = f'First deviation: {where["how"]}.' if where else 'No deviation; the run begins with:'
@@ -329,7 +340,7 @@ def _seen_lines(found: Mapping[str, Any]) -> list[str]:
 
 
 def _input_lines(found: Mapping[str, Any], at: int | None) -> list[str]:
-    """Return the last inputs that were sent, if they are not among the lines that follow."""
+    """Return the last inputs that were sent, unless the lines that follow show them."""
     inputs = found['inputs_before']
     there = {
         one['event'].get('index') for one in found['seen'] if one['event']['event'] == 'input'
@@ -337,7 +348,7 @@ def _input_lines(found: Mapping[str, Any], at: int | None) -> list[str]:
     missing = [event for event in inputs if event['index'] not in there][-INPUTS:]
     if not missing or at is None:
         return []
-    lines = [f'Sent before, {len(inputs)} in all:'] if len(inputs) > len(missing) else []
+    lines = [f'Inputs sent before it, {len(inputs)} in all:'] if len(inputs) > len(missing) else []
     return [*lines, *(f'  {live_line(event)}' for event in missing)]
 
 
@@ -347,10 +358,14 @@ def _origin_lines(found: Mapping[str, Any]) -> list[str]:
     versions = ', '.join(f'{name} {text}' for name, text in found['versions'].items())
     lines = [f'files (SHA-256): {files or "none"}']
     if about and about['end'] != 'complete' and about['said']:
-        said = ['the program printed last:', *(f'  | {line}' for line in about['said']), '']
+        said = [
+            'last lines that the program printed:',
+            *(f'  | {line}' for line in about['said']),
+            '',
+        ]
         lines = [*said, *lines]
     if about:
-        made = 'made of these files' if about['of_these_files'] else 'made of OTHER files'
+        made = 'made from these files' if about['of_these_files'] else 'made from OTHER files'
         lines += [
             f'recording: {about["name"]}, SHA-256 {about["sha256"][:12]}, {made}',
             f'  {about["events"]} events, end: {about["end"]}, '
@@ -358,4 +373,7 @@ def _origin_lines(found: Mapping[str, Any]) -> list[str]:
         ]
     lines.append(f'isolation: {found["isolation"] or "nothing was run"}; {versions}')
     lines += [f'flag: {flag}' for flag in found['flags'][:3]]
-    return [*lines, 'This shows inputs of the hidden exam; it is for the person who decides.']
+    return [
+        *lines,
+        'This shows inputs of the hidden exam. Do not pass it on to students as it is.',
+    ]

@@ -1,4 +1,4 @@
-"""The command ``export``: the results of the last grading for other programs."""
+"""The command ``export``: write the results of the last grading for other programs."""
 
 from __future__ import annotations
 
@@ -40,36 +40,62 @@ def options(parser: argparse.ArgumentParser) -> None:
             made.add_argument('assignment', metavar='ASSIGNMENT')
         else:
             made.add_argument('assignment', nargs='?', metavar='ASSIGNMENT', help='default: all')
-        made.add_argument('--to', type=Path, metavar='PATH', help='default: _work/exports/...')
-        made.add_argument('--force', action='store_true', help='replace what is there')
+        made.add_argument(
+            '--to',
+            type=Path,
+            metavar='PATH',
+            help='file or folder to write (default: in _work/exports/)',
+        )
+        made.add_argument('--force', action='store_true', help='replace an existing file')
         made.set_defaults(ending=ending, make=make)
         return made
 
-    table = add('csv', 'one row per submission, RFC 4180, safe in a spreadsheet', '.csv', _csv)
+    table = add(
+        'csv',
+        'write a table with one row per submission (RFC 4180, safe to open in a spreadsheet)',
+        '.csv',
+        _csv,
+    )
     _add_points(table, AUTOMATIC)
     for name, text, ending, write in (
-        ('checks-csv', 'one row per check of each submission', '.checks.csv', checks_csv),
-        ('json', 'everything, see docs/results.schema.json', '.json', results_json),
-        ('junit', 'JUnit XML for CI servers', '.junit.xml', junit_xml),
+        (
+            'checks-csv',
+            'write a table with one row per submission and check',
+            '.checks.csv',
+            checks_csv,
+        ),
+        (
+            'json',
+            'write all results as JSON (see docs/results.schema.json)',
+            '.json',
+            results_json,
+        ),
+        ('junit', 'write JUnit XML for CI servers', '.junit.xml', junit_xml),
     ):
         add(name, text, ending, _of_results(write))
-    filled = 'fill one column of the gradebook file that Canvas gave'
+    filled = 'fill one column of a gradebook file exported from Canvas'
     book = add('canvas', filled, '.canvas.csv', _canvas, one=True)
-    book.add_argument('--gradebook', type=Path, required=True, metavar='FILE', help='from Canvas')
-    book.add_argument('--column', required=True, metavar='NAME', help='its header, title or id')
-    book.add_argument('--scale', action='store_true', help="to Canvas's points possible")
+    book.add_argument(
+        '--gradebook', type=Path, required=True, metavar='FILE', help='file from Canvas'
+    )
+    book.add_argument(
+        '--column', required=True, metavar='NAME', help='column to fill: header, title or id'
+    )
+    book.add_argument(
+        '--scale', action='store_true', help="scale points to Canvas's points possible"
+    )
     _add_points(book, GRADEBOOK)
     results = add(
-        'gradescope', 'results.json of each submission', '.gradescope', _gradescope, True
+        'gradescope', 'write a results.json per submission', '.gradescope', _gradescope, True
     )
-    packed = 'an autograder zip for Gradescope'
+    packed = 'pack an autograder zip file for Gradescope'
     container = add('gradescope-autograder', packed, '.gradescope.zip', _autograder, True)
     container.add_argument(
         '--allow-weak',
         choices=[mode for mode in WEAK if MODES[mode].keeps_secrets],
         default='',
         metavar='MODE',
-        help='isolation that may be used there (see docs/exports.md)',
+        help='weakest isolation to accept on Gradescope (see docs/exports.md)',
     )
     for one in (results, container):
         one.add_argument(
@@ -86,8 +112,8 @@ def _add_points(parser: argparse.ArgumentParser, default: str) -> None:
         '--points',
         choices=SOURCES,
         default=default,
-        help='of the checks alone, or as nbgrader has them: with manual grades, less what is late '
-        '(default: %(default)s)',
+        help="points of the checks alone, or nbgrader's marks with manual grades and late "
+        'penalties (default: %(default)s)',
     )
 
 
@@ -108,13 +134,13 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _marked(layout: Layout, chosen: argparse.Namespace) -> Marked:
-    """Return the results that are wanted, each with everybody's marks."""
+    """Return the chosen results, with the marks of all students."""
     source = getattr(chosen, 'points', AUTOMATIC)
     return [(one, marks(layout, one, source)) for one in graded(layout, chosen.assignment)]
 
 
 def _without_mark(marked: Marked) -> bool:
-    """Name everyone who has no mark yet; return whether there is somebody."""
+    """Print the students without a mark; return whether there are any."""
     missing = [(one, mark) for one, given in marked for mark in given if mark.points is None]
     for one, mark in missing:
         line = f'no mark: {one.assignment}: {mark.student}: {mark.status}'
@@ -137,7 +163,10 @@ def _of_results(write: Callable[[Iterable[ClassResults]], bytes]) -> Callable[..
 
 def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     if path.resolve() == chosen.gradebook.resolve():
-        raise GraderError(f'{path}: expected another file than the one that Canvas gave.')
+        raise GraderError(
+            f'{path}: the output would overwrite the gradebook from Canvas.',
+            'Try: --to with a different name',
+        )
     ((_, given),) = _marked(layout, chosen)
     data = canvas.read_file(chosen.gradebook)
     done = canvas.fill(data, str(chosen.gradebook), chosen.column, given, chosen.scale)

@@ -1,9 +1,9 @@
 """
-Remove a student from the course, with everything that grading has made of their work.
+Remove a student from the course, with everything that grading made from their work.
 
-What the student handed in is not deleted.  If the next grading would find it again, it moves to
-``_work/forgotten``.  Recordings stay: they are named by the content of the files, and equal files
-of several students share one.
+The submission is not deleted.  If the next grading would find it again, it moves to
+``_work/forgotten``.  Recordings are kept: they are named by the content of the files, and equal
+files of several students share one.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ from autograder.submission.inbox import students_in
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
-    parser.add_argument('students', nargs='+', metavar='STUDENT', help='id or name')
-    parser.add_argument('--yes', action='store_true', help='remove it')
+    parser.add_argument('students', nargs='+', metavar='STUDENT', help='id or name of the student')
+    parser.add_argument('--yes', action='store_true', help='remove everything that is listed')
     parser.set_defaults(run=run)
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Show what the course has of students, and remove it if that is meant."""
+    """Print what the course has of students, and with ``--yes`` remove it."""
     layout, copies = Layout.here(), []
     with alone(layout, 'forget') if chosen.yes else nullcontext():
         found = [traces(layout, student) for student in chosen.students]
@@ -54,11 +54,11 @@ def run(chosen: argparse.Namespace) -> int:
         if chosen.yes:
             copies = [forget(layout, one.student) for one in found]
     if not chosen.yes:
-        print('Nothing was removed. Try: the same command with --yes')
+        print('Nothing was removed. To remove all this, run the same command with --yes')
         return OK
-    print('Removed. Earlier exports and copies of the gradebook still have what was in them.')
+    print('Removed. Earlier exports and copies of the gradebook are unchanged.')
     if copies[0]:
-        print(f'The gradebook as it was: {copies[0]}')
+        print(f'Copy of the gradebook before the removal: {copies[0]}')
     return OK
 
 
@@ -88,27 +88,27 @@ class Traces:
     moved: Path | None = None
 
     def lines(self, layout: Layout) -> Iterator[str]:
-        """Yield what would go, and what would not."""
+        """Yield what would be removed and what would not."""
         yield f'{self.student}:'
         yield from (f'  gradebook: {mark}' for mark in self.marks)
         if self.results:
             yield f'  reports: result and page of {", ".join(self.results)}'
         if self.journals:
-            yield f'  journal of what was entered: {", ".join(self.journals)}'
+            yield f'  journal of the gradebook: {", ".join(self.journals)}'
         if self.name:
             yield f'  name: {self.name}'
         yield from (f'  reports: {reason}' for reason in self.refused)
         yield from (f'  folder: {short(folder, layout)}' for folder in self.made)
         if self.moved:
             to, folder = short(_forgotten(layout), layout), short(self.moved, layout)
-            yield f'  moved to {to}, as it would be graded again: {folder}'
+            yield f'  moved to {to} so that it is not graded again: {folder}'
         if self.left:
-            yield f'  left as it is: {short(self.left, layout)}'
+            yield f'  not touched: {short(self.left, layout)}'
 
 
 def traces(layout: Layout, student: str) -> Traces:
     """
-    Return what a course has of a student; nothing is changed.
+    Return what a course has of a student; change nothing.
 
     :param student: id or display name
     :raises GraderError: if there is no such student, or several have the name
@@ -171,7 +171,7 @@ def forget(layout: Layout, student: str) -> Path | None:
 
 
 def _forgotten(layout: Layout) -> Path:
-    """Return the folder of what forgotten students handed in."""
+    """Return the folder for submissions of forgotten students."""
     return layout.work / 'forgotten'
 
 
@@ -183,7 +183,7 @@ def _folders(above: Path) -> set[str]:
 
 
 def _marks(layout: Layout) -> dict[str, list[str]]:
-    """Return what the gradebook has, by student."""
+    """Return the marks in the gradebook, by student."""
     found: dict[str, list[str]] = {
         str(student): [] for (student,) in query(layout, text('select id from student'))
     }
@@ -207,7 +207,7 @@ order by assignment.name
 
 
 def _forget_name(layout: Layout, student: str) -> None:
-    """Remove a student from the names of people and from Moodle's numbers."""
+    """Remove a student from the display names and from Moodle's numbers."""
     known = read_namesakes(layout)
     if known.numbers.pop(student, None):
         keep_namesakes(layout, known, ())

@@ -1,7 +1,7 @@
 """
-The command ``grade``: a class from its folder to the gradebook and the reports.
+The command ``grade``: grade a class, fill the gradebook and write the reports.
 
-Every run is saved as soon as it is done.  If a grading was stopped, by any means and at any time,
+Every run is saved as soon as it ends.  If a grading is stopped at any time, even by a power cut,
 the same command continues it.
 """
 
@@ -53,7 +53,7 @@ MAX_NAMED = 5
 
 
 class NotEnteredError(GraderError):
-    """The results are there, but they could not all be entered or written."""
+    """Some results could not be entered in the gradebook or written."""
 
     def __init__(self, what: str, results: Sequence[SubmissionResult]) -> None:
         super().__init__(what)
@@ -66,16 +66,20 @@ def options(parser: argparse.ArgumentParser) -> None:
         '--submitted',
         type=Path,
         metavar='DIR',
-        help='folder of STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: autograder/_work/submitted); '
-        'students who are only in the default one keep their results and pages',
+        help='folder with STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: '
+        'autograder/_work/submitted); students who are only in the default folder keep their '
+        'results and pages',
     )
-    parser.add_argument('--assignment', metavar='NAME', help='only this one (default: all)')
+    parser.add_argument(
+        '--assignment', metavar='NAME', help='grade only this assignment (default: all)'
+    )
     parser.add_argument(
         '--jobs',
         type=_positive,
         default=0,
         metavar='N',
-        help=f'runs at a time on this machine (default: one a processor, here {processors()})',
+        help='number of parallel runs on this machine '
+        f'(default: one per processor, here {processors()})',
     )
     parser.add_argument(
         '--cluster',
@@ -84,7 +88,11 @@ def options(parser: argparse.ArgumentParser) -> None:
         help='run on the workers of a Dask scheduler, such as tcp://10.0.0.5:8786 '
         '(see docs/cluster.md)',
     )
-    parser.add_argument('--fresh', action='store_true', help='repeat runs that are recorded')
+    parser.add_argument(
+        '--fresh',
+        action='store_true',
+        help='run every program again, even if its recording is stored',
+    )
     parser.add_argument('--json', action='store_true', help='print the results as JSON')
     add_yes(parser)
     parser.add_argument(
@@ -92,18 +100,18 @@ def options(parser: argparse.ArgumentParser) -> None:
         choices=WEAK,
         default='',
         metavar='MODE',
-        help='accept isolation down to this where none of the better works: '
+        help='accept this weaker isolation if no stronger one works here: '
         f'{", ".join(WEAK)} (see docs/threat-model.md)',
     )
     parser.set_defaults(run=run)
 
 
 def add_yes(command: argparse.ArgumentParser) -> None:
-    """Describe the option that lets marks in the gradebook fall."""
+    """Describe the option that allows the command to lower marks in the gradebook."""
     command.add_argument(
         '--yes',
         action='store_true',
-        help='also lower or empty marks that the gradebook holds; without it they are listed',
+        help='also lower or clear marks in the gradebook; without it, such marks are only listed',
     )
 
 
@@ -138,15 +146,15 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _fit_together(chosen: argparse.Namespace) -> None:
-    """Refuse options of which one would be ignored."""
+    """Refuse options that another option would make useless."""
     for name, value, why in (
-        ('--allow-weak', chosen.allow_weak, 'isolate fully or refuse'),
-        ('--jobs', chosen.jobs, 'say how many runs they take'),
+        ('--allow-weak', chosen.allow_weak, 'never run with weak isolation'),
+        ('--jobs', chosen.jobs, 'set the number of runs themselves'),
     ):
         if chosen.cluster and value:
             raise UsageError(
-                f'{name} {value}: expected none with --cluster, whose workers {why}. '
-                'Try: leave it out'
+                f'{name} {value}: cannot be used with --cluster, whose workers {why}. '
+                f'Try: leave out {name}'
             )
 
 
@@ -160,7 +168,7 @@ def _grade_all(
     yes: bool = False,
 ) -> tuple[list[SubmissionResult], str]:
     """
-    Grade each assignment; return all results, and what was not entered in the gradebook.
+    Grade each assignment; return all results, and why some were not entered.
 
     :param yes: whether marks in the gradebook may be lowered or emptied
     """
@@ -179,7 +187,7 @@ def _grade_all(
 
 def _refuse_loss(layout: Layout, assignments: Sequence[str], engine: Engine) -> None:
     """
-    Refuse to grade where marks would be lost, before anything is run.
+    Refuse to grade if marks would be lost, before anything is run.
 
     :raises GraderError: for a damaged gradebook, or check cells that do not fit their exams
     """
@@ -195,19 +203,19 @@ def _enters(engine: Engine) -> bool:
 
 
 def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> UsageError:
-    """Return what to say of a folder in which no student handed in anything."""
+    """Return the error about a folder without any submission."""
     known = layout.assignments()
     fix = (
-        f'python -m autograder collect {short(submitted, layout)}, which reads downloads of '
-        'learning platforms'
+        f'python -m autograder collect {short(submitted, layout)}, if this is a download from '
+        'Canvas, Moodle or Gradescope'
     )
     for name in without_notebooks(submitted, known):
         with suppress(OSError):  # It is no folder, or may not be read.
             if students_in(submitted / name, known):
                 fix = f'--submitted {short(submitted / name, layout)}'
     return UsageError(
-        f'{submitted}: expected STUDENT/ASSIGNMENT folders with one of '
-        f'{", ".join(assignments)} and a notebook in it, got none of them. Try: {fix}'
+        f'{submitted}: no folder STUDENT/ASSIGNMENT with a notebook, ASSIGNMENT being one of '
+        f'{", ".join(assignments)}. Try: {fix}'
     )
 
 
@@ -215,15 +223,13 @@ def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> Usag
 def _engine(
     layout: Layout, chosen: argparse.Namespace, told: Console
 ) -> Iterator[tuple[Engine, int]]:
-    """Yield what runs exams, in a pool or on a cluster, and how many at a time."""
+    """Yield the engine that runs exams, in a pool or on a cluster, and the number of runs."""
     if chosen.cluster:
         from autograder.grading.cluster import cluster_engine
 
         with cluster_engine(chosen.cluster, layout, chosen.fresh) as engine:
             assert engine.place is not None
-            told.print(
-                f'{engine.place.width} runs at a time on {chosen.cluster}.', highlight=False
-            )
+            told.print(f'{engine.place.width} parallel runs on {chosen.cluster}.', highlight=False)
             yield engine, max(engine.place.width, AHEAD)
         return
     engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
@@ -236,7 +242,7 @@ def _engine(
 @contextmanager
 def in_a_pool(engine: SandboxEngine, jobs: int) -> Iterator[SandboxEngine]:
     """
-    Yield an engine that runs in processes of its own.
+    Yield an engine that runs exams in separate processes.
 
     :param jobs: how many processes
     """
@@ -245,16 +251,16 @@ def in_a_pool(engine: SandboxEngine, jobs: int) -> Iterator[SandboxEngine]:
 
 
 def _say_stopped(pid: int) -> None:
-    """Name a worker that does not work."""
+    """Print a warning about a worker process that is stopped."""
     print(
-        f'worker process {pid}: it is stopped (SIGSTOP), and its run waits. Try: kill -CONT {pid}',
+        f'worker process {pid} is stopped (SIGSTOP), so its run waits. Try: kill -CONT {pid}',
         file=sys.stderr,
         flush=True,
     )
 
 
 def warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:
-    """Print the banner of a weak mode; return how many runs at a time may be."""
+    """Print the banner of a weak mode; return how many runs may be parallel."""
     mode = getattr(getattr(engine, 'sandbox', None), 'mode', '')
     if not not_protected(mode):
         return jobs
@@ -263,21 +269,21 @@ def warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:
 
 
 def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path:
-    """Return the folder to grade; the default one is filled with the sample class if empty."""
+    """Return the folder to grade; fill the default folder with the sample class if empty."""
     if chosen is not None:
         if not chosen.is_dir():
-            raise UsageError(f'--submitted {chosen}: expected a folder, got none.')
+            raise UsageError(f'--submitted {chosen}: there is no such folder.')
         return chosen.resolve()
     if not layout.submitted.is_dir() or not any(layout.submitted.iterdir()):
         if layout.reports.is_dir():  # a class was here: its page is no place for sample students
             raise UsageError(
-                f'{layout.submitted}: expected submissions, got an empty folder. Try: python -m '
-                'autograder collect SOURCE, or sample-class for the example submissions'
+                f'{layout.submitted}: there is nothing to grade. Try: python -m autograder '
+                'collect SOURCE, or python -m autograder sample-class for the example submissions'
             )
         count = write_sample_class(layout, layout.submitted)
         told.print(
-            f'autograder/_work/submitted is empty, so the {count} example submissions of '
-            'tests/submissions were put there.',
+            f'autograder/_work/submitted was empty, so the {count} example submissions from '
+            'tests/submissions were copied there.',
             highlight=False,
         )
     return layout.submitted
@@ -286,7 +292,7 @@ def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path
 def _assignments(layout: Layout, chosen: str | None) -> tuple[str, ...]:
     known = layout.assignments()
     if not known:
-        raise UsageError('notebooks/ holds no assignment. Generate it with: make release')
+        raise UsageError('notebooks/: there is no assignment. Try: make release')
     return known if chosen is None else (layout.assignment_named(chosen),)
 
 
@@ -299,7 +305,7 @@ def _grade_assignment(
     told: Console,
     guard: Guard | None = None,
 ) -> list[SubmissionResult]:
-    """Grade one assignment of a class, record it, write the reports, print the table."""
+    """Grade one assignment of a class, enter it, write the reports, print the table."""
     lesson = load_lesson(layout, assignment, engine)
     submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())
     if not submissions:
@@ -329,15 +335,17 @@ def _grade_assignment(
     lowered = guard.lowered_in(assignment)
     kept = len(graded) - new - (0 if guard.yes else len(lowered))
     if _enters(engine) and kept:
-        summary += f' {kept} were in the gradebook as they are.'
+        summary += f' {kept} were already in the gradebook.'
     if lowered:
-        said = 'Fewer points than before' if guard.yes else 'Left as they are in the gradebook'
+        said = 'Fewer points than before' if guard.yes else 'Unchanged in the gradebook'
         summary += f' {said}: {first_of(lowered, MAX_NAMED)}.'
     if folders := without_notebooks(submitted, layout.assignments()):
         some = printable(first_of(folders, MAX_NAMED))
-        summary += f' Not graded, as no notebook of the course is in them: {some}.'
+        summary += f' Folders without a notebook of the course were not graded: {some}.'
     if others:
-        summary += f' Not in this folder, kept as they were: {len(others)} others.'
+        summary += (
+            f' {len(others)} other students are not in this folder; their results are unchanged.'
+        )
     unwritten = _report(layout, assignment, results, others, summary, told)
     for line in lowered[MAX_NAMED:] and lowered:
         told.print(f'  {line}', highlight=False, markup=False)
@@ -355,7 +363,7 @@ def _report(
     told: Console,
 ) -> str:
     """
-    Write the reports of everybody, and print the table of those who were graded now.
+    Write the reports of all students, and print the table of those graded now.
 
     :returns: why the reports could not be written, empty if they are
     """
@@ -378,7 +386,7 @@ def _report(
 def _summary(graded: Sequence[Graded], graded_s: float, total_s: float, totals: Totals) -> str:
     reviews = sum(bool(one.result.review) for one in graded)
     some = f'{len(graded)} submission{"s" * (len(graded) != 1)}'
-    parts = [f'{some} in {total_s:.1f} s ({graded_s:.1f} s of it running)']
+    parts = [f'{some} in {total_s:.1f} s, of which runs took {graded_s:.1f} s']
     slowest = totals.slowest_text()
     if slowest and len(graded) > 1:
         parts.append(printable(slowest))
@@ -390,5 +398,5 @@ def _summary(graded: Sequence[Graded], graded_s: float, total_s: float, totals: 
 
 
 def short(path: Path, layout: Layout) -> str:
-    """Return a path as seen from the course."""
+    """Return a path relative to the course."""
     return str(path.relative_to(layout.root)) if path.is_relative_to(layout.root) else str(path)

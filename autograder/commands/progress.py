@@ -1,8 +1,8 @@
 """
-How far a grading is: a living line on a terminal, a new line every few seconds in a log.
+Show the progress of a grading: one changing line on a terminal, repeated lines in a log.
 
-What is counted are runs: a submission has one for each exam.  The time that is left is estimated
-from the pace so far, which equal and kept submissions make faster than it will stay.
+It counts runs: a submission has one for each exam.  The remaining time is estimated from the pace
+so far, which is too optimistic if many submissions were recorded already.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ LINE_S = 5.0
 
 @dataclass
 class Totals:
-    """What came of a class so far; told from any thread."""
+    """The outcomes of a class so far; any thread may add to them."""
 
     counts: Counter[str] = field(default_factory=Counter)
     seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
     _guard: threading.Lock = field(default_factory=threading.Lock, repr=False)
 
     def add(self, done: Done) -> None:
-        """Count one."""
+        """Count one run."""
         with self._guard:
             if isinstance(done.outcome, GraderError):
                 self.counts['for review'] += 1
@@ -51,7 +51,7 @@ class Totals:
 
     @property
     def slowest(self) -> tuple[str, float]:
-        """Return who took longest to run, and how long [s]; no name if that is not known."""
+        """Return the student whose runs took longest, and how long [s]; empty if unknown."""
         # Equal files take equally long: the first by name, whichever came in first.
         names = sorted(self.seconds)
         student = max(names, key=lambda name: round(self.seconds[name], 3), default='')
@@ -60,20 +60,20 @@ class Totals:
 
     @property
     def count(self) -> int:
-        """Return how many runs are over."""
+        """Return how many runs have ended."""
         return self.counts.total()
 
     def text(self) -> str:
-        """Return the totals in a few words."""
+        """Return the totals as text."""
         words = ['full marks', 'less', *(['for review'] if self.counts['for review'] else [])]
         return ', '.join(f'{self.counts[word]} {word}' for word in words)
 
     def slowest_text(self) -> str:
-        """Return who took longest in a few words, empty if that is not known."""
+        """Return the slowest student as text; empty if unknown."""
         student, took = self.slowest
         if not student:
             return ''
-        return f'longest in runs {shortened(printable(student), NAME_CHARS)}, {took:.1f} s'
+        return f'longest run time: {shortened(printable(student), NAME_CHARS)}, {took:.1f} s'
 
 
 @contextmanager
@@ -81,7 +81,7 @@ def progress(
     total: int, what: str, line_s: float = LINE_S, totals: Totals | None = None
 ) -> Iterator[Callable[[Done], None]]:
     """
-    Show what is done, what is left and what came of it.
+    Show what is done, what is left and how many have full marks.
 
     :param total: how many runs there will be
     :param what: name of what is graded
@@ -105,7 +105,7 @@ def is_alive(console: Any) -> bool:
 
 @contextmanager
 def _bar(totals: Totals, total: int, what: str, console: Any) -> Iterator[Callable[[Done], None]]:
-    """Show one line, which lives until all is done."""
+    """Show one line until all is done."""
     columns: tuple[Any, ...] = (
         TextColumn('{task.description}'),
         BarColumn(bar_width=20),
@@ -126,7 +126,7 @@ def _bar(totals: Totals, total: int, what: str, console: Any) -> Iterator[Callab
 
 @contextmanager
 def _lines(totals: Totals, total: int, what: str, line_s: float) -> Iterator[None]:
-    """Print a line every few seconds, whether or not a run is over meanwhile."""
+    """Print a line every few seconds, even if no run has ended."""
     began, ended = time.monotonic(), threading.Event()
 
     def print_lines() -> None:
@@ -144,7 +144,7 @@ def _lines(totals: Totals, total: int, what: str, line_s: float) -> Iterator[Non
 
 
 def line_of(totals: Totals, total: int, took_s: float) -> str:
-    """Return how far a grading is, for a log."""
+    """Return the progress of a grading as a line for a log."""
     count = totals.count
     words = [f'{count} of {total} runs']
     if count:

@@ -1,10 +1,9 @@
 """
-New verdicts after an exam was edited, from the recordings that are kept; nothing is run.
+Judge stored recordings again after an exam was edited; run no program.
 
-What was graded last is in the reports' ``results.json``, which names each recording.  A recording
-counts only for the files it was made of and for the scenario it was made with, both of which its
-header names; everyone else is named and keeps the points that are there.  What is to be written
-goes the way of a grading: nbgrader is given only what differs from what it has.
+The last results, ``results.json`` of the reports, name each recording.  A recording counts only if
+its header names the same files and the same scenario; otherwise the student is listed and keeps
+the old points.  ``--write`` works like a grading: nbgrader gets only what has changed.
 """
 
 from __future__ import annotations
@@ -43,10 +42,16 @@ from autograder.submission.inbox import discover
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
-    parser.add_argument('assignment', nargs='?', metavar='ASSIGNMENT', help='default: all')
-    parser.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
     parser.add_argument(
-        '--write', action='store_true', help='enter the new points in gradebook and reports'
+        'assignment', nargs='?', metavar='ASSIGNMENT', help='assignment to judge (default: all)'
+    )
+    parser.add_argument(
+        '--submitted', type=Path, metavar='DIR', help='folder of submissions, as for grade'
+    )
+    parser.add_argument(
+        '--write',
+        action='store_true',
+        help='write the new points to the gradebook and the reports',
     )
     add_yes(parser)
     parser.add_argument('--json', action='store_true', help='print the changes as JSON')
@@ -110,7 +115,7 @@ class Rejudged:
 @dataclass(frozen=True)
 class Account:
     """
-    What judging one assignment again came to.
+    The outcome of judging one assignment again.
 
     :param seconds: wall time of the judging
     :param written: what became of it, empty if nothing was to be written
@@ -139,15 +144,15 @@ class Account:
                 lines.append(f'{one.student}: {points} of {number(one.after.max_points)} points')
                 lines += [change.text() for change in one.changed]
             if one.kept:
-                lines.append(f'{one.student}: not judged again, the old points stay: {one.kept}')
+                lines.append(f'{one.student}: not judged again, old points unchanged: {one.kept}')
         lines += [f'lower mark in the gradebook: {mark}' for mark in self.lowered]
         done = sum(not one.kept for one in self.rejudged)
         changed = sum(bool(one.changed) for one in self.rejudged)
         each = 1000 * self.seconds / max(1, len(self.rejudged))
         lines.append(
             f'{self.assignment}: {done} of {len(self.rejudged)} submissions judged again in '
-            f'{self.seconds:.2f} s ({each:.1f} ms each), nothing run; {changed} changed. '
-            f'{self.written or "Nothing was written; --write does."}'
+            f'{self.seconds:.2f} s ({each:.1f} ms each) without a run; {changed} changed. '
+            f'{self.written or "Nothing was written. Try: --write"}'
         )
         return printable('\n'.join(lines))
 
@@ -180,7 +185,7 @@ def rejudge_command(
     layout: Layout, assignment: str | None, submitted: Path | None, write: bool, yes: bool = False
 ) -> tuple[list[Account], int]:
     """
-    Judge one assignment or all graded ones again.
+    Judge one assignment, or all graded ones, again.
 
     :param write: enter the new points in gradebook and reports; what the gradebook refuses is in
         the account, and the reports are written anyway
@@ -203,7 +208,7 @@ def rejudge_command(
 
 def rejudge(layout: Layout, lesson: Lesson, submitted: Path) -> Account:
     """
-    Judge everyone who was graded.
+    Judge all students who were graded.
 
     :param submitted: the folder of the class
     """
@@ -218,7 +223,9 @@ def rejudge(layout: Layout, lesson: Lesson, submitted: Path) -> Account:
     for result in before:
         submission = there.get(result.student)
         if submission is None:
-            done.append(Rejudged(result.student, result, result, kept='no submission any more'))
+            done.append(
+                Rejudged(result.student, result, result, kept='the submission no longer exists')
+            )
             continue
         opened = open_one(submission, lesson)
         files = extract(opened, lesson.exams, lesson.release, lesson.notebook)
@@ -234,7 +241,7 @@ def _judge_again(
     files: Mapping[str, ExamFiles],
     known: Known,
 ) -> Rejudged:
-    """Judge one student's files, or say why not."""
+    """Judge one student's files, or return why that is impossible."""
     old = {exam.exam: exam for exam in before.exams}
     results = []
     for exam in lesson.exams:
@@ -256,32 +263,32 @@ def again(
     layout: Layout, exam: Exam, files: Mapping[str, str], old: ExamResult | None
 ) -> tuple[ExamResult | None, str]:
     """
-    Judge one student's files by one exam, from the recording.
+    Judge one student's files with one exam, from the recording.
 
     :param old: the last result, which names the recording
     :returns: the result; or None, and why there is none
     """
     mode = old.mode if old else ''
     if mode in MODES and not MODES[mode].keeps_secrets:
-        return None, f'only the visible checks were run, with isolation {mode}; grade it'
+        return None, f'only visible checks were run, with isolation {mode}; run grade'
     result = without_recording(exam, files, mode)
     if result is not None:
         return result, ''
     if old is None or not old.recording:
-        return None, 'no recording of it is kept; grade it'
+        return None, 'no recording is stored; run grade'
     try:
         recording = Recording.load(layout.recordings / exam.name / old.recording)
     except RecordingInvalid as error:
-        return None, f'its recording cannot be read; grade it ({error.what})'
+        return None, f'the recording cannot be read ({error.what}); run grade'
     if recording.header.get('files') != files_digest(files):
-        return None, 'the files are not those that were recorded; grade it'
+        return None, 'the files have changed since the recording; run grade'
     if recording.header.get('scenario') != exam.scenario_digest()[:32]:
-        return None, 'the scenario of the exam has changed, not only its checks; grade it'
+        return None, 'the scenario of the exam has changed, not only its checks; run grade'
     return replace(judged(exam, files, recording), recording=old.recording), ''
 
 
 def changes(before: ExamResult | None, after: ExamResult) -> list[Changed]:
-    """Return what is different between two results of one exam, check by check."""
+    """Return the checks that differ between two results of one exam."""
     old = {check.check: check for check in before.checks} if before else {}
     new = {check.check: check for check in after.checks}
     found = []
@@ -300,23 +307,23 @@ def _shown(check: CheckResult) -> tuple[Any, ...]:
 
 
 def _why(before: CheckResult | None, after: CheckResult | None) -> str:
-    """Return the reason in words: what the check says now, or what it said."""
+    """Return the reason for a change: what the check says now, or what it said before."""
     if after is None:
-        return 'the exam has no such check any more'
+        return 'the exam no longer has this check'
     if before is None:
         return 'the check is new'
     if after.expected or after.observed:
         return f'expected {after.expected or "more"}; observed {after.observed or "less"}'
     if before.max_points != after.max_points and before.verdict == after.verdict:
         most = f'{number(before.max_points)} -> {number(after.max_points)}'
-        return f'the check gives other points: {most}'
-    return f'it was: {before.observed or before.expected or before.verdict.value}'
+        return f'the points of the check have changed: {most}'
+    return f'before: {before.observed or before.expected or before.verdict.value}'
 
 
 def _write_all(
     layout: Layout, lessons: Sequence[Lesson], accounts: Sequence[Account], yes: bool
 ) -> list[Account]:
-    """Write all accounts; or none, if a mark would be lowered or emptied and that is not meant."""
+    """Write all accounts; write none if a mark would fall without ``--yes``."""
     guard = Guard(layout, yes)
     for lesson, account in zip(lessons, accounts):
         guard.allowed(lesson, to_enter(layout, lesson, _judged(account)))
@@ -324,7 +331,7 @@ def _write_all(
     for lesson, account in zip(lessons, accounts):
         lowered = tuple(guard.lowered_in(lesson.assignment))
         if refused := guard.refusal('nothing was written'):
-            said = 'Nothing was written, as marks would be lowered or emptied.'
+            said = 'Nothing was written, because marks would be lowered or cleared.'
             written.append(replace(account, lowered=lowered, written=said, refused=refused))
         else:
             written.append(_write(layout, lesson, replace(account, lowered=lowered), guard))
@@ -337,7 +344,7 @@ def _judged(account: Account) -> list[Graded]:
 
 
 def _write(layout: Layout, lesson: Lesson, account: Account, guard: Guard) -> Account:
-    """Enter what is new in the gradebook, write all reports, and note what came of it."""
+    """Enter new results in the gradebook, write all reports, and note the outcome."""
     again = _judged(account)
     new, refused = enter(
         layout, lesson, again, lambda: begin_to_enter(layout, lesson.assignment, guard), guard
@@ -345,8 +352,8 @@ def _write(layout: Layout, lesson: Lesson, account: Account, guard: Guard) -> Ac
     results = [one.after for one in account.rejudged]
     summary = f'{len(again)} of {len(results)} submissions were judged again from recordings.'
     write_all_reports(layout, lesson.assignment, results, summary)
-    in_gradebook = f'{new} given to the gradebook, {len(again) - new} were there as they are'
+    in_gradebook = f'{new} were entered in the gradebook, {len(again) - new} were unchanged'
     if refused:
-        in_gradebook = f'of {new} given to the gradebook, not all were taken'
-    written = f'The reports have the points of {len(again)}; {in_gradebook}.'
+        in_gradebook = f'the gradebook did not accept all of the {new} that changed'
+    written = f'The reports show the new points of {len(again)} submissions; {in_gradebook}.'
     return replace(account, written=written, refused=refused)

@@ -1,9 +1,10 @@
 """
-An instructor's quick look: the exams of the course on one submission, whatever its form.
+Run the exams of the course on one submission of any form, for an instructor.
 
-A script, a package folder, a zip of one, or a notebook.  The same exams, the same sandbox and the
-same words as for a class; nothing goes into a gradebook.  A package that says how it is built is
-built, and run by its executables; other folders are laid out beside the node file.
+A submission is a script, a package folder, a zip of one, or a notebook.  Exams, sandbox and
+messages are the same as for a class; nothing is entered in a gradebook.  A package with build
+files is built and its executables are run; the files of other folders are put next to the node
+file.
 """
 
 from __future__ import annotations
@@ -45,22 +46,28 @@ from autograder.submission.tree import NotTakenInError
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
-    parser.add_argument('path', type=Path, metavar='PATH')
+    parser.add_argument(
+        'path', type=Path, metavar='PATH', help='script, package folder, zip file or notebook'
+    )
     parser.add_argument(
         '--exam',
         required=True,
         metavar='NAME',
-        help='an exam (such as talker), or an assignment (topics)',
+        help='exam (such as talker) or assignment (such as topics)',
     )
-    parser.add_argument('--visible', action='store_true', help='only the visible checks')
-    parser.add_argument('--live', action='store_true', help='show what happens while it happens')
-    parser.add_argument('--fresh', action='store_true', help='run again what is recorded')
+    parser.add_argument('--visible', action='store_true', help='run only the visible checks')
+    parser.add_argument('--live', action='store_true', help='print events as they happen')
+    parser.add_argument(
+        '--fresh',
+        action='store_true',
+        help='run the program again, even if its recording is stored',
+    )
     parser.add_argument('--json', action='store_true', help='print the results as JSON')
     parser.set_defaults(run=run)
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Look at one submission."""
+    """Run exams on one submission."""
     layout = Layout.here()
     found = exams_named(chosen.exam, layout, hidden=not chosen.visible)
     to_look_at = looks(chosen.path, found, layout)
@@ -93,7 +100,7 @@ def _show(event: Any) -> None:
 @dataclass(frozen=True)
 class Look:
     """
-    One exam and what it will look at.
+    One exam and the files that it gets.
 
     :param files: relative path to text
     :param problems: what is wrong with the cells of a notebook
@@ -107,7 +114,7 @@ class Look:
 
 
 def short_name(assignment: str) -> str:
-    """Return an assignment's folder without its number."""
+    """Return the name of an assignment's folder without its number."""
     return assignment.partition('_')[2] if assignment[:1].isdigit() else assignment
 
 
@@ -133,13 +140,13 @@ def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
 
 def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
     """
-    Return what each exam looks at in a submission.
+    Return the files of a submission that each exam gets.
 
     :param path: a script, a package folder, a zip file or a notebook
     :raises NotTakenInError: if nothing in it is for these exams
     """
     if not path.exists():
-        raise NotTakenInError(f'{path}: expected a submission, got nothing of that name.')
+        raise NotTakenInError(f'{path}: there is no such file or folder.')
     if path.suffix == '.ipynb':
         return list(_in_notebook(path, chosen, layout))
     files = read_handed_in(path)
@@ -162,7 +169,7 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
         wanted = sorted({name for exam in chosen for name in exam.requires})
         raise NotTakenInError(
             f'{path}: expected one of {", ".join(wanted)}, got {what_is_there(files)}.',
-            'Try: name the one exam with --exam; then a script may have any name.',
+            'Try: --exam with the name of one exam; then the script may have any name.',
         )
     return found
 
@@ -188,7 +195,7 @@ def quick_look(
     told: Callable[[Event], None] | None = None,
 ) -> Iterator[tuple[Look, ExamResult]]:
     """
-    Run the exams, at the same time, or one after the other if somebody watches.
+    Run the exams in parallel, or one after another if their events are shown.
 
     :param told: called with each event of a run as it happens
     :returns: in the order of the exams
@@ -223,7 +230,7 @@ def quick_look(
 
 @contextmanager
 def _folder(recordings: Path | None) -> Iterator[Path]:
-    """Yield the folder of recordings, one that is thrown away if nothing is to be kept."""
+    """Yield the folder for recordings; a temporary one if none is given."""
     if recordings is not None:
         yield recordings
         return
@@ -232,13 +239,13 @@ def _folder(recordings: Path | None) -> Iterator[Path]:
 
 
 def text_of(look: Look, result: ExamResult) -> str:
-    """Return what the terminal shows of one exam."""
+    """Return the outcome of one exam as text for the terminal."""
     head = f'{look.exam.title} ({look.exam.name}): '
     return printable(head) + exam_text(result, look.problems)
 
 
 def summary(results: Sequence[ExamResult], visible: bool) -> str:
-    """Return the last line."""
+    """Return the last line of the output."""
     points = number(sum(one.points for one in results))
     most = number(sum(one.max_points for one in results))
     modes = ', '.join(sorted({one.mode for one in results if one.mode})) or 'nothing was run'

@@ -1,4 +1,4 @@
-"""The command ``similar``: submissions that are alike, for a person to look at."""
+"""The command ``similar``: list similar submissions for a person to compare."""
 
 from __future__ import annotations
 
@@ -16,16 +16,18 @@ COMMON_LINES = 6
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
-    parser.add_argument('assignment', metavar='ASSIGNMENT')
-    parser.add_argument('--submitted', type=Path, metavar='DIR', help='as for grade')
+    parser.add_argument('assignment', metavar='ASSIGNMENT', help='assignment to compare')
+    parser.add_argument(
+        '--submitted', type=Path, metavar='DIR', help='folder of submissions, as for grade'
+    )
     parser.add_argument(
         '--at-least',
         type=_percent,
         default=85.0,
         metavar='PERCENT',
-        help='list pairs from here on (default: %(default)g)',
+        help='list pairs at least this similar (default: %(default)g)',
     )
-    parser.add_argument('--json', action='store_true', help='all of it, as JSON')
+    parser.add_argument('--json', action='store_true', help='print everything as JSON')
     parser.set_defaults(run=run)
 
 
@@ -50,19 +52,19 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def similar_text(found: Similar) -> str:
-    """Return the list to look at as plain text."""
+    """Return the pairs as plain text."""
     lines = [f'{found.assignment}: {found.compared} submissions compared. {found.warning}']
     if found.typical is not None:
-        lines.append(f'Two of this class are typically {found.typical:.0%} alike.')
+        lines.append(f'Two submissions of this class are typically {found.typical:.0%} alike.')
     for pair in found.pairs:
         lines += ['', *_pair_lines(pair)]
     if not found.pairs:
-        lines.append(f'No two are {found.at_least:.0%} alike or more.')
+        lines.append(f'No two submissions are {found.at_least:.0%} alike or more.')
     if found.more:
-        lines.append(f'\n... and {found.more} more pairs; a higher --at-least shortens the list.')
+        lines.append(f'\n... and {found.more} more pairs. Try: a higher --at-least')
     if found.short:
         lines.append('')
-        lines.append(f'Too little of their own to compare: {", ".join(found.short)}')
+        lines.append(f'Too little code of their own to compare: {", ".join(found.short)}')
     return printable('\n'.join(lines))
 
 
@@ -82,4 +84,4 @@ def _pair_lines(pair: Pair) -> list[str]:
         if left <= 0:
             break
     more = sum(len(part.first) for part in pair.common) - (COMMON_LINES - left)
-    return [*lines, f'      | ... {more} more lines (--json has all)'] if more else lines
+    return [*lines, f'      | ... {more} more lines (see --json)'] if more else lines

@@ -1,4 +1,4 @@
-"""The commands ``stats`` and ``report``: a class in numbers, as text and as a page."""
+"""The commands ``stats`` and ``report``: statistics of a class, as text and as a page."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ def report(chosen: argparse.Namespace) -> int:
 def options(parser: argparse.ArgumentParser) -> None:
     """Describe the options of ``stats``."""
     report_options(parser)
-    parser.add_argument('--json', action='store_true', help='print it as JSON')
+    parser.add_argument('--json', action='store_true', help='print the statistics as JSON')
     parser.set_defaults(run=run)
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Print a class in numbers."""
+    """Print the statistics of a class."""
     layout = Layout.here()
     found = [class_numbers(layout, one) for one in graded(layout, chosen.assignment)]
     if chosen.json:
@@ -51,7 +51,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def stats_text(numbers: ClassNumbers) -> str:
-    """Return a class in numbers as plain text."""
+    """Return the statistics of a class as plain text."""
     lines = [
         f'{numbers.assignment}: {numbers.submissions} submission{"s" * (numbers.submissions != 1)}'
     ]
@@ -72,7 +72,7 @@ def stats_text(numbers: ClassNumbers) -> str:
     if numbers.repeated:
         lines.append(f'  run twice: {", ".join(numbers.repeated)}')
     if numbers.recorded:
-        lines.append(f'  {numbers.recorded} needed no run: from recordings, or nothing to run')
+        lines.append(f'  {numbers.recorded} needed no run: already recorded, or nothing to run')
     lines += [f'  NOT PROTECTED: {lack}' for lack in numbers.lacks]
     lines.append(f'  isolation {", ".join(numbers.modes) or "none needed"}')
     if numbers.versions:
@@ -84,12 +84,12 @@ def stats_text(numbers: ClassNumbers) -> str:
 def _marks_lines(numbers: ClassNumbers) -> list[str]:
     marks = numbers.marks
     if marks is None:
-        return ['  nobody has a mark']
+        return ['  no student has a mark']
     lines = [
         f'  points of {number(marks.max_points)}: mean {number(marks.mean)}, median '
         f'{number(marks.median)}, quarters {number(marks.lower_quartile)} and '
         f'{number(marks.upper_quartile)}, from {number(marks.lowest)} to '
-        f'{number(marks.highest)}; {marks.full} of {marks.count} have all'
+        f'{number(marks.highest)}; {marks.full} of {marks.count} have full marks'
     ]
     most = max(marks.bins)
     for place, count in enumerate(marks.bins):

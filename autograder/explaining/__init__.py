@@ -1,1 +1,1 @@
-"""The words and pictures for a verdict, the same in notebooks, pages and on the terminal."""
+"""Words and pictures for a verdict, the same in notebooks, on pages and on the terminal."""

@@ -1,10 +1,10 @@
 """
-Results in words: the one source of what a learner is told about a check.
+Turn results into text: the only source of what a learner reads about a check.
 
-Everybody says the same with it: the visible checks in a notebook, nbgrader's feedback and
-formgrader, the report of a class and the terminal.  A failed check is at most twelve lines of a
-readable width.  Parts of the text were written by the student's code, so control characters are
-taken out: a terminal and a log viewer act on them.
+Visible checks in a notebook, nbgrader's feedback, formgrader, the report of a class and the
+terminal all use it.  A failed check takes at most twelve lines of a readable width.  Student code
+wrote parts of the text, so control characters are removed: a terminal or a log viewer would obey
+them.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from autograder.results import (
 )
 
 FOR_REVIEW = (
-    'For review: the grader itself could not finish, so there is no score yet. '
-    'A person will look at it; it costs no points.'
+    'For review: the grader itself failed, so there is no score yet. '
+    'A person will look at it; you lose no points.'
 )
 UNUSABLE = (
-    'For review: nothing of this assignment could be read in what was handed in, so there is no '
-    'score yet. A person will look at it.'
+    'For review: the grader could not read any part of this assignment in your file, so there is '
+    'no score yet. A person will look at it.'
 )
 WIDTH = 88
 """Columns of a line of text; a terminal has 80 to 120, a notebook's output about 100."""
@@ -48,7 +48,7 @@ _TOGETHER = '\N{NO-BREAK SPACE}'
 
 
 def printable(text: str) -> str:
-    """Replace everything a terminal would act on, except line ends and tabs."""
+    """Replace every control character except line ends and tabs."""
     if text.isprintable():
         return text
     return ''.join(
@@ -58,25 +58,25 @@ def printable(text: str) -> str:
 
 
 def number(points: float) -> str:
-    """Return points without needless digits."""
+    """Return points without unnecessary digits."""
     return f'{round(points, 2):g}'
 
 
 def points_of(check: CheckResult) -> str:
-    """Return what a check has earned, in words."""
+    """Return the points of a check as text."""
     return f'{number(check.points)} of {number(check.max_points)}'
 
 
 def titles_of(result: ExamResult) -> dict[str, str]:
-    """Return the sentence of each check of an exam by its name."""
+    """Return the sentence of each check of an exam, by name."""
     return {check.check: check.title for check in result.checks}
 
 
 def causes_once(result: ExamResult) -> tuple[CheckResult, ...]:
     """
-    Return the checks of an exam, with a reference in place of a cause that came before.
+    Return the checks of an exam; a repeated cause becomes a reference to its first check.
 
-    What to try stays, unless it came with that cause before.
+    The advice is kept unless it is repeated with the same cause.
     """
     first: dict[str, CheckResult] = {}
     repairs: set[tuple[str, str]] = set()
@@ -99,9 +99,9 @@ def causes_once(result: ExamResult) -> tuple[CheckResult, ...]:
 
 def told(check: CheckResult, titles: Mapping[str, str]) -> list[tuple[str, str]]:
     """
-    Return what a learner is told about a check that did not pass, by name and in order.
+    Return the items that a learner reads about a failed check, by name and in order.
 
-    Long texts are cut so that the whole check stays within :data:`MOST_LINES`.
+    Long items are shortened so that the whole check fits in :data:`MOST_LINES`.
 
     :param check: any result; a passed check has nothing to tell
     :param titles: from :func:`titles_of`
@@ -147,7 +147,7 @@ def _wrapped(name: str, text: str, most: int | None = None) -> list[str]:
 
 
 def _shortened(name: str, text: str, most: int) -> str:
-    """Return a text that takes at most so many lines, itself if it fits."""
+    """Return a text cut to a number of lines, or unchanged if it fits."""
     if len(_wrapped(name, text)) <= most:
         return text
     cut = ' '.join(line.strip() for line in _wrapped(name, text, most))
@@ -169,7 +169,7 @@ def _title_lines(check: CheckResult, sign: str = SIGNS[Verdict.FAILED]) -> list[
 
 def check_lines(check: CheckResult, titles: Mapping[str, str]) -> list[str]:
     """
-    Return all that is said about one check, as lines of plain text.
+    Return everything about one check, as lines of plain text.
 
     :param titles: from :func:`titles_of`
     """
@@ -183,7 +183,7 @@ def check_lines(check: CheckResult, titles: Mapping[str, str]) -> list[str]:
 
 
 def remarks(result: ExamResult, problems: Iterable[Problem] = ()) -> list[str]:
-    """Return what there is to say beside the checks, a sentence each."""
+    """Return the notes about a result apart from its checks, one sentence each."""
     found = [f'Note: {problem.line()}' for problem in problems]
     if result.note:
         found.append(f'Note: {result.note}')
@@ -194,7 +194,7 @@ def remarks(result: ExamResult, problems: Iterable[Problem] = ()) -> list[str]:
 
 def exam_text(result: ExamResult, problems: Iterable[Problem] = ()) -> str:
     """
-    Return what a learner is told about one exam, as plain text.
+    Return the result of one exam for a learner, as plain text.
 
     :param problems: what is wrong with the notebook cells of this exam
     """
@@ -208,7 +208,7 @@ def exam_text(result: ExamResult, problems: Iterable[Problem] = ()) -> str:
 
 
 def review_text(result: SubmissionResult) -> str:
-    """Return what a learner reads where there is no score."""
+    """Return what a learner reads if there is no score."""
     if result.fault:
         return f'{FOR_REVIEW}\n'
     said = (UNUSABLE, f'Note: {_one_line(result.unusable)}')
@@ -218,7 +218,7 @@ def review_text(result: SubmissionResult) -> str:
 
 def headline(result: SubmissionResult) -> str:
     """
-    Return the cause that costs most points, with what was observed; empty if none are missing.
+    Return the cause that costs most points, with what was observed; empty if none is lost.
 
     Problems that cost nothing (a note about a file name) come last.
     """
@@ -239,7 +239,7 @@ def _most_expensive(result: SubmissionResult) -> CheckResult | None:
     """
     Return the first check that failed for the cause that costs most points.
 
-    A cause also costs the points of the checks that wait for what it made fail.
+    A cause also costs the points of all checks that depend on the failed one.
     """
     cost: dict[tuple[str, str], float] = {}
     first: dict[tuple[str, str], CheckResult] = {}
@@ -259,7 +259,7 @@ def _most_expensive(result: SubmissionResult) -> CheckResult | None:
 
 
 def _with_observed(check: CheckResult) -> str:
-    """Return the cause of a failure and, unless the cause has it, what was observed."""
+    """Return the cause of a failure, with what was observed unless the cause says it."""
     seen = _one_line(check.observed)
     if not check.cause:
         return seen or check.title

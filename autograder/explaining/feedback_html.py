@@ -1,9 +1,9 @@
 """
-The words of :mod:`autograder.explaining.feedback` as HTML, with the pictures that belong to them.
+Show the text of :mod:`autograder.explaining.feedback` as HTML, with its pictures.
 
-One piece of HTML for the visible checks of a notebook, feedback, formgrader and the report of
-a class.  Everything is escaped; there is no script, and nothing is loaded.  It brings its own
-style, because each of these pages has another, and no colour says anything alone.
+Visible checks in a notebook, feedback, formgrader and the report of a class use the same HTML.
+Everything is escaped; there is no script, and nothing is loaded.  It has its own style, because
+the styles of these pages differ, and no information is in a colour alone.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def exam_html(
     result: ExamResult, problems: Iterable[Problem] = (), lesson: str | None = None
 ) -> str:
     """
-    Return what a learner is told about one exam.
+    Return the result of one exam for a learner, as HTML.
 
     :param problems: what is wrong with the notebook cells of this exam
     :param lesson: address of the lesson that the sections to read are in, empty for the page
@@ -66,7 +66,7 @@ def paragraph(text: str) -> str:
 
 def checks_html(result: ExamResult, lesson: str | None = None) -> str:
     """
-    Return all checks of an exam, those that failed with a picture where there is one.
+    Return all checks of an exam; failed checks have a picture if there is one.
 
     :param lesson: as for :func:`exam_html`
     """
@@ -103,7 +103,7 @@ def _fact(name: str, text: str, check: CheckResult, lesson: str | None) -> str:
 
 def section_id(heading: str) -> str:
     """
-    Return the name that notebooks and their HTML give to a heading.
+    Return the id that notebooks and their HTML give to a heading.
 
     :param heading: its text, such as ``Part 2: The publisher``
     """
@@ -112,9 +112,9 @@ def section_id(heading: str) -> str:
 
 def with_unique_ids(page: str) -> str:
     """
-    Return a page in which no id is repeated: the second ``Summary`` becomes ``Summary-2``.
+    Return a page without repeated ids: the second ``Summary`` becomes ``Summary-2``.
 
-    A link leads to the first, as before.
+    A link still leads to the first one.
     """
     taken = set(_ID.findall(page))
     seen: set[str] = set()
@@ -131,7 +131,7 @@ def with_unique_ids(page: str) -> str:
 
 
 def _together(text: str) -> str:
-    """Return words that no line breaks."""
+    """Return text with spaces at which no line breaks."""
     return text.replace(' ', '\N{NO-BREAK SPACE}')
 
 

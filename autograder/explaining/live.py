@@ -1,8 +1,8 @@
 """
-A run as it happens, one line an event: messages, log lines and inputs against the clock.
+Print the events of a run as they happen: messages, log lines and inputs with their time.
 
-The words are those of a terminal: virtual seconds, then what was seen.  What a student's code
-wrote is shortened to one line and made printable.
+A line has the virtual seconds, then the event.  Text from a student's code is shortened to one
+line and made printable.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ SECOND = 1_000_000_000
 
 def live_line(event: Event) -> str:
     """
-    Return one event as a line, empty if it is nothing to show.
+    Return one event as a line, or an empty string for an event that is not shown.
 
     :param event: as in :mod:`autograder.recording`
     """
@@ -35,13 +35,13 @@ def live_line(event: Event) -> str:
 
 
 def clock(event: Event) -> str:
-    """Return the virtual time of an event, right-aligned; a dash before the clock began."""
+    """Return the virtual time of an event, right-aligned; a dash before the clock started."""
     now = event.get('clock_ns')
     return f'{"-":>9} ' if now is None else f'{now / SECOND:>9.3f}s'
 
 
 def _what(event: Event) -> str:
-    """Return what happened in words."""
+    """Return an event as text."""
     words = _WORDS.get(event['event'])
     return words(event) if words else ''
 
@@ -112,8 +112,8 @@ _WORDS: dict[str, Callable[[Event], str]] = {
     'offered': _met,
     'left': lambda event: f'{event["name"]} left',
     'mark': lambda event: f'-- {event["name"]} --',
-    'imitated': lambda _: "a node with the name of the grader's own",
-    'not_connected': lambda event: f'nobody is connected to {event["topic"]}',
+    'imitated': lambda _: "a node with the same name as the grader's node",
+    'not_connected': lambda event: f'no node is connected to {event["topic"]}',
     'end': lambda event: f'end: {event["reason"]}',
     'process': _process,
 }

@@ -1,11 +1,11 @@
 """
-Select what the picture of a failed check shows, from recording and scenario, as plain JSON types.
+Select what the picture of a failed check shows, as plain JSON types.
 
-There are two kinds: a *timeline* of messages and log lines for what arrived too rarely, too often
-or too late, and a *graph* of nodes and topics for what does not connect.  They show names, times
-and counts, and never a value that was sent or received.  For a hidden exam they show neither the
+There are two kinds of pictures: a *timeline* of messages and log lines that came too rarely, too
+often or too late, and a *graph* of nodes and topics that do not connect. They show names, times
+and counts, and never a value that was sent or received. For a hidden exam they show neither the
 input that a message followed, because the order of the inputs is secret, nor the namespace that
-was chosen, and times only to a tenth of a second.  Long recordings are thinned and names are cut;
+was chosen, and times only to a tenth of a second. Long recordings are thinned and names are cut;
 :mod:`autograder.explaining.picture_svg` draws the pictures.
 """
 
@@ -47,7 +47,7 @@ _NUMBERS = {word: level for level, word in LEVELS.items()}
 
 def pictures(exam: Exam, run: Run, results: Sequence[CheckResult]) -> dict[str, Mapping[str, Any]]:
     """
-    Return the pictures of the checks that failed, by the check's name; each picture once.
+    Return the pictures of failed checks, by the check's name; each picture once.
 
     :param results: of the exam's checks, in their order
     """
@@ -71,7 +71,7 @@ def pictures(exam: Exam, run: Run, results: Sequence[CheckResult]) -> dict[str, 
 
 def _without_secrets(scenario: Scenario, picture: Mapping[str, Any]) -> Mapping[str, Any] | None:
     """
-    Return a picture of a hidden exam without the namespace and the moment that were drawn.
+    Return a picture of a hidden exam without its drawn namespace and moment.
 
     The order of inputs is secret.
     """
@@ -93,10 +93,10 @@ def _without_secrets(scenario: Scenario, picture: Mapping[str, Any]) -> Mapping[
 
 def _wanted(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
     """
-    Yield which endpoints a scenario asks for: kind, full topic name, type.
+    Yield the endpoints that a scenario asks for: kind, full topic name, type.
 
-    Of several topics with one last part, such as ``/lab/chatter`` and ``/chatter``, the first is
-    the one that is asked for; the others are watched to see a mistake.
+    If several topics have the same last part, such as ``/lab/chatter`` and ``/chatter``, the exam
+    asks for the first; the probe watches the others to find a mistake.
     """
     seen: set[tuple[str, str]] = set()
     for kind, topic, type_name in scenario.endpoints():
@@ -107,7 +107,7 @@ def _wanted(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
 
 
 def _connections(exam: Exam, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
-    """Return who is connected with whom, if the check failed because somebody is not."""
+    """Return the connections of the graph, if the check failed because one is missing."""
     arrows: list[dict[str, Any]] = []
     wanted = list(_wanted(exam.scenario))
     about = ' '.join((result.title, result.expected, result.observed, result.cause))
@@ -131,7 +131,7 @@ def _connections(exam: Exam, run: Run, result: CheckResult) -> Mapping[str, Any]
 def _reason(
     run: Run, result: CheckResult, ends: Sequence[Event], topic: str, type_name: str
 ) -> str:
-    """Return why an endpoint is not what is asked for, empty if it is."""
+    """Return why an endpoint differs from the required one; empty if it does not."""
     if not ends:
         return 'expected here, and nothing is there'
     if not any(end['type'] == type_name for end in ends):
@@ -156,12 +156,12 @@ def _about_qos(result: CheckResult) -> bool:
 
 
 def _names(text: str, topic: str) -> bool:
-    """Return whether a text mentions a topic, in full or by the last part of its name."""
+    """Return whether a text mentions a topic, by its full name or its last part."""
     return re.search(rf'(?<![\w]){re.escape(topic.rpartition("/")[2])}(?!\w)', text) is not None
 
 
 def _instead(run: Run, kind: str, wanted: set[str]) -> list[dict[str, Any]]:
-    """Return what the program has besides what is asked for."""
+    """Return the endpoints that the program has in addition to the required ones."""
     return [
         _arrow(end['node'], end['topic'], end['type'], kind == 'publisher', True, 'not asked for')
         for end in run.recording.endpoints(kind)
@@ -186,7 +186,7 @@ def _arrow(
 
 
 def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
-    """Return what came when, if the check failed because of an amount or a moment."""
+    """Return the times of events, if the check failed because of a number or a time."""
     failure = _failure(check, run)
     if failure is None or (failure.at is None and not _AMOUNT.match(failure.expected)):
         return None
@@ -216,7 +216,7 @@ def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mappin
 
 
 def _window(begin: float, end: float, every_s: float, at: float | None) -> tuple[float, float]:
-    """Return the part that is shown: of a long run, some periods around the difference."""
+    """Return the part to show: for a long run, some periods around the difference."""
     if end - begin <= MOST_PERIODS * every_s:
         return begin, end
     first = max(begin, (begin if at is None else at) - MOST_PERIODS / 3 * every_s)
@@ -262,12 +262,12 @@ def _rows(exam: Exam, run: Run, result: CheckResult, unit: str) -> list[dict[str
 
 
 def _says(text: str, name: str) -> bool:
-    """Return whether a text has a full name, and not as the beginning of a longer one."""
+    """Return whether a text contains a full name, and not as the beginning of a longer one."""
     return re.search(rf'{re.escape(name)}(?![\w/])', text) is not None
 
 
 def _moments(events: Iterable[Event], unit: str) -> list[float]:
-    """Return when something happened, on the axis of the picture."""
+    """Return the times of events, on the axis of the picture."""
     found = [_moment(event, unit) for event in events]
     return [moment for moment in found if moment is not None]
 
@@ -281,14 +281,14 @@ def _moment(event: Event, unit: str) -> float | None:
 
 
 def _row(label: str, what: str, times: Sequence[float]) -> dict[str, Any]:
-    """Return a row; of many times, as many are kept as a picture can show at its width."""
+    """Return a row with as many times as a picture can show at its width."""
     step = -(-len(times) // MOST_TIMES) or 1
     kept = [round(float(time), 3) for time in sorted(times)[::step]]
     return {'label': label[:LONGEST_NAME], 'what': what, 'count': len(times), 'times': kept}
 
 
 def _due(every_s: float, rows: Sequence[Mapping[str, Any]], end: float) -> dict[str, Any]:
-    """Return the row of what is asked for, in step with the first message that came."""
+    """Return the row of expected times, aligned with the first message that came."""
     seen = [row['times'][0] for row in rows if row['times']]
     first = seen[0] % every_s if seen else 0.0
     first = first or every_s
@@ -303,7 +303,7 @@ def _last(run: Run, unit: str) -> float:
 
 
 def _first_difference(check: Check, run: Run, failure: Failed, unit: str) -> float | None:
-    """Return where the check first saw something else, on the axis of the picture."""
+    """Return when the check first saw a difference, on the axis of the picture."""
     if failure.at is not None:
         return round(failure.at / SECOND, 3) if unit == 'seconds' else None
     if len(run.recording.events) > MOST_EVENTS:

@@ -1,8 +1,8 @@
 """
-Pictures of a run as SVG: messages against time, and who is connected with whom.
+Draw pictures of a run as SVG: messages against time, and who is connected with whom.
 
-What is drawn is plain data from :mod:`autograder.explaining.picture_data`.  Each picture has a
-name and says the same in words; it takes the colours of the page, and everything in it is escaped.
+The data comes from :mod:`autograder.explaining.picture_data`.  Each picture has a name and a
+description as text; it uses the colours of the page, and everything in it is escaped.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ AXES = {
 
 def picture_html(picture: Mapping[str, Any]) -> str:
     """
-    Return a picture as HTML, empty if there is none.
+    Return a picture as HTML, or an empty string if there is none.
 
     :param picture: from :func:`autograder.explaining.picture_data.pictures`
     """
@@ -91,7 +91,7 @@ def _axis(
 
 
 def _ticks(row: Mapping[str, Any], y: float, place: Any) -> str:
-    """Return the ticks of a row as one path: those on the same half pixel look like one."""
+    """Return the ticks of a row as one path; ticks on the same half pixel are drawn once."""
     xs = sorted({round(place(float(time)) * 2) / 2 for time in row['times']})
     path = ''.join(f'M{x:g} {y - _TICK:g}v{2 * _TICK:g}' for x in xs)
     look = {
@@ -118,7 +118,7 @@ def _title(picture: Mapping[str, Any]) -> str:
 
 def timeline_words(picture: Mapping[str, Any]) -> str:
     """
-    Return what a timeline shows, in words.
+    Return a description of a timeline.
 
     :param picture: of the kind ``timeline``
     """
@@ -186,7 +186,7 @@ def _graph(picture: Mapping[str, Any]) -> str:
 
 def graph_words(picture: Mapping[str, Any]) -> str:
     """
-    Return what a graph shows, in words.
+    Return a description of a graph.
 
     :param picture: of the kind ``graph``
     """

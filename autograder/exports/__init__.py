@@ -1,5 +1,5 @@
 """
-The results of the last grading for other programs, one module per format.
+Export the results of the last grading, one module per format.
 
 =========================  ===========================================================
 :mod:`.table`              CSV as RFC 4180 has it, safe to open in a spreadsheet

@@ -1,5 +1,5 @@
 """
-Everything about the last grading, as data; docs/results.schema.json describes it.
+Export everything about the last grading as JSON; docs/results.schema.json describes it.
 
 ``points`` of a submission and of its exams and checks are null while there is no mark: it is for
 review, or only visible checks were run.

@@ -1,5 +1,5 @@
 """
-The gradebook file that Canvas gave, with the one column of an assignment filled in.
+Fill the column of one assignment in a gradebook file exported from Canvas.
 
 What Canvas writes and reads again (its own ``gradebook_exporter.rb``, ``gradebook_importer.rb``):
 a header with ``Student`` (or ``LastName``, ``FirstName``), ``ID``, perhaps ``SIS User ID``,
@@ -29,7 +29,7 @@ ID_COLUMNS = ('SIS Login ID', 'SIS User ID', 'ID')
 
 ASSIGNMENT = re.compile(r'^(?P<title>.*\S) \((?P<id>\d+)\)$')
 READ_ONLY = re.compile(r'read\s+only')
-KEPT = {'EX': 'is excused in Canvas', 'N/A': 'is not assigned this in Canvas'}
+KEPT = {'EX': 'is excused in Canvas', 'N/A': 'does not have this assignment in Canvas'}
 """Cells that say why there is no score; they stay."""
 BOM = '\N{ZERO WIDTH NO-BREAK SPACE}'
 SHOWN = 12
@@ -38,7 +38,7 @@ SHOWN = 12
 @dataclass(frozen=True)
 class Gradebook:
     """
-    A file of Canvas, cell by cell.
+    A gradebook file from Canvas, cell by cell.
 
     :param possible: index of the line ``Points Possible``
     :param delimiter: comma or semicolon
@@ -61,7 +61,7 @@ class Gradebook:
         return range(self.possible + 1, len(self.rows))
 
     def to_bytes(self) -> bytes:
-        """Return the file again."""
+        """Return the file with its new cells."""
         text = io.StringIO()
         writer = csv.writer(text, delimiter=self.delimiter, lineterminator=self.newline)
         writer.writerows(self.rows)
@@ -71,7 +71,7 @@ class Gradebook:
 @dataclass
 class Filled:
     """
-    What was done to the file.
+    The changes to the file.
 
     :param column: header of the column
     :param replaced: student, what the cell held, what it holds now
@@ -87,12 +87,12 @@ class Filled:
     untouched: int = 0
 
     def text(self) -> str:
-        """Return it in words, a line a fact."""
+        """Return the changes as text, one line each."""
         lines = [f'{self.column}: {self.filled} scores entered.']
         lines += [f'replaced: {who}: {old} -> {new}' for who, old, new in self.replaced]
         lines += [f'not entered: {who}: {why}' for who, why in self.left_out]
         if self.untouched:
-            lines.append(f'{self.untouched} lines of Canvas have no submission; left as they are.')
+            lines.append(f'{self.untouched} rows have no submission and are unchanged.')
         return '\n'.join(lines)
 
 
@@ -120,21 +120,21 @@ def fill(data: bytes, where: str, column: str, marks: Sequence[Mark], scale: boo
 
 def read(data: bytes, where: str) -> Gradebook:
     """
-    Read a file of Canvas.
+    Read a gradebook file from Canvas.
 
     :raises GraderError: if it is none
     """
     try:
         text = data.decode('utf-8')
     except UnicodeDecodeError as error:
-        raise _no_gradebook(where, 'text in another encoding than UTF-8') from error
+        raise _no_gradebook(where, 'the text is not UTF-8') from error
     bom, text = text.startswith(BOM), text.removeprefix(BOM)
     first = text.partition('\n')[0]
     delimiter = ';' if first.count(';') > first.count(',') else ','
     try:
         rows = list(csv.reader(io.StringIO(text, newline=''), delimiter=delimiter, strict=True))
     except csv.Error as error:
-        raise _no_gradebook(where, f'a line that is no CSV ({error})') from error
+        raise _no_gradebook(where, f'a line is not valid CSV ({error})') from error
     rows = [row for row in rows if row]
     header = rows[0] if rows else []
     if not header or header[0] not in ('Student', 'LastName') or 'ID' not in header:
@@ -142,7 +142,7 @@ def read(data: bytes, where: str) -> Gradebook:
     for line, row in enumerate(rows, start=1):
         if len(row) != len(header):
             raise _no_gradebook(
-                where, f'{len(row)} fields in line {line}, {len(header)} in the first'
+                where, f'line {line} has {len(row)} fields, the first line {len(header)}'
             )
     possible = [index for index, row in enumerate(rows) if 'Points Possible' in row[0]]
     if not possible:
@@ -152,7 +152,7 @@ def read(data: bytes, where: str) -> Gradebook:
 
 def read_file(path: Path) -> bytes:
     """
-    Read the file that Canvas gave.
+    Read a gradebook file from Canvas, from the disk.
 
     :raises GraderError: if it cannot be read
     """
@@ -160,20 +160,21 @@ def read_file(path: Path) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise GraderError(
-            f'{path}: expected the file that Canvas exports, got: {error.strerror}.',
-            'Try: in Canvas, Grades, Export, Export Entire Gradebook',
+            f'{path}: the gradebook from Canvas cannot be read: {error.strerror}.',
+            'Try: in Canvas choose Grades, Export, Export Entire Gradebook',
         ) from error
 
 
 def _no_gradebook(where: str, got: str) -> GraderError:
     return GraderError(
-        f'{where}: expected a gradebook as Canvas exports it, got {got}.',
-        'Try: in Canvas, Grades, Export, Export Entire Gradebook; do not save it with Excel',
+        f'{where}: this is not a gradebook exported from Canvas: {got}.',
+        'Try: in Canvas choose Grades, Export, Export Entire Gradebook; do not save the file '
+        'with Excel',
     )
 
 
 def _column(book: Gradebook, where: str, wanted: str) -> int:
-    """Return the index of the one assignment column that is meant."""
+    """Return the index of the assignment column with this name or id."""
     there = {
         index: found
         for index, name in enumerate(book.header)
@@ -190,19 +191,19 @@ def _column(book: Gradebook, where: str, wanted: str) -> int:
     if meant:
         several = ', '.join(book.header[index] for index in meant)
         raise GraderError(
-            f'{where}: expected one column {wanted!r}, got several: {several}.', 'Name its id.'
+            f'{where}: several columns match {wanted!r}: {several}.', 'Try: --column with an id'
         )
     titles = {found['title']: found[0] for found in there.values()}
     close = get_close_matches(wanted, titles, n=1, cutoff=0.5)
     hint = f'Did you mean {titles[close[0]]!r}? ' if close else ''
     raise GraderError(
-        f'{where}: expected an assignment column {wanted!r} that may be changed, got none.',
-        f'{hint}There are: {"; ".join(names[:SHOWN]) or "no assignments"}.',
+        f'{where}: there is no assignment column {wanted!r} that can be changed.',
+        f'{hint}Columns: {"; ".join(names[:SHOWN]) or "none"}.',
     )
 
 
 def _factor(book: Gradebook, where: str, index: int, marks: Sequence[Mark], scale: bool) -> float:
-    """Return what to multiply points with: 1, unless scaling is wanted."""
+    """Return the factor for points: 1 unless scaling is requested."""
     most = max((mark.max_points for mark in marks), default=0.0)
     possible = _number(book.rows[book.possible][index])
     if possible is None or most <= 0 or abs(possible - most) < 0.005:
@@ -218,13 +219,13 @@ def _factor(book: Gradebook, where: str, index: int, marks: Sequence[Mark], scal
     raise GraderError(
         f'{where}: expected {number(most)} points possible for {book.header[index]}, got '
         f'{number(possible)}.',
-        f'Try: change the points of the assignment in Canvas, or --scale to multiply with '
+        f'Try: change the points of the assignment in Canvas, or --scale to multiply by '
         f'{number(possible / most)}',
     )
 
 
 def _number(text: str) -> float | None:
-    """Read a number as Canvas writes it, with a point or a comma; None if it is none."""
+    """Read a number as Canvas writes it, with a point or a comma; None if it is not a number."""
     parts = re.split('[.,]', text.strip())
     joined = f'{"".join(parts[:-1])}.{parts[-1]}' if len(parts) > 1 else parts[0]
     try:
@@ -234,7 +235,7 @@ def _number(text: str) -> float | None:
 
 
 def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, Mark]:
-    """Return which line belongs to which student; who fits none or several is left out."""
+    """Return the line of each student; leave out students with no line or with several."""
     columns = [book.header.index(name) for name in ID_COLUMNS if name in book.header]
     lines: dict[str, set[int]] = {}
     for row in book.students():
@@ -251,18 +252,18 @@ def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, 
             continue
         where = ' and '.join(str(row + 1) for row in sorted(rows))
         names = ', '.join(book.header[column] for column in columns)
-        why = f'the lines {where} both have this id' if rows else f'no such {names} in the file'
+        why = f'lines {where} both have this id' if rows else f'no such {names} in the file'
         done.left_out.append((mark.student, why))
     for row, several in found.items():
         if len(several) > 1:
             names = ' and '.join(mark.student for mark in several)
-            why = f'{names} are the same line {row + 1} of Canvas'
+            why = f'{names} match the same row of Canvas, line {row + 1}'
             done.left_out += [(mark.student, why) for mark in several]
     return {row: several[0] for row, several in found.items() if len(several) == 1}
 
 
 def _enter(row: list[str], index: int, mark: Mark, factor: float, done: Filled) -> None:
-    """Write one cell, unless there is no mark or Canvas says that there is to be none."""
+    """Write one cell, unless there is no mark or Canvas allows none."""
     old = row[index].strip()
     if mark.points is None:
         kept = f'; Canvas keeps {old}' if old else ''

@@ -1,10 +1,10 @@
 """
-``results.json`` as Gradescope's autograder specification describes it.
+Write ``results.json`` as Gradescope's autograder specification describes it.
 
-Each test has its score, and the sum is at the top.  Students' own words are shown as plain text
-(``text``), never as HTML.  What the grader prints is for instructors.  Tests of the hidden exam
-are shown when the grades are published, unless a different ``visibility`` is chosen: if they were
-shown at once, a student who submits often enough could find out what is tested.
+Each test has a score, and the sum is at the top.  Text from students is shown as plain text
+(``text``), never as HTML.  The output of the grader is for instructors.  Students see the tests of
+the hidden exam when grades are published, unless a different ``visibility`` is chosen: with
+earlier results, a student could find out by many submissions what is tested.
 """
 
 from __future__ import annotations
@@ -33,7 +33,9 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
     mark = automatic(result)
     # A student reads at once that a file is unusable, and can upload again; that needs a score.
     if mark.points is None and not result.unusable:
-        raise GraderError(f'{result.student}: {mark.status}, so no results.', result.review)
+        raise GraderError(
+            f'{result.student}: {mark.status}, so there are no results.', result.review
+        )
     return {
         'score': round(result.points, 4),
         'execution_time': round(sum(map(seconds_of_exam, result.exams)), 2),
@@ -59,7 +61,7 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
 
 def results_bytes(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> bytes:
     """
-    Return the file.
+    Return the content of ``results.json`` as bytes.
 
     :raises GraderError: if there is no mark
     """
@@ -67,7 +69,7 @@ def results_bytes(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -
 
 
 def _about(result: SubmissionResult) -> str:
-    """Return what concerns the submission as a whole, for the student."""
+    """Return notes for the student about the submission as a whole."""
     lines = [f'{number(result.points)} of {number(result.max_points)} points of automatic checks']
     lines += [problem.line() for problem in result.problems]
     lines += [f'{exam.exam}: {exam.note}' for exam in result.exams if exam.note]
@@ -89,10 +91,12 @@ def _test(exam: ExamResult, check: CheckResult, place: str, visibility: str) -> 
 
 
 def _output(exam: ExamResult, check: CheckResult) -> str:
-    """Return what the student is told about a check."""
+    """Return the text about a check for the student."""
     if check.verdict is Verdict.PASSED:
         return ''
     if check.verdict is Verdict.NOT_RUN:
         titles = {one.check: one.title for one in exam.checks}
-        return f'Not looked at, it waits for: {titles.get(check.waits_for, check.waits_for)}'
+        return (
+            f'Not checked, because it depends on: {titles.get(check.waits_for, check.waits_for)}'
+        )
     return '\n'.join(f'{name.capitalize()}: {text}' for name, text in check.facts.items())

@@ -1,9 +1,9 @@
 """
-One submission in Gradescope's container: ``python -m autograder.exports.gradescope_run``.
+Grade one submission in Gradescope's container.
 
-It is started by ``run_autograder`` of :mod:`autograder.exports.gradescope_zip`.  If there is no
-verdict through our own fault, no ``results.json`` is written: Gradescope then says that the
-autograder failed and asks for the staff, and gives no zero.
+``run_autograder`` of :mod:`autograder.exports.gradescope_zip` starts ``python -m
+autograder.exports.gradescope_run``.  If the grader fails, it writes no ``results.json``: then
+Gradescope reports that the autograder failed and gives no zero.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def grade(layout: Layout, assignment: str, folder: Path, allow_weak: str) -> Sub
     """
     engine = grading_engine(layout, allow_weak=allow_weak)
     if not getattr(engine, 'hidden', True):
-        raise GraderError('Only visible checks could be run here, and they make no grade.')
+        raise GraderError('Only visible checks can run here, and they give no grade.')
     lesson = load_lesson(layout, assignment, engine)
     opened = open_one(open_folder(folder, 'submission', lesson.notebook), lesson)
     return grade_opened(opened, 'submission', lesson, engine)

@@ -1,11 +1,11 @@
 """
-An autograder for Gradescope, made of this course: the same exams, in Gradescope's container.
+Pack the course as an autograder for Gradescope's container, with the same exams.
 
-``setup.sh`` and ``run_autograder`` are at the root of the zip; the rest is the course without
-its submissions and with the course's secret, so that hidden inputs are the same here and there.
-The zip is therefore as secret as the hidden exams.  The README of the zip says what the container
-has to allow: without user namespaces only the weaker isolation works, and it is used only if it
-was named.
+``setup.sh`` and ``run_autograder`` are at the root of the zip; the rest is the course without its
+submissions and with the course's secret, so that hidden inputs are the same here and there. So the
+zip must be kept secret like the hidden exams.  The README of the zip says what the container has
+to allow: without user namespaces only weaker isolation works, and it is used only if
+``--allow-weak`` names it.
 """
 
 from __future__ import annotations
@@ -48,12 +48,13 @@ def autograder_zip(
     """
     if allow_weak and not MODES[allow_weak].keeps_secrets:
         raise GraderError(
-            f'--allow-weak {allow_weak}: it runs no hidden exam, so it gives no grade.'
+            f'--allow-weak {allow_weak}: hidden exams never run with this isolation, so it gives '
+            'no grade.'
         )
     if not (layout.exams / 'hidden').is_dir():
         raise GraderError(
-            'This is the copy of the course that students have; it has no hidden exams.',
-            'Try: the full project',
+            'The copy of the course for students has no hidden exams.',
+            "Try: run this in the instructors' copy",
         )
     settings = {'assignment': assignment, 'visibility': visibility, 'allow_weak': allow_weak}
     made = io.BytesIO()
@@ -69,7 +70,7 @@ def autograder_zip(
 
 
 def course_files(layout: Layout) -> Iterator[tuple[str, Path]]:
-    """Yield what grading needs of the course: name in the zip, and file; sorted, no links."""
+    """Yield the files of the course that grading needs, with their names in the zip; sorted."""
     exams = layout.exams.relative_to(layout.root).parts[0]
     own = {'course.toml', 'nbgrader_config.py', 'notebooks', 'solutions', exams}
     own |= {layout.facts.package} - {''}
@@ -86,7 +87,7 @@ def course_files(layout: Layout) -> Iterator[tuple[str, Path]]:
 def _add(
     archive: zipfile.ZipFile, name: str, data: bytes, executable: bool = False, mode: int = 0o644
 ) -> None:
-    """Add a file with its permissions, as Info-ZIP keeps them."""
+    """Add a file with its permissions, in the format of Info-ZIP."""
     entry = zipfile.ZipInfo(name, MADE)
     entry.create_system = 3  # Unix: the upper half of external_attr is st_mode
     entry.external_attr = (stat.S_IFREG | (0o755 if executable else mode)) << 16

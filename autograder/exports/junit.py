@@ -1,10 +1,10 @@
 """
-JUnit XML for CI servers: one suite per exam and submission, one case per check.
+Write JUnit XML for CI servers: one suite per exam and submission, one case per check.
 
-There is no standard; this keeps to what the schema of Jenkins' xUnit plugin (junit-10.xsd) and the
-readers of Jenkins and GitLab agree on.  A failed check is a ``failure``, a check that waits for
-another check is ``skipped``, and a submission for review is an ``error``: it has no verdict.
-XML 1.0 has no control characters, not even escaped, so they are replaced.
+There is no standard; this module writes what the schema of Jenkins' xUnit plugin (junit-10.xsd)
+and the readers of Jenkins and GitLab have in common. A failed check is a ``failure``, a check that
+waits for another check is ``skipped``, and a submission for review is an ``error``: it has no
+verdict. XML 1.0 has no control characters, not even escaped, so they are replaced.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def junit_xml(classes: Iterable[ClassResults]) -> bytes:
 
 
 def clean(text: str) -> str:
-    """Return a text that XML can hold."""
+    """Return a text without characters that XML cannot hold."""
     return NO_XML.sub('\N{REPLACEMENT CHARACTER}', text)
 
 
@@ -63,7 +63,7 @@ def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
 
 
 def _review(result: SubmissionResult) -> ElementTree.Element:
-    """Return the suite that says a person has to look."""
+    """Return the suite of a submission for review."""
     suite = _new_suite(f'{result.assignment}/{result.student}/for review')
     case = _case(suite, result, 'grading')
     error = ElementTree.SubElement(case, 'error', message=clean(result.review), type='for_review')
@@ -76,13 +76,13 @@ def _new_suite(name: str) -> ElementTree.Element:
 
 
 def _case(suite: ElementTree.Element, result: SubmissionResult, name: str) -> ElementTree.Element:
-    """Add a case; class name and name together are unique in a class."""
+    """Add a case; its class name and name are unique in the class of students."""
     where = clean(f'{result.assignment}.{result.student}')
     return ElementTree.SubElement(suite, 'testcase', classname=where, name=clean(name))
 
 
 def _counted(suite: ElementTree.Element, seconds: float) -> ElementTree.Element:
-    """Set the numbers of a suite from what is in it."""
+    """Set the counts of a suite from its cases."""
     suite.set('tests', str(len(suite.findall('testcase'))))
     for attribute, tag in COUNTS.items():
         suite.set(attribute, str(len(suite.findall(f'testcase/{tag}'))))
@@ -95,7 +95,7 @@ def _seconds(seconds: float) -> str:
 
 
 def _five_things(check: CheckResult) -> str:
-    """Return what a learner is told, a line each."""
+    """Return what a learner reads about a check, one line per item."""
     points = f'{check.points:g} of {check.max_points:g}'
     facts = {'checked': check.title, **check.facts, 'points': points}
     return '\n'.join(f'{name}: {text}' for name, text in facts.items())

@@ -1,8 +1,8 @@
 """
-One mark per student: from the automatic checks alone, or from nbgrader's gradebook.
+Return one mark per student, from the automatic checks or from nbgrader's gradebook.
 
-The gradebook's mark includes what was graded by hand and what the late policy took away; it exists
-only when nothing in the submission waits for manual grading.
+The gradebook's mark includes manual grades and late penalties; it exists only if nothing in the
+submission waits for manual grading.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ GRADED, REVIEW, BY_HAND, NOT_ENTERED, NO_GRADE = (
 @dataclass(frozen=True)
 class Mark:
     """
-    What a student gets for an assignment.
+    The mark of a student in an assignment.
 
     :param points: None if there is no mark yet, which is not the same as zero
     :param status: one of the words above; why there is none
@@ -45,7 +45,7 @@ class Mark:
 
 def marks(layout: Layout, graded: ClassResults, source: str) -> tuple[Mark, ...]:
     """
-    Return everybody's mark, in the order of the results.
+    Return the marks of all students, in the order of the results.
 
     :param source: one of :data:`SOURCES`
     :raises GraderError: if the gradebook is wanted and does not have the assignment
@@ -56,7 +56,7 @@ def marks(layout: Layout, graded: ClassResults, source: str) -> tuple[Mark, ...]
 
 
 def automatic(result: SubmissionResult) -> Mark:
-    """Return the mark of the automatic checks; visible checks alone make none."""
+    """Return the mark of the automatic checks; visible checks alone give none."""
     if result.review:
         return Mark(result.student, None, result.max_points, REVIEW)
     if not has_mark(result):
@@ -68,7 +68,7 @@ def from_gradebook(
     layout: Layout, assignment: str, results: Sequence[SubmissionResult]
 ) -> tuple[Mark, ...]:
     """
-    Return the marks that nbgrader's gradebook has.
+    Return the marks in nbgrader's gradebook.
 
     :raises GraderError: if there is no gradebook, or it does not have the assignment
     """
@@ -77,7 +77,7 @@ def from_gradebook(
     from autograder.gradebook.converters import opened_gradebook
 
     missing = GraderError(
-        f'{assignment}: expected it in the gradebook, got none.',
+        f'{assignment}: this assignment is not in the gradebook.',
         'Try: make grade, or --points automatic for the points of the checks alone',
     )
     if not has_gradebook(layout):
@@ -97,7 +97,7 @@ def from_gradebook(
 
 
 def _entered(result: SubmissionResult, entered: dict[str, Mark], most: float) -> Mark:
-    """Return one student's mark; without one of the last grading, what is there may be older."""
+    """Return one student's mark, or why it does not belong to the last grading."""
     last = automatic(result)
     if last.points is None and not result.unusable:  # what is unusable can be graded by hand
         return Mark(result.student, None, most, last.status)

@@ -1,10 +1,10 @@
 """
-CSV as RFC 4180 describes it, safe to open in a spreadsheet.
+Write CSV as RFC 4180 describes it, safe to open in a spreadsheet.
 
 Lines end with CR LF, fields with a comma, quote or line break are quoted, quotes are doubled, each
-line has as many fields as the first.  A spreadsheet runs a cell that begins like a formula, and
-names and causes come from students, so such a text gets an apostrophe in front (what OWASP
-advises against CSV injection).  Numbers are written as numbers.
+line has as many fields as the first. A spreadsheet runs a cell that begins like a formula, and
+names and causes come from students, so such a string gets an apostrophe in front, as OWASP advises
+against CSV injection. Numbers are written as numbers.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ def csv_bytes(header: Sequence[str], rows: Iterable[Sequence[Cell]]) -> bytes:
 
 
 def _field(cell: Cell) -> str:
-    """Return a cell's text: nothing for None, a number as a number, everything else harmless."""
+    """Return the text of a cell: empty for None, a number as a number, a string made harmless."""
     if cell is None:
         return ''
     return harmless(cell) if isinstance(cell, str) else number(cell)
@@ -108,9 +108,9 @@ def _field(cell: Cell) -> str:
 
 def harmless(text: str) -> str:
     """
-    Return a text that no spreadsheet takes for a formula, nor for several cells with one.
+    Return a string that a spreadsheet reads neither as a formula nor as several cells.
 
-    Where the comma is the decimal point, spreadsheets part cells at semicolons, quoted or not.
+    With a comma as decimal point, spreadsheets split cells at semicolons, quoted or not.
     """
     formula = text.lstrip(' ').startswith(FORMULA_STARTS) or text.lstrip().startswith(
         FORMULA_STARTS

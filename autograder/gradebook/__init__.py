@@ -1,1 +1,1 @@
-"""nbgrader's side: its plug-ins, its converters, and the one writer of its gradebook."""
+"""nbgrader's plug-ins and converters, and the only writer of its gradebook."""

@@ -1,8 +1,8 @@
 """
 Compare the points of check cells with those of their exams.
 
-nbgrader takes the maximum of a cell from the notebook and the score from the exam.  Where the two
-differ, no score can be right, and one above the maximum leaves the cell without any.
+nbgrader takes the maximum of a cell from the notebook and the score from the exam.  If the two
+differ, no score can be right, and nbgrader drops a score above the maximum.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from autograder.submission.notebook import marks_of, Notebook, read_release
 
 def unfit_points(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Iterator[str]:
     """
-    Yield one line for each check cell and each exam that do not give the same points.
+    Yield one line for each check cell whose points differ from its exam's.
 
     :param where: the notebook, as messages name it
     :param exams: all exams of the lesson
@@ -33,9 +33,9 @@ def unfit_points(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Itera
     gives = {exam.name: exam.max_points for exam in exams}
     for name in dict.fromkeys((*cells, *gives)):
         if name not in gives:
-            yield f'{where}, cell {CHECK_PREFIX}{name}: there is no exam {name} for this lesson.'
+            yield f'{where}, cell {CHECK_PREFIX}{name}: this lesson has no exam {name}.'
         elif name not in cells:
-            yield f'{where}: the exam {name} has no check cell above which its answers lie.'
+            yield f'{where}: the exam {name} has no check cell below its answers.'
         elif abs(cells[name] - gives[name]) > 1e-9:
             yield (
                 f'{where}, cell {CHECK_PREFIX}{name}: {cells[name]:g} points, but the exam gives '

@@ -1,4 +1,4 @@
-"""Query the gradebook directly: importing nbgrader takes seconds, and a rerun rarely needs it."""
+"""Query the gradebook directly: importing nbgrader takes seconds, and reruns rarely need it."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ FILE_ADVICE = {
 
 
 class GradebookRefusedError(GraderError):
-    """The database itself failed, so no submission can be entered."""
+    """The database failed, so no submission can be entered."""
 
 
 def database_failure(error: BaseException) -> SQLAlchemyError | None:
     """
-    Return the failure of the database behind an error of nbgrader's, None if it is another one.
+    Return the database's failure behind an error of nbgrader, or None.
 
-    A value that one row may not have is not a failure of the database.
+    An invalid value in one row is not a failure of the database.
     """
     seen: BaseException | None = error
     while seen is not None:
@@ -46,13 +46,13 @@ def database_failure(error: BaseException) -> SQLAlchemyError | None:
 
 
 def refusal(layout: Layout, error: SQLAlchemyError) -> GradebookRefusedError:
-    """Return one line about a database that failed."""
+    """Return the error that explains a failed database in one line."""
     return refused(layout, str(getattr(error, 'orig', None) or error))
 
 
 def refused(layout: Layout, said: str) -> GradebookRefusedError:
     """
-    Return one line about a gradebook: where it is, what is wrong, what to do.
+    Return the error about a gradebook in one line: where it is, what is wrong, what to do.
 
     :param said: the words of the database; the first line counts
     """
@@ -67,7 +67,7 @@ def refused(layout: Layout, said: str) -> GradebookRefusedError:
     else:
         url = make_url(str(load_config(layout).CourseDirectory.db_url))
         where = url.render_as_string(hide_password=True)
-        advice = 'see that its server runs and that the gradebook on it is complete'
+        advice = 'check that the database server is running and that its gradebook is complete'
     return GradebookRefusedError(
         f'{where}: the gradebook cannot be used: {said}.',
         f'Try: {advice}, then run the same command again. Finished runs are kept.',
@@ -77,9 +77,9 @@ def refused(layout: Layout, said: str) -> GradebookRefusedError:
 @contextmanager
 def connected(layout: Layout) -> Iterator[Connection | None]:
     """
-    Yield a connection to the gradebook, None if it is a file that is not there yet.
+    Yield a connection to the gradebook, or None if the file does not exist yet.
 
-    None is made by looking.
+    This never creates a gradebook.
 
     :raises GraderError: if it cannot be reached or read, with its address but no password
     """
@@ -94,13 +94,13 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
         engine = create_engine(url, poolclass=NullPool)
     except (SQLAlchemyError, ValueError) as error:
         raise GraderError(
-            f'{address}: expected the address of a gradebook, got: {error}.',
-            'Try: c.CourseDirectory.db_url in nbgrader_config.py as in docs/gradebook.md, then '
-            'the same command again; no run is lost.',
+            f'{address}: this is not the address of a gradebook: {error}.',
+            'Try: set c.CourseDirectory.db_url in nbgrader_config.py as docs/gradebook.md shows, '
+            'then run the same command again. Finished runs are kept.',
         ) from error
     except ModuleNotFoundError as error:
         raise GraderError(
-            f'{address}: expected the driver {error.name} for this gradebook, got none.',
+            f'{address}: the driver {error.name} for this gradebook is not installed.',
             'Try: .venv/bin/python -m pip install --no-deps -r '
             'environment/requirements-postgres.txt (see docs/gradebook.md)',
         ) from error
@@ -113,7 +113,7 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
 
 def query(layout: Layout, statement: Any, table: str = 'grade', **values: str) -> Sequence[Any]:
     """
-    Return the rows of a query, none if the gradebook or a table of it is not there yet.
+    Return the rows of a query; none if the gradebook or a table does not exist yet.
 
     :raises GraderError: if it cannot be asked
     """

@@ -1,8 +1,8 @@
 """
-nbgrader's own commands run in this process, with the course's own ``nbgrader_config.py``.
+Run nbgrader's commands in this process, with the course's ``nbgrader_config.py``.
 
-A command line costs two seconds of imports each time; here a class is recorded in about the
-time that one command takes to start.
+A command line costs two seconds of imports each time; this module enters a whole class in about
+that time.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def autograde(
 @contextmanager
 def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
     """
-    Yield nbgrader's gradebook, which is made if there is none.
+    Yield nbgrader's gradebook; create it if there is none.
 
     :raises GraderError: if it has lost a table, or cannot be opened, read or written
     """
@@ -99,18 +99,19 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
         said = (str(error).strip().splitlines() or [type(error).__name__])[0]
         raise GraderError(
             f'nbgrader cannot use its gradebook: {said}.',
-            'Try: the same command again, when nobody else writes to it; no run is lost.',
+            'Try: close other programs that use it, then run the same command again. Finished '
+            'runs are kept.',
         ) from error
 
 
 @contextmanager
 def _one_engine() -> Iterator[None]:
     """
-    Let nbgrader's gradebooks share what SQLAlchemy has compiled, and look for tables once.
+    Let nbgrader's gradebooks share SQLAlchemy's compiled queries and its list of tables.
 
     nbgrader opens the gradebook seven times per submission, each time with a separate engine: it
-    compiles every query again, and checks for each of twenty tables whether it exists.  That was
-    half of the time it takes to enter a submission.
+    compiles every query again, and checks for each of twenty tables whether it exists.  That took
+    half of the time for entering a submission.
     """
     make, tables = api.create_engine, api.Base.metadata
     api.create_engine = cache(make)
@@ -124,21 +125,21 @@ def _one_engine() -> Iterator[None]:
 
 class _StopsAtDatabase(BaseConverter):
     """
-    A command of nbgrader's that ends at the first failure of the database or of the disk.
+    A command of nbgrader that ends at the first failure of the database or of the disk.
 
-    nbgrader goes on with the next student, who fails in the same way.  Only an OperationalError
-    ends it, and then it removes what it has half written.
+    nbgrader itself continues with the next student, who fails in the same way.  Only an
+    OperationalError ends it, and then it removes unfinished files.
     """
 
     failure: BaseException | None = None
 
     def init_assignment(self, assignment_id: str, student_id: str) -> None:
-        """Enter that there is a submission."""
+        """Enter that a submission exists."""
         with self._stopping():
             super().init_assignment(assignment_id, student_id)
 
     def convert_single_notebook(self, notebook_filename: str) -> None:
-        """Enter a notebook and write it."""
+        """Enter a notebook in the gradebook and write it."""
         with self._stopping():
             super().convert_single_notebook(notebook_filename)
 
@@ -155,7 +156,7 @@ class _StopsAtDatabase(BaseConverter):
 
 def _start(layout: Layout, command: _StopsAtDatabase) -> None:
     """
-    Run a command of nbgrader's.
+    Run a command of nbgrader.
 
     :raises GraderError: if the database or the disk failed
     """
@@ -174,20 +175,20 @@ class _Generator(_StopsAtDatabase, GenerateAssignment):
 
 
 class _Recorder(_StopsAtDatabase, Autograde):
-    """nbgrader's Autograde over exactly the students whose results are known."""
+    """nbgrader's Autograde for exactly the students whose results are known."""
 
     results: dict[str, SubmissionResult]
     same_work: frozenset[str]
 
     def init_notebooks(self) -> None:
-        """List the notebooks by name: students' names may contain what glob acts on."""
+        """List the notebooks by name, because students' names may contain glob patterns."""
         self.assignments = {}
         for student in self.results:
             folder = Path(self._format_source(self.coursedir.assignment_id, student))
             self.assignments[str(folder)] = sorted(str(path) for path in folder.glob('*.ipynb'))
 
     def init_single_notebook_resources(self, notebook_filename: str) -> dict[str, Any]:
-        """Send along what :mod:`autograder.gradebook.nbgrader_plugin` has to know."""
+        """Pass on the data that :mod:`autograder.gradebook.nbgrader_plugin` needs."""
         resources: dict[str, Any] = super().init_single_notebook_resources(notebook_filename)
         student = resources['nbgrader']['student']
         resources['nbgrader']['result'] = self.results[student]
@@ -196,14 +197,14 @@ class _Recorder(_StopsAtDatabase, Autograde):
 
 
 class _Errors(logging.Handler):
-    """Keeps what nbgrader reports as an error."""
+    """Keep the errors that nbgrader reports."""
 
     def __init__(self) -> None:
         super().__init__(logging.ERROR)
         self.lines: list[str] = []
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep the last line of a message: of a traceback, the one with the reason."""
+        """Keep the last line of a message; in a traceback, it has the reason."""
         lines = record.getMessage().strip().splitlines()
         self.lines.append(lines[-1] if lines else '')
 
@@ -223,7 +224,7 @@ def _quiet() -> Iterator[None]:
 
 @contextmanager
 def _logged(doing: str) -> Iterator[logging.Logger]:
-    """Give nbgrader a log of its own, and turn its failure into one sentence of ours."""
+    """Give nbgrader a separate log, and turn its failure into one sentence."""
     log = logging.Logger('nbgrader', logging.WARNING)  # in no hierarchy: nothing is printed
     errors = _Errors()
     log.addHandler(errors)

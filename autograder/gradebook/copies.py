@@ -1,7 +1,7 @@
 """
-Keep dated copies of the gradebook, and refuse one that has lost what was in it.
+Keep dated copies of the gradebook, and refuse a gradebook that has lost its content.
 
-Grades given by hand are nowhere else.  A gradebook on a server is its own to dump; see
+Manual grades exist only in the gradebook.  A gradebook on a server is not copied; see
 ``docs/gradebook.md``.
 """
 
@@ -34,13 +34,13 @@ def copies_folder(layout: Layout) -> Path:
 
 
 def copies(layout: Layout) -> list[Path]:
-    """Return the copies, the oldest first."""
+    """Return the copies, oldest first."""
     return sorted(copies_folder(layout).glob('[0-9]*Z.db'))
 
 
 def keep_copy(layout: Layout) -> Path | None:
     """
-    Copy the gradebook, and remove the copies that are too many.
+    Copy the gradebook, and remove old copies.
 
     :returns: a copy of what the gradebook has now; None if it is on a server or has no submission
     :raises GraderError: if the gradebook is damaged, or no copy of it can be written
@@ -69,7 +69,7 @@ def keep_copy(layout: Layout) -> Path | None:
         if type(error) is sqlite3.DatabaseError:  # what SQLite cannot do now is a subclass
             raise _damaged(layout, path, str(error)) from error
         raise GraderError(
-            f'{path}: no copy of the gradebook can be kept: {error}. Nothing was entered.',
+            f'{path}: the gradebook cannot be copied: {error}. Nothing was entered.',
             f'Try: free space for {copy.parent}, close what else writes to the gradebook, then '
             'the same command again. Finished runs are kept.',
         ) from error
@@ -78,7 +78,7 @@ def keep_copy(layout: Layout) -> Path | None:
 
 
 def _copy(path: Path, to: Path) -> None:
-    """Check the gradebook as a whole, and write a copy of it to the disk."""
+    """Check the whole gradebook, and write a copy of it to the disk."""
     with closing(sqlite3.connect(path)) as book:
         (said,) = book.execute('pragma quick_check(1)').fetchone()
         if said != 'ok':
@@ -106,7 +106,7 @@ def refuse_damaged(layout: Layout) -> None:
     """
     Refuse a gradebook file that is damaged, or empty although it was filled before.
 
-    A file that is missing is none of that: removing it begins a new gradebook.
+    A missing file is accepted: to remove it is the way to start a new gradebook.
 
     :raises GraderError: with the copy to restore
     """
@@ -124,12 +124,12 @@ def refuse_damaged(layout: Layout) -> None:
         nothing = not path.stat().st_size
         if not empty or not (_was_filled(layout) or (nothing and copies(layout))):
             return
-        got = 'an empty file' if nothing else 'no submission in it any more'
+        got = 'an empty file' if nothing else 'it no longer has any submission'
     raise _damaged(layout, path, got)
 
 
 def _is_empty(book: sqlite3.Connection) -> bool:
-    """Return whether no submission is in a gradebook."""
+    """Return whether a gradebook has no submission."""
     tables = "select count(*) from sqlite_master where name = 'submitted_assignment'"
     if not book.execute(tables).fetchone()[0]:
         return True
@@ -137,24 +137,24 @@ def _is_empty(book: sqlite3.Connection) -> bool:
 
 
 def _was_filled(layout: Layout) -> bool:
-    """Return whether submissions were entered in the gradebook that is there now."""
+    """Return whether submissions were entered in the current gradebook."""
     journals = (layout.work / 'entered').glob('*.jsonl')
     return any(journal.read_bytes().strip() for journal in journals)
 
 
 def _damaged(layout: Layout, path: Path, got: str) -> GraderError:
-    """Return the error about a damaged gradebook, with the newest copy of it."""
-    fix = 'restore it from a backup, as no copy of it is kept'
+    """Return the error about a damaged gradebook, with its newest copy."""
+    fix = 'restore it from a backup, because the grader has no copy'
     if there := copies(layout):
         fix = f'cp {shlex.quote(str(there[-1]))} {shlex.quote(str(path))}'
     return GraderError(
-        f'{path}: expected a gradebook that answers, got: {got}.',
+        f'{path}: the gradebook is damaged: {got}.',
         f'Try: {fix}. To begin a new gradebook instead, remove the file. Nothing was written.',
     )
 
 
 def how_to_dump(layout: Layout) -> str:
-    """Return how to copy a gradebook on a server, which is not copied here; empty for a file."""
+    """Return how to dump a gradebook on a server; empty for a file, which is copied."""
     if gradebook_file(layout) is not None:
         return ''
     url = make_url(str(load_config(layout).CourseDirectory.db_url))

@@ -25,7 +25,7 @@ def forget_made(layout: Layout, students: Collection[str]) -> None:
 
 
 def _forget_in_reports(layout: Layout, students: Collection[str]) -> None:
-    """Remove students from the last results, with which statistics and exports begin."""
+    """Remove students from the last results, which statistics and exports use."""
     for assignment in layout.assignments():
         if not results_file(layout, assignment).is_file():
             continue

@@ -1,4 +1,4 @@
-"""Cells of a notebook that an exam grades: what they get, and what is shown below them."""
+"""Find the cells of a notebook that an exam grades, and write scores and feedback into them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from autograder.submission.submission import Opened
 
 
 def to_node(opened: Opened) -> NotebookNode:
-    """Return the notebook as nbformat has it, with the problems in its metadata."""
+    """Return the notebook in nbformat's form, with the problems in its metadata."""
     notebook = from_dict(opened.notebook)
     notebook.metadata['autograder'] = {'problems': [asdict(one) for one in opened.problems]}
     return notebook
@@ -31,7 +31,7 @@ def from_node(notebook: NotebookNode) -> Opened:
 
 def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
     """
-    Write one text and, where there is a score, one value into every check cell.
+    Write the feedback and, if there is one, the score into every check cell.
 
     :param nb: a rebuilt notebook, changed in place
     """
@@ -53,7 +53,7 @@ def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
 
 def score_of(cell: NotebookNode, result: SubmissionResult) -> float | None:
     """
-    Return the score of a check cell, None if a person has to look first.
+    Return the score of a check cell, or None if a person has to look first.
 
     :param cell: one of the release
     """
@@ -70,12 +70,12 @@ def _exam_name(cell: NotebookNode) -> str:
 
 
 def is_check(cell: NotebookNode) -> bool:
-    """Return whether a cell is graded by an exam."""
+    """Return whether an exam grades a cell."""
     return bool(utils.is_grade(cell) and not utils.is_solution(cell) and cell.cell_type == 'code')
 
 
 def _about(result: SubmissionResult, exam: ExamResult, nb: NotebookNode) -> list[Problem]:
-    """Return the problems with the answers right above an exam's check cell."""
+    """Return the problems with the answers directly above an exam's check cell."""
     own: set[str] = set()
     for cell in nb.cells:
         if is_check(cell):

@@ -1,12 +1,12 @@
 """
-Record what is already in the gradebook: unchanged results are not entered again.
+Record what is already in the gradebook, so that unchanged results are not entered again.
 
-nbgrader needs some 30 ms to enter a submission, three times what a rerun may cost.  So what was
-entered is noted, one line per submission, in a file that only grows; a line that was cut off does
-not count.  A submission is left out only if nothing of it has changed *and* the gradebook still
-shows what was entered: a gradebook that was deleted, restored or edited is filled again.
-Grades given by hand are not part of this, because nbgrader keeps them in every case; but a penalty
-for lateness may be a share of them, so late work is entered again after each manual grade.
+nbgrader needs about 30 ms to enter a submission, three times what a rerun may cost. So the journal
+notes each entry in one line of a file that only grows; a line that was cut off does not count. A
+submission is skipped only if nothing of it has changed *and* the gradebook still shows the entry:
+a gradebook that was deleted, restored or edited is filled again. Manual grades are not part of
+this, because nbgrader always keeps them; but a late penalty may be a share of them, so late work
+is entered again after each manual grade.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ where assignment.name = :assignment
 
 def make_gradebook(layout: Layout) -> None:
     """
-    Create the gradebook atomically, if it is a file that does not exist yet.
+    Create the gradebook atomically, unless its file exists.
 
     nbgrader makes its tables and then notes their version; killed in between, it leaves a
     gradebook that a later nbgrader cannot upgrade.  The journals are removed first: they
@@ -71,7 +71,7 @@ def make_gradebook(layout: Layout) -> None:
 
 def refuse_incomplete(layout: Layout) -> None:
     """
-    Refuse a gradebook that has lost a table, before nbgrader makes an empty one in its place.
+    Refuse a gradebook that has lost a table, because nbgrader would create an empty one.
 
     :raises GradebookRefusedError: with the names of the tables
     """
@@ -100,7 +100,7 @@ def _make(path: Path, course: str) -> None:
 
 def to_enter(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> list[Graded]:
     """
-    Return the submissions that the gradebook does not have as they are.
+    Return the submissions that differ from the gradebook.
 
     :param graded: a whole class
     """
@@ -118,7 +118,7 @@ def to_enter(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> list[G
 
 def note(layout: Layout, lesson: Lesson, entered: Sequence[Graded]) -> None:
     """
-    Note what was entered, after nbgrader has written it.
+    Note entries after nbgrader has written them.
 
     :param entered: what :func:`autograder.gradebook.record.record` was given
     """
@@ -138,12 +138,12 @@ def note(layout: Layout, lesson: Lesson, entered: Sequence[Graded]) -> None:
 
 
 def journal(layout: Layout, assignment: str) -> Path:
-    """Return the file with a line for each submission that was entered."""
+    """Return the file with one line per entered submission."""
     return layout.work / 'entered' / f'{assignment}.jsonl'
 
 
 def noted(path: Path) -> dict[str, dict[str, Any]]:
-    """Return the last whole line about each student."""
+    """Return the last complete line about each student."""
     if not path.is_file():
         return {}
     found = {}
@@ -156,7 +156,7 @@ def noted(path: Path) -> dict[str, dict[str, Any]]:
 
 
 def drop(layout: Layout, assignment: str, students: Collection[str]) -> None:
-    """Remove what is noted about students."""
+    """Remove the notes about students."""
     path = journal(layout, assignment)
     known = noted(path)
     if known.keys() & set(students):
@@ -182,7 +182,7 @@ def shown(layout: Layout, assignment: str) -> Rows:
 
 
 def _line(graded: Graded, common: str, rows: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what is noted about a submission."""
+    """Return the note about a submission."""
     return {'digest': _digest(graded, common), 'shown': dict(sorted(rows.items()))}
 
 
@@ -199,14 +199,14 @@ def _digest(graded: Graded, common: str) -> str:
 
 
 def _common(layout: Layout, lesson: Lesson) -> str:
-    """Return a digest of what decides beside the submissions: the release and the settings."""
+    """Return a digest of the release and the settings, which all entries depend on."""
     settings = (layout.root / 'nbgrader_config.py').read_bytes()
     release = json.dumps(lesson.release, sort_keys=True).encode('utf-8', 'replace')
     return hashlib.sha256(settings + b'\0' + release).hexdigest()
 
 
 def autograded(layout: Layout, lesson: Lesson, graded: Graded) -> Path:
-    """Return the notebook that nbgrader keeps of a submission, there or not."""
+    """Return the path of the notebook that nbgrader keeps of a submission."""
     folder = layout.work / 'autograded' / graded.result.student / lesson.assignment
     return folder / lesson.notebook
 

@@ -1,8 +1,8 @@
 """
-Enter a class in the gradebook, as far as it is ready, while the rest is still being run.
+Enter finished submissions in the gradebook while others still run.
 
-nbgrader takes some 30 ms for each submission, and seconds to be imported.  All that time the
-coordinator would only wait for the runs.
+nbgrader takes about 30 ms per submission, and seconds to import.  Otherwise the coordinator would
+only wait for the runs during that time.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ TOGETHER = 10
 @dataclass
 class Guard:
     """
-    Keeps one command from losing what the gradebook holds.
+    Keep a command from lowering marks in the gradebook.
 
     :param yes: whether marks may be lowered or emptied
     :param lowered: the marks that are, or would be, by assignment and student
@@ -39,12 +39,12 @@ class Guard:
 
     @cached_property
     def copy(self) -> Path | None:
-        """Return the copy of the gradebook, which is made before the command's first entry."""
+        """Return the copy of the gradebook that was made before the command's first entry."""
         return keep_copy(self.layout)
 
     def allowed(self, lesson: Lesson, new: Sequence[Graded]) -> list[Graded]:
         """
-        Return the submissions that may be entered; note whose marks they would lower.
+        Return the submissions that may be entered; note which of them would lower a mark.
 
         :raises GraderError: if the gradebook cannot be read
         """
@@ -53,12 +53,12 @@ class Guard:
         return [one for one in new if self.yes or one.result.student not in lowered]
 
     def lowered_in(self, assignment: str) -> list[str]:
-        """Return the marks of an assignment that are, or would be, lowered; one line each."""
+        """Return the marks of an assignment that are, or would be, lowered, one line each."""
         return [one.text() for _, one in sorted(self.lowered.get(assignment, {}).items())]
 
     def refusal(self, done: str) -> str:
         """
-        Return why marks were left as they are, empty if none was.
+        Return why marks were not changed; empty if all were.
 
         :param done: what became of the command
         """
@@ -69,17 +69,17 @@ class Guard:
             f'{count} mark{"s" * (count != 1)} of {name}' for name, count in counts.items()
         )
         return (
-            f'gradebook: {where} would be lowered or emptied, so the old ones were left there; '
-            f'{done}. Try: look at the list, then the same command with --yes (make grade '
+            f'gradebook: {where} would be lowered or cleared, so they were not changed; '
+            f'{done}. Try: look at the list, then run the same command with --yes (make grade '
             f'ARGS=--yes). {how_to_dump(self.layout)}'
         ).rstrip()
 
 
 class Entering:
     """
-    Enters results while others are being run.
+    Enter results while other submissions run.
 
-    What fails meanwhile is tried again, and told, when all is run.
+    An entry that fails is tried again, and reported, after all runs.
     """
 
     def __init__(self, layout: Layout, lesson: Lesson, guard: Guard | None = None) -> None:
@@ -90,7 +90,7 @@ class Entering:
         self.new, self.works = 0, True
 
     def meanwhile(self, ready: Sequence[Graded]) -> None:
-        """Prepare the gradebook, and enter those that are ready if they are enough."""
+        """Prepare the gradebook, and enter the finished submissions if there are enough."""
         self.ready += ready
         if self.works:
             try:
@@ -110,7 +110,7 @@ class Entering:
 
     def finish(self, graded: Sequence[Graded]) -> tuple[int, str]:
         """
-        Enter the others.
+        Enter the remaining submissions.
 
         :param graded: the whole class
         :returns: how many of it were new, and what the gradebook refused
@@ -121,7 +121,7 @@ class Entering:
 
 
 def begin_to_enter(layout: Layout, assignment: str, guard: Guard | None = None) -> None:
-    """Prepare the gradebook while the runs take place: nbgrader takes seconds to import."""
+    """Prepare the gradebook during the runs, because nbgrader takes seconds to import."""
     journal.shown(layout, assignment)  # an error here is plainer than nbgrader's
     journal.refuse_incomplete(layout)
     _ = (guard or Guard(layout)).copy
@@ -137,7 +137,7 @@ def enter(
     guard: Guard | None = None,
 ) -> tuple[int, str]:
     """
-    Enter what is new in the gradebook; return how many were, and what it refused.
+    Enter new results in the gradebook; return how many there were, and what was refused.
 
     :param begin: prepares the gradebook, which is not needed if nothing is new
     :param guard: says which marks are left as they are, None if no mark is

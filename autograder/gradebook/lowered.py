@@ -1,8 +1,8 @@
 """
-Find the marks in the gradebook that new results would lower or empty.
+Find the marks in the gradebook that new results would lower or clear.
 
-Compared is what nbgrader has now with what it would have after the results are entered: grades
-given by hand stay, and the late policy takes its share of both.
+The current marks are compared with those after the entry: manual grades are kept, and the late
+policy applies to both.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class LoweredMark:
     """
-    A mark that would be lowered or emptied.
+    A mark that would be lowered or cleared.
 
     :param emptied: check cells that would have no score any more
     """
@@ -37,14 +37,14 @@ class LoweredMark:
     emptied: tuple[str, ...] = ()
 
     def text(self) -> str:
-        """Return it as in ``ann 40 to 27``."""
+        """Return the change as text, such as ``ann 40 to 27``."""
         empty = f', no score for {", ".join(self.emptied)}' if self.emptied else ''
         return printable(f'{self.student} {number(self.before)} to {number(self.after)}{empty}')
 
 
 def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> list[LoweredMark]:
     """
-    Return the marks that entering results would lower or empty.
+    Return the marks that entering results would lower or clear.
 
     :param graded: what is about to be entered
     :raises GraderError: if the gradebook cannot be read
@@ -70,7 +70,7 @@ def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> l
 def _compare(
     layout: Layout, graded: Graded, submission: SubmittedAssignment, checks: Sequence[NotebookNode]
 ) -> Iterator[LoweredMark]:
-    """Yield the mark of one submission if it would be lowered or emptied."""
+    """Yield the mark of one submission if it would be lowered or cleared."""
     from autograder.gradebook.grade_cells import score_of
 
     new = {cell.metadata.nbgrader['grade_id']: score_of(cell, graded.result) for cell in checks}
@@ -89,14 +89,14 @@ def _compare(
 
 
 def mark_of(submission: SubmittedAssignment) -> float:
-    """Return the points of a submission, less the penalty for lateness."""
+    """Return the points of a submission, minus the late penalty."""
     return max(0.0, float(submission.score) - float(submission.late_submission_penalty or 0.0))
 
 
 def _penalty(
     layout: Layout, graded: Graded, submission: SubmittedAssignment, score: float
 ) -> float:
-    """Return what the course's late policy takes from a score."""
+    """Return the penalty that the course's late policy sets for a score."""
     from nbgrader.preprocessors import AssignLatePenalties
     from nbgrader.utils import parse_utc
 

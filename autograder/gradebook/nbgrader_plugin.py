@@ -1,5 +1,5 @@
 """
-The grader's parts inside nbgrader's own commands, named in ``nbgrader_config.py``.
+The grader's parts of nbgrader's commands, named in ``nbgrader_config.py``.
 
 nbgrader would run student code and tests in one kernel and believe the outputs.  Instead
 
@@ -87,7 +87,7 @@ Step = tuple[NotebookNode, Resources]
 
 def safe_html(html: object) -> str:
     """
-    Return HTML without scripts, pictures from elsewhere and event handlers.
+    Return HTML without scripts, event handlers and pictures from other sites.
 
     nbconvert's own ``clean_html`` also refuses paragraphs, headings and parts of tables, and
     shows their tags as text.
@@ -102,7 +102,7 @@ def safe_markdown(source: str) -> str:
 
 
 def safe_output(html: object) -> str:
-    """Return the HTML of an output: like :func:`safe_html`, and our own pictures."""
+    """Return the HTML of an output: like :func:`safe_html`, with the grader's pictures."""
     text = html.decode() if isinstance(html, bytes) else str(html)
     return str(
         bleach.clean(
@@ -115,10 +115,10 @@ def safe_output(html: object) -> str:
 
 
 class ClearSolutionsByKind(ClearSolutions):
-    """nbgrader's ClearSolutions with a stub that fits the file a cell is."""
+    """nbgrader's ClearSolutions with a stub for each kind of file that a cell can be."""
 
     def preprocess_cell(self, cell: NotebookNode, resources: Resources, cell_index: int) -> Step:
-        """Replace the solution region by the stub of the cell's kind."""
+        """Replace the solution region with the stub of the cell's kind."""
         try:
             file = parse_cell(cell.source) if cell.cell_type == 'code' else None
         except CellSyntaxError as error:
@@ -137,12 +137,12 @@ class ClearSolutionsByKind(ClearSolutions):
 
 
 class SubmissionExporter(NotebookExporter):
-    """Reads a submitted file as release plus answers; nbgrader's own files as they are."""
+    """Read a submitted file as release plus answers; read nbgrader's own files unchanged."""
 
     def from_filename(
         self, filename: str, resources: Resources | None = None, **kw: Any
     ) -> tuple[str, Resources]:
-        """Read a notebook that was handed in, or one that nbgrader wrote itself."""
+        """Read a submitted notebook, or one that nbgrader wrote itself."""
         if resources is None or not getattr(self.parent, '_sanitizing', True):
             return super().from_filename(filename, resources=resources, **kw)
         assignment = resources['nbgrader']['assignment']
@@ -160,19 +160,19 @@ class SubmissionExporter(NotebookExporter):
 
 
 class FeedbackExporter(HTMLExporter):
-    """Makes our page for students; formgrader has HTMLExporter and its own template."""
+    """Write the page for students; formgrader has HTMLExporter and its own template."""
 
     def from_notebook_node(
         self, nb: NotebookNode, resources: Resources | None = None, **kw: Any
     ) -> tuple[str, Resources]:
-        """Return the page, in which ids are unique and the keyboard reaches wide tables."""
+        """Return the page, with unique ids and wide tables that the keyboard can reach."""
         page, resources = super().from_notebook_node(nb, resources=resources, **kw)
         page = page.replace('<table', '<table tabindex="0" aria-label="Table"')
         return with_unique_ids(page), resources
 
 
 class GradesToShow(GetGrades):
-    """nbgrader's GetGrades, which also says what a person has yet to look at."""
+    """nbgrader's GetGrades, which also says what still waits for a person."""
 
     _lost: frozenset[str] = frozenset()
 
@@ -198,7 +198,7 @@ class GradesToShow(GetGrades):
 
 
 class GradeOutside(NbGraderPreprocessor):
-    """Grades where no student code can reach, and writes the outcome into the check cells."""
+    """Grade outside the reach of student code, and write the outcome into the check cells."""
 
     engine_factory = Unicode(
         'autograder.grading.pipeline.grading_engine',
@@ -222,7 +222,7 @@ class GradeOutside(NbGraderPreprocessor):
 
     def _grade(self, nb: NotebookNode, resources: Resources) -> SubmissionResult:
         """
-        Grade one notebook that nbgrader brought, and note whether its old scores are to stay.
+        Grade one notebook from nbgrader, and note whether to keep its old scores.
 
         :raises ExamInvalid: if a check cell and its exam give different points
         """
@@ -237,7 +237,7 @@ class GradeOutside(NbGraderPreprocessor):
         for mark in lowered_marks(layout, lesson, [Graded(submission, opened, result)]):
             resources['nbgrader']['keep_scores'] = True
             self.log.warning(
-                'gradebook: the mark would fall, so the old one was left: %s. Try: make grade '
+                'gradebook: the mark would be lowered, so it was not changed: %s. Try: make grade '
                 'ARGS=--yes',
                 mark.text(),
             )
@@ -246,11 +246,11 @@ class GradeOutside(NbGraderPreprocessor):
 
 class SaveGrades(SaveAutoGrades):
     """
-    nbgrader's SaveAutoGrades, except for whose turn it is.
+    nbgrader's SaveAutoGrades, with a different rule for what waits for a person.
 
-    A check without a score waits for a person.  A grade given by hand does not wait again when
-    nothing has changed that it was given for: a rerun would take the mark away until somebody has
-    looked at each of them once more.
+    A check without a score waits for a person.  A manual grade does not wait again if the work is
+    unchanged: otherwise a rerun would remove the mark until a person has looked at each answer
+    once more.
     """
 
     _unusable = False
@@ -262,7 +262,7 @@ class SaveGrades(SaveAutoGrades):
         return found
 
     def _add_score(self, cell: NotebookNode, resources: Resources) -> None:
-        """Record a score; nbgrader alone gives full points where there is none."""
+        """Record a score; without one, nbgrader alone would give full points."""
         if is_check(cell) and resources['nbgrader'].get('keep_scores', False):
             return
         grade = self.gradebook.find_grade(

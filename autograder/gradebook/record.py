@@ -1,8 +1,8 @@
 """
-The one writer of nbgrader's gradebook.
+Write nbgrader's gradebook; no other module does.
 
-Results go in through nbgrader's own Autograde, one student after the other, so everything an
-instructor knows works on them: formgrader, feedback, export, and grades given by hand survive.
+Results are entered by nbgrader's own Autograde, one student after another, so formgrader, feedback
+and export work as usual, and manual grades are kept.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ def enter_assignment(layout: Layout, assignment: str) -> None:
         except GraderError as error:
             raise GraderError(
                 error.what,
-                'If the cells of the assignment changed since it was last graded: put them back, '
-                'or export the marks, which have what was graded by hand, and begin a new '
-                'gradebook (see docs/gradebook.md).',
+                'If the cells of the assignment changed since it was last graded: restore them, '
+                'or export the marks, which include manual grades, and begin a new gradebook '
+                '(see docs/gradebook.md).',
             ) from error
 
 
@@ -49,7 +49,7 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
     """
     Enter the results of a class in the gradebook, after :func:`enter_assignment`.
 
-    A submission that is for review gets no score, but the reason.
+    A submission for review gets a reason instead of a score.
 
     :raises GraderError: for what nbgrader could not enter; everyone else is entered anyway
     """
@@ -68,7 +68,7 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
 
 
 def _is_same_work(layout: Layout, lesson: Lesson, graded: Graded) -> bool:
-    """Return whether all answers are those that were entered last."""
+    """Return whether all answers equal those that were entered last."""
     try:
         text = autograded(layout, lesson, graded).read_text(encoding='utf-8')
         return _answers(json.loads(text)) == _answers(graded.opened.notebook)
@@ -77,7 +77,7 @@ def _is_same_work(layout: Layout, lesson: Lesson, graded: Graded) -> bool:
 
 
 def _answers(notebook: Mapping[str, Any]) -> dict[str, str]:
-    """Return what students may write, by cell."""
+    """Return the cells that students may write, with their content."""
     found = {}
     for cell in notebook['cells']:
         marks = cell['metadata'].get('nbgrader', {})
@@ -87,7 +87,7 @@ def _answers(notebook: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _name(layout: Layout, students: Collection[str]) -> None:
-    """Give the gradebook the names of students that it has none of; formgrader shows them."""
+    """Give the gradebook the names of students that it does not have; formgrader shows them."""
     from autograder.gradebook import converters
 
     people = {one: name for one, name in read_people(layout).items() if one in students}
@@ -104,7 +104,7 @@ def _name(layout: Layout, students: Collection[str]) -> None:
 
 
 def forget_students(layout: Layout, names: Collection[str]) -> None:
-    """Remove students from the gradebook, with all they have there."""
+    """Remove students and all their data from the gradebook."""
     from autograder.gradebook import converters
 
     with converters.opened_gradebook(layout) as gradebook:
@@ -114,7 +114,7 @@ def forget_students(layout: Layout, names: Collection[str]) -> None:
 
 
 def _stage(folder: Path, notebook: str, graded: Graded) -> None:
-    """Write the notebook that was graded where nbgrader looks for it."""
+    """Write the graded notebook where nbgrader looks for it."""
     from autograder.gradebook.grade_cells import to_node
 
     folder.mkdir(parents=True)
@@ -126,7 +126,7 @@ def _stage(folder: Path, notebook: str, graded: Graded) -> None:
 
 
 def timestamp_of(folder: Path) -> str:
-    """Return when the work was handed in, empty if unknown; nbgrader fails on a broken one."""
+    """Return the time of delivery, or an empty string; nbgrader fails on an invalid time."""
     from nbgrader.utils import parse_utc
 
     data, _ = read_file(folder / 'timestamp.txt', 'timestamp.txt')

@@ -1,4 +1,4 @@
-"""nbgrader's settings for the course, read without nbgrader, whose import takes seconds."""
+"""Read nbgrader's settings for the course without nbgrader, whose import takes seconds."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ def load_config(layout: Layout) -> Config:
         return PyFileConfigLoader(path.name, path=str(layout.root)).load_config()
     except Exception as error:  # noqa: BLE001 - it is a program, and instructors edit it
         raise GraderError(
-            f'{path}: expected settings of nbgrader, got {type(error).__name__}: {error}.',
+            f'{path}: nbgrader cannot read these settings: {type(error).__name__}: {error}.',
             'Try: fix the file, then run the same command again. Finished runs are kept.',
         ) from error
 
 
 def gradebook_file(layout: Layout) -> Path | None:
-    """Return the file of the gradebook, there or not, None if a server keeps it."""
+    """Return the path of the gradebook, even if it does not exist; None for a server."""
     place, found, path = str(load_config(layout).CourseDirectory.db_url).partition('sqlite:///')
     return Path(path) if found and not place else None
 
 
 def has_gradebook(layout: Layout) -> bool:
-    """Return whether there is a gradebook; one on a server counts as there."""
+    """Return whether a gradebook exists; one on a server always counts as existing."""
     path = gradebook_file(layout)
     return path is None or path.is_file()

@@ -1,1 +1,1 @@
-"""One submission or a class: run what nobody has run yet, then judge."""
+"""Grade one submission or a class: run what is not recorded yet, then judge."""

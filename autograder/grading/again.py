@@ -1,4 +1,4 @@
-"""Exams for judging again: recordings are read, nothing runs."""
+"""Provide exams for judging stored recordings again, without a run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from autograder.results import ExamResult
 
 
 class NothingRuns(Engine):
-    """The exams without a sandbox: nothing can be run by mistake."""
+    """The exams without a sandbox, so that no program can run by mistake."""
 
     def exams(self, assignment: str) -> Sequence[Exam]:
         """Return the full exams of an assignment in the lesson's order."""
@@ -20,5 +20,5 @@ class NothingRuns(Engine):
         return catalog.for_assignment(assignment)
 
     def run(self, exam: Exam, files: Mapping[str, str]) -> ExamResult:
-        """Refuse."""
-        raise GraderError('Judging again runs nothing.')
+        """Refuse to run anything."""
+        raise GraderError('Judging again runs no program.')

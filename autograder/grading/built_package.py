@@ -1,8 +1,8 @@
 """
-A whole ROS package as a submission: built with colcon in the sandbox, run by its executables.
+Grade a whole ROS package: build it with colcon in the sandbox and run its executables.
 
-The exams stay as they are; only what is run is another program.  Where the build or the start of
-an executable fails, the verdicts are told in the words of a package instead of a node file.
+The exams are unchanged; they run an executable instead of a node file.  If the build or the start
+of an executable fails, the verdicts speak of a package.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _IN_CELL = re.compile(r'in line (\d+) of the cell')
 
 def package_name(files: Mapping[str, str]) -> str:
     """
-    Return the name of the package that can be built from some files, empty if none can.
+    Return the name of the package that some files form, or an empty string.
 
     :param files: of one package, by their path inside it
     """
@@ -58,7 +58,7 @@ def explained(
     exam: Exam, result: ExamResult, recording: Recording | None, files: Mapping[str, str]
 ) -> ExamResult:
     """
-    Tell a result in the words of a package.
+    Return a result with messages about a package instead of a node file.
 
     :param exam: from :func:`as_package`
     :param recording: of the run, None if nothing was run
@@ -81,7 +81,7 @@ def explained(
 
 
 def of_a_file(check: CheckResult) -> CheckResult:
-    """Say the line of the file where the words count the magic line of a notebook's cell."""
+    """Correct line numbers: a file has no magic line, which a cell's numbers count."""
     words = _IN_CELL.sub(lambda found: f'in line {int(found[1]) - 1} of the file', check.cause)
     return replace(check, cause=words)
 
@@ -130,7 +130,7 @@ def _no_executable(exam: Exam, said: str, files: Mapping[str, str]) -> dict[str,
 
 
 def _there(said: str) -> dict[str, list[str]]:
-    """Return what run_package has written; the text may be anybody's, and it only explains."""
+    """Return the list that run_package has written; students can forge it, so it only explains."""
     found: dict[str, list[str]] = {'lib': [], 'bin': []}
     lines = [line for line in said.splitlines() if line.startswith(MARK)]
     try:

@@ -1,9 +1,9 @@
 """
-The same runs on the workers of a Dask scheduler, as ``docs/cluster.md`` sets them up.
+Run exams on the workers of a Dask scheduler, as ``docs/cluster.md`` describes.
 
-Dask carries function calls between processes of ours with pickle.  What is called is
-:func:`autograder.runs.pool.run_task`, and what goes in and comes out are bytes of JSON, so no
-object that was made from a submission is ever pickled or unpickled.
+Dask uses pickle to call functions in other processes.  The only function is
+:func:`autograder.runs.pool.run_task`; its argument and its result are bytes of JSON, so no object
+made from a submission is ever pickled or unpickled.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ TRY_OUT_S = 120
 
 
 class ClusterUnavailable(GraderError):
-    """The scheduler or its workers cannot be used as they are."""
+    """The scheduler or its workers cannot be used."""
 
 
 class Cluster:
     """
-    A place to run: everything that the scheduler has.
+    A place for runs: all workers of a scheduler.
 
     :param client: of ``distributed``, connected
     """
@@ -47,7 +47,7 @@ class Cluster:
 
     def run(self, task: bytes) -> bytes:
         """
-        Run a task somewhere; the scheduler gives it to another worker if one is lost.
+        Run a task on any worker; the scheduler chooses a different one if a worker is lost.
 
         :raises WorkerDied: if it took several workers with it
         :raises GraderError: if the cluster was lost
@@ -58,22 +58,22 @@ class Cluster:
             answer: bytes = self._executor.submit(run_task, task).result()
         except KilledWorker as error:
             raise WorkerDied(
-                'The workers that ran it died (killed, or out of memory).',
-                'Grade again; what is done is kept.',
+                'The workers that ran this submission died (killed, or out of memory).',
+                'Try: grade again. Finished runs are kept.',
             ) from error
         except CancelledError as error:
             raise Stopped('The grading was stopped, or the cluster was lost.') from error
         return answer
 
     def close(self) -> None:
-        """Take back what did not begin."""
+        """Cancel the tasks that have not started."""
         self._executor.shutdown(wait=False)
 
 
 @contextmanager
 def cluster_engine(address: str, layout: Layout, fresh: bool = False) -> Iterator[SandboxEngine]:
     """
-    Yield the engine for grades that runs on a cluster.
+    Yield an engine for graded runs on a cluster.
 
     :param address: of the scheduler, such as ``tcp://10.0.0.5:8786``
     :param fresh: repeat all runs
@@ -114,7 +114,7 @@ def _connected(address: str) -> Iterator[Any]:
 
 
 def _ask_all(client: Any, address: str) -> dict[str, Mapping[str, Any]]:
-    """Ask every worker what it is; the question runs where later the runs will."""
+    """Ask every worker for its version and isolation, in the process that will run tasks."""
     workers = list(client.scheduler_info(n_workers=-1)['workers'])
     if not workers:
         raise ClusterUnavailable(
@@ -131,15 +131,14 @@ def _ask_all(client: Any, address: str) -> dict[str, Mapping[str, Any]]:
             answers[worker] = json.loads(future.result(timeout=TRY_OUT_S))
         except Exception as error:
             raise ClusterUnavailable(
-                f'Worker {worker}: expected one with this project, got '
-                f'{type(error).__name__}: {error}.',
-                'Try: start it in the folder of the project, with its own Python',
+                f'Worker {worker} cannot run this project: {type(error).__name__}: {error}.',
+                'Try: start the worker in the folder of the project, with the Python of its .venv',
             ) from error
     return answers
 
 
 def about() -> bytes:
-    """Return, as JSON, which version a worker has and how it isolates; runs on the worker."""
+    """Return the version and the isolation of a worker as JSON; runs on the worker."""
     from autograder.sandboxes import choose
 
     mode = refusal = ''
@@ -153,7 +152,7 @@ def about() -> bytes:
 
 def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
     """
-    Return the isolation that all workers have.
+    Return the isolation mode of all workers; raise if they differ.
 
     :param answers: by worker, what :func:`about` said
     :raises ClusterUnavailable: if one has none, another one or another version of the project
@@ -163,8 +162,8 @@ def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
         where = f'Worker {worker} on {found["host"]}'
         if unlike := difference(version(), found['version']):
             raise ClusterUnavailable(
-                f'{where} has another version of the project: {unlike}.',
-                'Try: the same commit there and here, then make grade or make doctor on both',
+                f'{where} has a different version of the project: {unlike}.',
+                'Try: check out the same commit on both machines, then run make doctor on both',
             )
         if not found['mode'] or not MODES[found['mode']].keeps_secrets:
             raise ClusterUnavailable(

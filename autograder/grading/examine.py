@@ -1,4 +1,4 @@
-"""One exam on one set of files: run it if nobody has yet, then judge the recording."""
+"""Run one exam on one set of files unless a recording exists, then judge the recording."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def examine(
     place: Place | None = None,
 ) -> ExamResult:
     """
-    Judge a student's files by an exam.
+    Judge a student's files with an exam.
 
     :param files: relative path to text, only the files that exist
     :param sandbox: from :func:`autograder.sandboxes.choose.strongest`, or ``plain()`` for visible
@@ -44,7 +44,7 @@ def examine(
     """
     if exam.hidden and not sandbox.keeps_secrets:
         raise SandboxUnavailable(
-            f'A hidden exam is never run with isolation {sandbox.mode}: it keeps nothing hidden.'
+            f'A hidden exam never runs with isolation {sandbox.mode}, which hides no files.'
         )
     if result := without_recording(exam, files, sandbox.mode):
         return result
@@ -59,7 +59,7 @@ def judged(
     timing: Mapping[str, float] | None = None,
 ) -> ExamResult:
     """
-    Judge files of which a recording was made; nothing is run.
+    Judge files from a recording of them; run nothing.
 
     :param timing: of the run, if it was just made
     :raises GraderError: if a check itself breaks
@@ -86,7 +86,7 @@ def judged(
 
 def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamResult | None:
     """
-    Judge files that need no run, because one is missing or the files alone decide; else None.
+    Judge files that need no run, because one is missing or they decide alone; else None.
 
     :param mode: isolation mode to name
     """
@@ -99,7 +99,7 @@ def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamRe
 
 
 def _without(exam: Exam, missing: list[str]) -> ExamResult:
-    """Return the result when a file is not there: what needs it fails, and says so."""
+    """Return the result for a missing file: every check that needs it fails and says so."""
     first, *others = exam.checks
     failed = CheckResult(
         first.name,

@@ -1,9 +1,9 @@
 """
-The stages put together: one submission, or a class of them at the same time.
+Grade one submission, or a class in parallel: read, run, judge, put results together.
 
-Threads here wait for runs, which take place in :mod:`autograder.runs.pool`, and judge what
-comes back.  Our own fault makes one submission "for review"; it never becomes a zero and never
-stops the others.
+Threads here wait for runs, which take place in :mod:`autograder.runs.pool`, and judge their
+recordings.  A fault of the grader makes one submission "for review"; it never gives zero points
+and never stops the others.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ THREADS = 'grading'
 
 
 class Engine(Protocol):
-    """Where exams come from and how they run; tests put a quick one here."""
+    """A source of exams that can run them; tests use a quick one."""
 
     def exams(self, assignment: str) -> Sequence[Exam]:
         """Return the exams of an assignment in the lesson's order."""
@@ -55,7 +55,7 @@ class Engine(Protocol):
 @dataclass(frozen=True)
 class SandboxEngine:
     """
-    The real engine: hidden and visible exams, student code in a sandbox.
+    The real engine: hidden and visible exams, with student code in a sandbox.
 
     :param recordings: folder of recordings; an identical run is read, not repeated
     :param fresh: repeat all runs
@@ -91,9 +91,9 @@ class SandboxEngine:
 
 def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') -> SandboxEngine:
     """
-    Return the engine for grades: the strongest sandbox, or what was named to be accepted.
+    Return the engine for grades, with the strongest sandbox or an accepted weaker one.
 
-    Where nothing keeps hidden exams hidden, the visible ones are run in their place.
+    With a sandbox that hides nothing, the visible exams run instead of the hidden ones.
 
     :param allow_weak: see :func:`autograder.sandboxes.choose.strongest`
     :raises SandboxUnavailable: if no isolation works that may run hidden exams
@@ -107,7 +107,7 @@ def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') ->
 @dataclass(frozen=True)
 class Lesson:
     """
-    All that is needed to grade one assignment.
+    Everything that is needed to grade one assignment.
 
     :param notebook: file name of the released notebook
     :param release: its content
@@ -141,19 +141,19 @@ def load_lesson(layout: Layout, assignment: str, engine: Engine) -> Lesson:
     except (OSError, ValueError) as error:
         raise ExamInvalid(
             f'The release of {assignment} cannot be used: {error}',
-            'Regenerate it with: make release',
+            'Try: make release',
         ) from error
     return Lesson(assignment, path.name, release, tuple(engine.exams(assignment)))
 
 
 def open_one(submission: Submission, lesson: Lesson) -> Opened:
-    """Read what a student handed in; only the answers are kept."""
+    """Read one submission; keep only the answers."""
     data, problems = submission.read(lesson.notebook)
     return open_submission(data, lesson.release, lesson.notebook, problems)
 
 
 def grade_opened(opened: Opened, student: str, lesson: Lesson, engine: Engine) -> SubmissionResult:
-    """Grade one submission, its exams at the same time."""
+    """Grade one submission, with its exams in parallel."""
     files = extract(opened, lesson.exams, lesson.release, lesson.notebook)
     with ThreadPoolExecutor(max_workers=max(1, len(lesson.exams))) as pool:
         tasks = {
@@ -185,7 +185,7 @@ def grade_class(
     meanwhile: Callable[[Sequence[Graded]], None] = lambda ready: None,
 ) -> tuple[Graded, ...]:
     """
-    Grade a class, (submission, exam) by (submission, exam); equal files are one run.
+    Grade a class; equal files run once.
 
     :param jobs: how many runs at a time
     :param on_done: called for each exam of each submission, in any thread
@@ -230,7 +230,7 @@ def _somebody_runs(tasks: Iterable[Future[Any]]) -> bool:
     """
     Return whether one of the tasks takes as long as a run.
 
-    The pool takes them in order, and a recording that is kept is read in a hundredth of the time.
+    The pool takes tasks in order, and to read a stored recording takes a hundredth of the time.
     """
     return any(wait([task], timeout=LIKE_A_RUN_S).not_done for task in tasks)
 
@@ -246,7 +246,7 @@ def _tell(
 
 
 def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> ExamResult | GraderError:
-    """Run one exam; our own fault comes back as a value, so that the others go on."""
+    """Run one exam; return a fault of the grader as a value, so that the others continue."""
     try:
         return engine.run(exam, files)
     except GraderError as error:
@@ -257,7 +257,7 @@ def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> ExamResult | G
 
 def end_runs(within_s: float = 5.0) -> bool:
     """
-    End what the pool's threads still run, so that they clean up and come to their end.
+    End the runs of the pool's threads, so that the threads clean up and end.
 
     Dying with the runs is not enough: a sandbox that is just being set up is not yet tied to
     this process.
@@ -276,10 +276,10 @@ def end_runs(within_s: float = 5.0) -> bool:
 
 def _end_sandboxes() -> None:
     """
-    End what runs for us, in the order in which it should end.
+    End the sandboxes and probes of this process in the right order.
 
-    Probes come first: none may live to record that a student's program was killed.  The outer
-    process of a sandbox is left out, because it ends with the inner one and would orphan it.
+    Probes come first: no probe may record that a student's program was killed.  The outer process
+    of a sandbox is not killed, because that would orphan the inner one.
     """
     import psutil  # only the course's own Python has it
 
@@ -303,7 +303,7 @@ def _assemble(
     files: Mapping[str, ExamFiles],
     outcomes: Mapping[str, ExamResult | GraderError],
 ) -> SubmissionResult:
-    """Put the parts of one submission's result together."""
+    """Put the result of one submission together."""
     done = [outcome for outcome in outcomes.values() if isinstance(outcome, ExamResult)]
     faults = [str(outcome) for outcome in outcomes.values() if isinstance(outcome, GraderError)]
     problems = [*opened.problems]
@@ -323,7 +323,7 @@ def _assemble(
 @dataclass(frozen=True)
 class Done:
     """
-    One exam of one submission is over.
+    One exam of one submission has ended.
 
     :param student: whose it is
     :param outcome: the result, or our own fault

@@ -1,5 +1,5 @@
 """
-Build the student's package inside the sandbox with colcon, then let its message travel.
+Build the student's package inside the sandbox with colcon, then echo its message.
 
 Usage: build_package.py SOURCE PACKAGE TYPE.  After a successful build this process becomes
 ``echo_node.py``, which imports TYPE from what was just built.
@@ -50,7 +50,7 @@ def build(source: str, package: str) -> Path:
 
 
 def variables(prefix: Path) -> dict[str, str]:
-    """Return the environment in which programs find what was installed there."""
+    """Return the environment variables with which programs find the installed package."""
     found = glob(f'{prefix}/lib/python3*/site-packages')
     # The build ran in real time; from here on, time is virtual.
     whole = {**os.environ, 'LD_PRELOAD': os.environ['CLOCK_LIBRARY']}
@@ -64,7 +64,7 @@ def variables(prefix: Path) -> dict[str, str]:
 
 
 def main() -> None:
-    """Build and carry on as the echo node, or end with colcon's exit code."""
+    """Build and become the echo node, or end with colcon's exit code."""
     warm_python.import_colcon()
     gate.wait()
     source, package, type_name = sys.argv[1:4]

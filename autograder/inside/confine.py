@@ -5,14 +5,15 @@ Usage: confine.py RULES COMMAND...  where RULES is JSON::
 
     {"uid": 1000000001, "read": [paths], "list": [folders], "write": [folders], "filter": file}
 
-For machines on which no namespace can be made.  This process stays outside as the supervisor: what
-the program leaves behind becomes its child, so that nothing outlives the run.  On SIGTERM, or when
-the grader dies, it ends them all.  The program itself runs as its own child behind the rules: it
-may read, execute and write what they name and nothing else, opens no TCP connection (from Landlock
-4 on), signals nobody outside (from 6 on), and passes the same system-call filter as in a sandbox.
+This is for machines without namespaces.  The process stays outside the rules as the supervisor:
+processes that the program leaves behind become its children, so that nothing outlives the run.  On
+SIGTERM, or when the grader dies, it ends them all.  The program runs as its child behind the
+rules: it may read, execute and write only what they name, opens no TCP connection (Landlock 4 or
+newer), cannot signal processes outside (Landlock 6 or newer), and has the same system-call filter
+as in a sandbox.
 
-There is a library for this on PyPI, whose latest release is a development version that knows files
-only; the three system calls are quickly written down.  See landlock(7).
+The library for this on PyPI has only development releases, which handle files only; three system
+calls replace it.  See landlock(7).
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ _libc.syscall.restype = ctypes.c_long
 
 def by_number(number: int, *arguments: Any) -> int:
     """
-    Make a system call that the C library has no function for, and return what it returns.
+    Make a system call that the C library has no function for, and return its result.
 
     :raises OSError: if that is an error
     """
@@ -60,7 +61,7 @@ def by_number(number: int, *arguments: Any) -> int:
 
 def prctl(option: int, *arguments: Any) -> None:
     """
-    Change something about this process; section 2 of the manual describes it.
+    Change a property of this process, as section 2 of the manual describes.
 
     :raises OSError: if the kernel refuses
     """
@@ -80,7 +81,7 @@ def landlock_version() -> int:
 
 def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
     """
-    Give up for ever all rights to files but those that the rules name.
+    Give up all rights to files except those that the rules name.
 
     :param descriptors: the paths of the rules, opened before the uid changed
     """
@@ -146,7 +147,7 @@ def descendants() -> list[int]:
 
 
 def end_all() -> None:
-    """End everything below this process; new ones may come while it happens."""
+    """End all processes below this one, including those that start meanwhile."""
     while left := descendants():
         for pid in left:
             try:
@@ -158,7 +159,7 @@ def end_all() -> None:
 
 
 def reap() -> dict[int, int]:
-    """Take note of ended children and return their exit codes by pid."""
+    """Collect ended children and return their exit codes by pid."""
     ended: dict[int, int] = {}
     while True:
         try:
@@ -172,7 +173,7 @@ def reap() -> dict[int, int]:
 
 
 def main() -> None:
-    """Start the program and stay until it, and all it started, has ended."""
+    """Start the program, and stay until it and everything it started has ended."""
     rules, command = json.loads(sys.argv[1]), sys.argv[2:]
     grader = os.getppid()
     prctl(PR_SET_CHILD_SUBREAPER, 1)

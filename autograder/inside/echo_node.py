@@ -1,8 +1,8 @@
 """
-Send back on ``/echo_out`` whatever arrives on ``/echo_in``, in the message type just built.
+Send back on ``/echo_out`` every message from ``/echo_in``, in the type that was just built.
 
-Usage: echo_node.py PACKAGE/msg/TYPE.  The probe holds the reference type on the other end, so an
-answer with the same values proves that the built type is the right one, on the wire.
+Usage: echo_node.py PACKAGE/msg/TYPE.  The probe uses the reference type, so an answer with the
+same values shows that the built type is correct.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from rclpy.node import Node
 
 
 def main() -> None:
-    """Echo until the sandbox is ended."""
+    """Echo messages until the sandbox ends."""
     package, kind, name = sys.argv[1].split('/')
     message_type = getattr(importlib.import_module(f'{package}.{kind}'), name)
     rclpy.init(args=[])

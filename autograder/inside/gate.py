@@ -1,8 +1,9 @@
 """
-The gate at which every program waits until the grader lets it run.
+Make every program wait until the grader lets it run.
 
-One byte on standard input opens it.  The end of the input means that the grader is gone: then the
-program ends before the student's first line, so that nothing outlives a grader that was killed.
+The program starts after one byte on standard input.  The end of the input means that the grader
+was killed: then the program ends before the student's first line, so that nothing outlives the
+grader.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import sys
 
 
 def wait() -> None:
-    """Wait for the grader's byte, then leave an empty standard input behind."""
+    """Wait for the grader's byte, and leave an empty standard input for the program."""
     if os.read(0, 1) != b'x':
         sys.exit('the grader is gone')
     nothing = os.open(os.devnull, os.O_RDONLY)

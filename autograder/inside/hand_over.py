@@ -1,8 +1,8 @@
 """
-Replace Python in a message build: let a warm process run the program and end as it ended.
+Replace Python in a message build: let a warm process run the program, and end as it ended.
 
-The set-up writes this file after a first line that names the interpreter, and CMake uses the copy
-as Python.  It exists to be quick, so it imports next to nothing.  Python itself runs every program
+The set-up copies this file below a first line that names the interpreter, and CMake uses the copy
+as Python.  It must start quickly, so it imports almost nothing.  Python itself runs every program
 that is not in :data:`PROGRAMS`.
 """
 
@@ -32,7 +32,7 @@ PROGRAMS = frozenset(
 
 
 def main() -> None:
-    """Hand the program over, or become the Python that was asked for."""
+    """Send the program to the warm process, or become the Python that was requested."""
     words = sys.argv[1:]
     named = words[1:2] if words[:1] == ['-m'] else words[:1]
     if named and os.path.basename(named[0]) in PROGRAMS and SOCKET in os.environ:
@@ -42,9 +42,9 @@ def main() -> None:
 
 def handed_over(words: list[str]) -> None:
     """
-    Send a command line and all that goes with it, and end with the answer.
+    Send a command line with its environment, and end with the exit code that comes back.
 
-    Returns if nobody listens.
+    The function returns if no warm process is listening.
     """
     environment = [f'{name}={value}' for name, value in os.environ.items()]
     fields = [str(len(words)), *words, os.getcwd(), *environment]

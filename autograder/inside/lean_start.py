@@ -1,11 +1,11 @@
 """
-Import less: what rclpy brings along and a run does not need is two thirds of its start.
+Import less of rclpy: imports that a run does not need take two thirds of its start.
 
-Of 0.45 s of processor time until a first node is there, numpy takes 0.13 s (and a thread for each
-processor), though only messages with arrays of numbers use it; the generator of message classes
-takes 0.08 s for a parser that only a build needs; YAML, for files of parameters, 0.015 s.  So
-numpy and YAML are loaded when somebody uses them, and the generator is not there, which its
-package allows for.  Two processes a run gain by it.
+Of the 0.45 s of processor time before the first node exists, numpy takes 0.13 s (and a thread for
+each processor), although only messages with arrays of numbers use it; the generator of message
+classes takes 0.08 s for a parser that only a build needs; YAML, for files of parameters, takes
+0.015 s.  So numpy and YAML are loaded at their first use, and the generator is missing, which its
+package tolerates.  Two processes per run start faster.
 
 The probe and the launcher of the student's program share this file.
 """
@@ -25,7 +25,7 @@ LATER = ('numpy', 'yaml')
 
 
 def lean() -> None:
-    """Prepare this process, before it imports rclpy."""
+    """Replace slow modules in this process, before it imports rclpy."""
     # The import system's own way to say that there is no such module.
     sys.modules[GENERATOR] = None  # type: ignore[assignment]
     for name in LATER:
@@ -36,10 +36,10 @@ def lean() -> None:
 
 class _Later(types.ModuleType):
     """
-    A module that becomes the real one as soon as an attribute of it is asked for.
+    A module that becomes the real one as soon as one of its attributes is used.
 
-    Not ``importlib.util.LazyLoader``, in which two threads that come at the same time could see
-    half a module before Python 3.12.3.
+    ``importlib.util.LazyLoader`` would not do: before Python 3.12.3, two threads at the same time
+    could see half a module.
     """
 
     def __init__(self, spec: ModuleSpec) -> None:

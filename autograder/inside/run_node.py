@@ -1,12 +1,12 @@
 """
-Start a node file inside the sandbox, the way ``ros2 run`` would.
+Start a node file inside the sandbox as ``ros2 run`` would.
 
 Usage: run_node.py FILE [arguments of the program].  The file runs as a script.  If it only defines
 ``main`` and leaves the call to an entry point, ``main()`` is called afterwards.
 
-A folder of modules next to the file is a package that the file may import, even if it has the
-name of the course's messages: an installed package has both in one place.  A file that is also in
-such a folder is a module of that package, as it is when an entry point imports it.
+A folder of modules next to the file is a package that the file may import, even if it has the name
+of the course's message package: an installed package has both in one place.  If the file is also
+in such a folder, it is a module of that package, as with an entry point.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ NO_PACKAGE = ('test', 'tests', 'launch', 'config')
 
 
 def outside_definitions(tree: ast.AST) -> Iterator[ast.AST]:
-    """Yield all nodes that are executed when the file is, without those of functions."""
+    """Yield all syntax nodes that run with the file, without those of functions."""
     for child in ast.iter_child_nodes(tree):
         if not isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
             yield child
@@ -36,13 +36,13 @@ def outside_definitions(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def leaves_main_to_others(tree: ast.Module) -> bool:
-    """Return whether the file neither calls ``main`` nor checks whether it is the script."""
+    """Return whether the file neither calls ``main`` nor checks ``__name__``."""
     names = {node.id for node in outside_definitions(tree) if isinstance(node, ast.Name)}
     return not names & {'main', '__name__'}
 
 
 def join_packages(folder: Path) -> list[Path]:
-    """Let the modules of each package folder be found before what is installed of its name."""
+    """Let Python find the modules of each package folder before an installed package."""
     packages = sorted({file.parent for file in folder.glob('*/*.py')})
     packages = [one for one in packages if one.name.isidentifier() and one.name not in NO_PACKAGE]
     for package in packages:

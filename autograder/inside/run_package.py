@@ -1,9 +1,9 @@
 """
 Build the student's package inside the sandbox with colcon, then run one of its executables.
 
-Usage: run_package.py SOURCE PACKAGE EXECUTABLE [arguments of the program].  The executable is what
-``ros2 run PACKAGE EXECUTABLE`` would start: a file of that name in ``lib/PACKAGE``.  If there is
-none, what is there is written to standard error as one line, and the exit code says so.
+Usage: run_package.py SOURCE PACKAGE EXECUTABLE [arguments of the program]. The executable is the
+file that ``ros2 run PACKAGE EXECUTABLE`` would start: a file of that name in ``lib/PACKAGE``.  If
+it is missing, one line on standard error lists the existing files, and the exit code reports it.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ MARK = 'run_package: '
 
 
 def executable(prefix: Path, package: str, name: str) -> Path | None:
-    """Return the file that is run, which may carry its suffix in its name."""
+    """Return the file to run, with or without a suffix in its name."""
     folder = prefix / 'lib' / package
     for file in (folder / name, folder / f'{name}.py'):
         if file.is_file() and os.access(file, os.X_OK):
@@ -31,7 +31,7 @@ def executable(prefix: Path, package: str, name: str) -> Path | None:
 
 
 def what_is_there(prefix: Path, package: str) -> dict[str, list[str]]:
-    """Return the names of executables where they belong and where they may have gone."""
+    """Return the names of executables in the right folder and in wrong ones."""
     places = {'lib': prefix / 'lib' / package, 'bin': prefix / 'bin'}
     return {
         word: sorted(file.name for file in folder.glob('*') if os.access(file, os.X_OK))[:20]
@@ -40,7 +40,7 @@ def what_is_there(prefix: Path, package: str) -> dict[str, list[str]]:
 
 
 def command(file: Path) -> list[str]:
-    """Return how to start a file: a Python script with the Python that has ROS."""
+    """Return the command that starts a file: Python scripts run with the Python that has ROS."""
     with file.open('rb') as script:
         first = script.readline(200)
     if first.startswith(b'#!') and b'python' in first:
@@ -49,7 +49,7 @@ def command(file: Path) -> list[str]:
 
 
 def main() -> None:
-    """Build and become the program."""
+    """Build the package and become the program."""
     warm_python.import_colcon()
     gate.wait()
     source, package, name, *arguments = sys.argv[1:]

@@ -1,10 +1,10 @@
 """
-Run the small Python programs of a message build in copies of a process that has all they import.
+Run the small Python programs of a message build in forks of a process with their imports.
 
-A message package starts ten of them: colcon, the readers of ``package.xml``, the generators of
-code, ``setup.py``.  Each needs a tenth of a second for its work and more for its imports.  Here a
-process imports once, and each program is run by a fork of it.
-``hand_over.py`` is the other side, which CMake takes for Python.
+A message build starts ten of them: colcon, the readers of ``package.xml``, the generators of code,
+``setup.py``.  Each needs a tenth of a second for its work and more for its imports.  This process
+imports once and runs each program in a fork.  ``hand_over.py`` is the other side, which CMake uses
+as Python.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ MAX_BYTES = 1 << 18  # of a request: its command line and environment
 
 
 def import_colcon() -> None:
-    """Import colcon with all its plugins, and have it find CMake."""
+    """Import colcon with all its plug-ins, and let it find CMake."""
     with contextlib.suppress(ImportError):
         from cmake import CMAKE_BIN_DIR  # type: ignore[import-not-found]
 
@@ -58,7 +58,7 @@ def import_colcon() -> None:
 
 def listen(folder: Path) -> tuple[socket.socket | None, dict[str, str]]:
     """
-    Listen for programs to run.
+    Listen for requests to run programs.
 
     :param folder: for the socket
     :returns: the socket, and the variable that names it for a build; nothing if sockets are
@@ -76,7 +76,7 @@ def listen(folder: Path) -> tuple[socket.socket | None, dict[str, str]]:
 
 def run_beside(program: Callable[[], object], listening: socket.socket | None) -> int:
     """
-    Run a program and, until it ends, those that are handed over.
+    Run a program and, until it ends, serve the requests of ``hand_over.py``.
 
     :returns: the program's exit code, 1 if a signal ended it
     """
@@ -90,7 +90,7 @@ def run_beside(program: Callable[[], object], listening: socket.socket | None) -
 
 
 def _fork(program: Callable[[], object]) -> int:
-    """Run a program in a copy of this process and return the copy's process id."""
+    """Run a program in a fork of this process and return the fork's process id."""
     sys.stdout.flush()
     copy = os.fork()
     if copy == 0:
@@ -122,7 +122,7 @@ def _code_of(program: Callable[[], object]) -> int:
 
 
 def _serve(listening: socket.socket) -> None:
-    """Run what clients ask for, each in a copy of this process, until somebody ends it."""
+    """Run the requested programs, each in a fork of this process, until it is stopped."""
     for name in IMPORTS:  # it takes as long as the build needs to get to the first of them
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
@@ -141,7 +141,7 @@ def _serve(listening: socket.socket) -> None:
 
 
 def _answer(client: socket.socket) -> None:
-    """Run what a client asks for and send the exit code; the socket closes if it is killed."""
+    """Run a requested program and send its exit code; the socket closes if it is killed."""
     text, descriptors, _, _ = socket.recv_fds(client, MAX_BYTES, 3)
     if not text:
         return  # the client ended before it sent a request

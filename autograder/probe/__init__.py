@@ -1,1 +1,1 @@
-"""Run next to a student's program, drive it and write down what it does."""
+"""Drive a student's program from a process in the same network, and record what it does."""

@@ -1,5 +1,5 @@
 """
-Drive a student's program from inside the network of its sandbox, and write down what it does.
+Drive a student's program from inside the network of its sandbox, and record what it does.
 
 The probe knows the *scenario* (which topics to watch, what to send, and when) but no expected
 value.  It reads one JSON line from standard input, runs the scenario, and writes one JSON event
@@ -70,7 +70,7 @@ class Probe:
     """
 
     def __init__(self, scenario: dict[str, Any]) -> None:
-        """Create every endpoint of the probe before the student's code is started."""
+        """Create every endpoint of the probe before the student's code starts."""
         self.scenario = scenario
         # Other output on standard output, such as rclpy's own warnings, is not an event.
         self.output = os.fdopen(os.dup(1), 'w', encoding='utf-8')
@@ -136,13 +136,13 @@ class Probe:
 
     @property
     def clock_ns(self) -> int | None:
-        """Return the virtual time since the program was let go; it ends with the last step."""
+        """Return the virtual time since the program started; it ends with the last step."""
         if self.began_ns is None or self.over_ns is not None:
             return self.over_ns
         return time.monotonic_ns() - self.began_ns
 
     def emit(self, event: str, **facts: Any) -> None:
-        """Write one event; what comes when the last step is over is left out."""
+        """Write one event; leave out events after the last step."""
         if self.over_ns is not None and event in ('message', 'log'):
             return
         self.events += 1
@@ -158,7 +158,7 @@ class Probe:
         print(json.dumps(line, allow_nan=False), file=self.output, flush=True)
 
     def message(self, topic: str, message: Any, info: Any, **facts: Any) -> None:
-        """Write down a message that was received, and how many its publisher had sent by then."""
+        """Record a message, and how many its publisher had sent by then."""
         data = to_json(message)
         size = len(json.dumps(data))
         what = {'too_large': size} if size > LONGEST_EVENT else {'data': data}
@@ -177,7 +177,7 @@ class Probe:
         )
 
     def graph(self, when: str) -> None:
-        """Write down the graph as it is now."""
+        """Record the current graph."""
         seen = self.seen.facts()
         if self.seen.own_name in seen['nodes'] and not self.imitated:
             self.imitated = True
@@ -198,7 +198,7 @@ class Probe:
             self._take_messages(self._due_ns(now_ns, until_ns) - now_ns)
 
     def _take_messages(self, most_ns: int) -> None:
-        """Wait at most so long for messages, and handle them, of each topic one in turn."""
+        """Wait for messages up to a time limit, and handle them, one per topic in turn."""
         heard = list(self.node.subscriptions)
         waiting = _rclpy.WaitSet(len(heard), 0, 0, 0, 0, 0, self.context.handle)
         waiting.clear_entities()
@@ -213,7 +213,7 @@ class Probe:
                     one.callback(*message)
 
     def wait_until(self, condition: Callable[[], bool], seconds: float) -> bool:
-        """Wait until something holds, at most so long; tell whether it does."""
+        """Wait until a condition holds or time is up; return whether it holds."""
         until_ns = time.monotonic_ns() + round(seconds * SECOND)
         while not condition():
             now_ns = time.monotonic_ns()
@@ -226,11 +226,11 @@ class Probe:
         return True
 
     def _due_ns(self, now_ns: int, until_ns: int) -> int:
-        """Return when to look next; the ROS time that is due by now is told."""
+        """Publish the ROS time that is due, and return when to look next."""
         return min(until_ns, self._tick(now_ns)) if self.clock else until_ns
 
     def settle(self) -> None:
-        """Listen until both sides know of an endpoint of ours, or that it is gone."""
+        """Listen until both sides know an endpoint of the probe, or know that it is gone."""
         self.listen(SETTLE_S)
 
     def _tick(self, now_ns: int) -> int:
@@ -273,7 +273,7 @@ class Probe:
         self.emit('end', reason=reason)
 
     def _somebody_comes(self) -> bool:
-        """Listen until there is a node; tell whether one came in time."""
+        """Listen until a node appears; return whether one came in time."""
         for _ in range(round(self.scenario['appear_s'] / LOOK_S)):
             self.listen(LOOK_S)
             if self.seen.askable():
@@ -312,7 +312,7 @@ def _is_ready(client: Any) -> bool:
 
 
 def main() -> None:
-    """Read the scenario, say that we are ready, wait for the start, run, and leave at once."""
+    """Read the scenario, report that the probe is ready, wait for the start, run, and exit."""
     probe_loopback.wait()
     scenario = b''
     while not scenario.endswith(b'\n'):

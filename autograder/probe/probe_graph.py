@@ -1,9 +1,9 @@
 """
-The graph as the probe sees it: whose nodes and endpoints there are beside its own.
+The ROS graph as the probe sees it: nodes and endpoints other than its own.
 
-News of the graph comes from the student's side and can be forged, so names are any text here, and
-nothing is told apart by name: the probe's endpoints are known by the id of its own participant,
-and its node by there being one of that name when nobody else was there.
+The student's side can forge news of the graph.  So names are arbitrary strings, and no name
+identifies anything: the probe recognises its endpoints by the id of its own participant, and its
+node because it was there first.
 
 This file imports nothing of this project: only its text enters the probe's sandbox.
 """
@@ -32,7 +32,7 @@ class Graph:
     """
 
     def __init__(self, node: Node) -> None:
-        """Learn how the ids of our own endpoints begin."""
+        """Learn the prefix of the ids of the probe's own endpoints."""
         self.node = node
         self.own_name = node.get_fully_qualified_name()
         infos = node.get_subscriptions_info_by_topic('/rosout')
@@ -40,7 +40,7 @@ class Graph:
         self.own_prefix = bytes(own.endpoint_gid[:12])
 
     def names(self) -> list[str]:
-        """Return the full name of every node but ours; one that imitates our name is in it."""
+        """Return the full name of every node but the probe's; imitations of its name count."""
         found = sorted(
             f'{namespace.rstrip("/")}/{name}'[:LONGEST_NAME]
             for name, namespace in self.node.get_node_names_and_namespaces()
@@ -51,11 +51,11 @@ class Graph:
         return found
 
     def askable(self) -> list[str]:
-        """Return the names of nodes that can be asked something, without repeats."""
+        """Return the names of nodes whose services can be called, without repeats."""
         return sorted({name for name in self.names() if NODE_NAME.fullmatch(name)})
 
     def facts(self) -> dict[str, Any]:
-        """Return all nodes, and all endpoints that are not ours, with type and QoS."""
+        """Return all nodes, and all endpoints of other participants, with type and QoS."""
         endpoints = []
         for topic, _ in self.node.get_topic_names_and_types():
             endpoints += self._endpoints(topic, 'publisher')

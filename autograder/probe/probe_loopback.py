@@ -1,9 +1,9 @@
 """
 Wait for the network of the student's sandbox.
 
-Bubblewrap says which process is the sandbox's before that one has switched the loopback interface
-on, and on a busy machine a probe can get there first.  Fast DDS looks for its interfaces once: a
-participant that is made too early is deaf for ever, and it would seem that there is no node.
+Bubblewrap reports the process of the sandbox before this process has switched on the loopback
+interface, and on a busy machine a probe can be faster.  Fast DDS looks for interfaces once: a
+participant that is created too early never receives anything, and the probe would see no node.
 
 This file imports nothing of this project: only its text enters the probe's sandbox.
 """
@@ -39,7 +39,7 @@ def works() -> bool:
 
 
 def wait() -> None:
-    """Wait until the loopback interface is there, or the grader has closed our standard input."""
+    """Wait until the loopback interface is up, or the grader has closed standard input."""
     if works():
         return
     waits = select.poll()

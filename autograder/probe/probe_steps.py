@@ -1,7 +1,7 @@
 """
-The steps of a scenario, as the probe takes them; :mod:`autograder.exam.scenario` has them all.
+Execute the steps of a scenario, which :mod:`autograder.exam.scenario` defines.
 
-Each is a function of the probe and the step's data.
+Each step is a function of the probe and the step's data.
 
 This file imports nothing of this project but the probe's own parts: only its text enters the
 probe's sandbox.
@@ -29,12 +29,12 @@ class Stop(Exception):
 
 
 def advance(probe: Any, step: dict[str, Any]) -> None:
-    """Let time pass."""
+    """Let virtual time pass."""
     probe.listen(step['seconds'])
 
 
 def feed(probe: Any, step: dict[str, Any]) -> None:
-    """Send messages, one a second or as one burst, and listen on after the last."""
+    """Send messages, one per second or in one burst, and listen after the last one."""
     cls, publisher = probe.feeds[step['topic']]
     if not probe.wait_until(lambda: publisher.get_subscription_count() > 0, CONNECT_S):
         probe.emit('not_connected', topic=step['topic'])
@@ -53,7 +53,7 @@ def feed(probe: Any, step: dict[str, Any]) -> None:
 
 
 def call(probe: Any, step: dict[str, Any]) -> None:
-    """Call a service once; a transition asked for twice is another thing."""
+    """Call a service once, because a repeated transition would be a different one."""
     facts = {'service': step['service'], 'type': step['type'], 'request': step['request']}
     client = probe.services[step['service']]
     if not probe.wait_until(client.service_is_ready, CONNECT_S):
@@ -69,7 +69,7 @@ def call(probe: Any, step: dict[str, Any]) -> None:
 
 
 def join(probe: Any, step: dict[str, Any]) -> None:
-    """Join with a subscription, and listen."""
+    """Add a subscription, and listen."""
     name, topic = step['name'], step['topic']
     refused: list[str] = []
 
@@ -91,7 +91,7 @@ def join(probe: Any, step: dict[str, Any]) -> None:
 
 
 def offer(probe: Any, step: dict[str, Any]) -> None:
-    """Offer a topic with a publisher."""
+    """Add a publisher of a topic."""
     name, topic, cls = step['name'], step['topic'], load_type(step['type'])
     refused: list[str] = []
     callbacks = PublisherEventCallbacks(
@@ -109,7 +109,7 @@ def offer(probe: Any, step: dict[str, Any]) -> None:
 
 
 def leave(probe: Any, step: dict[str, Any]) -> None:
-    """Take a publisher or a subscription of ours away."""
+    """Remove a publisher or a subscription of the probe."""
     name = step['name']
     if name in probe.listeners:
         probe.node.destroy_subscription(probe.listeners.pop(name))
@@ -126,7 +126,7 @@ def mark(probe: Any, step: dict[str, Any]) -> None:
 
 
 def look(probe: Any, step: dict[str, Any]) -> None:
-    """Write down the graph."""
+    """Record the graph."""
     probe.graph(step['when'])
 
 
@@ -144,7 +144,7 @@ STEPS: dict[str, Callable[[Any, dict[str, Any]], None]] = {
 
 def take(probe: Any, number: int, step: dict[str, Any]) -> None:
     """
-    Take one step.
+    Execute one step.
 
     :raises RuntimeError: if we fail at it; its words are one line, the only one the grader shows
     """

@@ -1,5 +1,5 @@
 """
-Messages, requests and quality of service between JSON and ROS, for the probe.
+Convert messages, requests and quality of service between JSON and ROS, for the probe.
 
 This file imports nothing of this project: only its text enters the probe's sandbox.
 """
@@ -65,7 +65,7 @@ def _item(type_name: str, value: Any) -> Any:
 
 
 def qos_json(profile: QoSProfile) -> dict[str, Any]:
-    """Return the policies that can be seen over the wire; unset periods are None."""
+    """Return the policies that are visible over the network; unset periods are None."""
     periods = {}
     for name in ('deadline', 'lifespan', 'liveliness_lease_duration'):
         nanoseconds = getattr(profile, name).nanoseconds

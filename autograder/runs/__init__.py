@@ -1,1 +1,1 @@
-"""One run of one exam: its scenario, where it takes place, and the recording that comes of it."""
+"""Run a program through a scenario, here or on other machines, and record it."""

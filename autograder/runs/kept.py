@@ -1,9 +1,9 @@
 """
-The recording of some files in a scenario: the kept one, or one that is made now.
+Find the stored recording of some files in a scenario, or record them now.
 
-A recording depends on the files, the scenario and the environment, and on nothing else.  It is
-kept under a digest of the three, so that equal files (an untouched stub handed in by half a class)
-run once, a rerun runs nothing, and a changed check is judged again in milliseconds.
+A recording depends only on the files, the scenario and the environment.  It is stored under a
+digest of the three, so that equal files (such as the untouched stub of half a class) run once, a
+rerun runs nothing, and a changed check is judged again in milliseconds.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _running_guard = threading.Lock()
 @dataclass(frozen=True)
 class Kept:
     """
-    A recording, and what is known of it.
+    A recording, with facts about it.
 
     :param timing: of the run [s], empty if it was made earlier
     :param name: of its file; empty if it is not kept
@@ -123,7 +123,7 @@ _made_now: set[Path] = set()
 
 
 def _once_or_twice(once: Callable[[], Outcome]) -> Outcome:
-    """Run once; if our own infrastructure hit its limit, once more, and say so."""
+    """Run once; if the grader's own limits ended the run, run once more and record that."""
     try:
         recording, timing = once()
         again = _may_have_been_ended(recording)
@@ -141,9 +141,9 @@ ENDING = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.S
 
 def _may_have_been_ended(recording: Recording) -> bool:
     """
-    Return whether something outside may have ended the program, or a compiler it called.
+    Return whether another program may have ended the student's program or a compiler.
 
-    A program that does it to itself does it again, and then it is evidence.
+    A program that ends itself does so again, and then that is evidence.
     """
     process = recording.process
     if process.get('killed') or not process.get('exit'):

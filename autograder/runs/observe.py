@@ -1,9 +1,9 @@
 """
-One run: the student's program in the sandbox, the probe beside it, and a recording out of it.
+Run the student's program in the sandbox with the probe next to it, and record the run.
 
-Both are on one virtual clock, so what the recording holds does not depend on the machine.  The
-grader's side of the pipes is one loop over file descriptors.  It reads what the probe and the
-program write, bounded, and ends the run when the probe is done or the watchdog says so.
+Both are on one virtual clock, so the recording does not depend on the machine.  The grader's side
+of the pipes is one loop over file descriptors.  It reads a limited amount of output from the probe
+and the program, and ends the run when the probe has finished or the watchdog reports a limit.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def program_for(
     scenario: Mapping[str, Any], submission: Path, ros: RosEnvironment
 ) -> tuple[Program, Limits]:
     """
-    Return what to run for a scenario.
+    Return the program that a scenario runs.
 
     :param scenario: what the probe is told
     :param submission: host folder with the student's files, readable by everyone
@@ -87,7 +87,7 @@ def _ros_arguments(scenario: Mapping[str, Any]) -> list[str]:
 @contextmanager
 def laid_out(files: Mapping[str, str]) -> Iterator[tuple[Path, Path]]:
     """
-    Write the student's files into a fresh folder and yield it with an empty home.
+    Write the student's files to a new folder and yield it with an empty home.
 
     :param files: relative path to text; the paths come from our own cell parser
     """
@@ -210,7 +210,7 @@ class _Watched:
         return self.events if self.ended_ns is None else _until(self.events, self.ended_ns)
 
     def _hear_of_its_end(self) -> None:
-        """Notice whether the program ended before its scenario did, in virtual time."""
+        """Record whether the program ended before its scenario, in virtual time."""
         over = self.events[-1] if self.events else {}
         if over.get('event') != 'end':
             return  # a limit has ended the run, or the probe has broken off
@@ -262,7 +262,7 @@ class _Watched:
             self._keep(key.data, data)
 
     def _keep(self, name: str, data: bytes) -> None:
-        """Keep the beginning and the end of what was printed: the end has the traceback."""
+        """Keep the beginning and the end of the output: the end has the traceback."""
         self.printed += len(data)
         kept = self.output[name] + data
         if len(kept) > KEPT_OUTPUT:
@@ -270,7 +270,7 @@ class _Watched:
         self.output[name] = kept
 
     def _read_the_rest(self) -> None:
-        """Read what the program printed last, without waiting for more."""
+        """Read the program's last output, without waiting for more."""
         for name in self.output:
             stream = getattr(self.student.process, name)
             os.set_blocking(stream.fileno(), False)
@@ -286,7 +286,9 @@ class _Watched:
             try:
                 event = json.loads(line)
             except ValueError as error:
-                raise ProbeFailed(f'The probe wrote a line that is no event: {error}.') from error
+                raise ProbeFailed(
+                    f'The probe wrote a line that is not an event: {error}.'
+                ) from error
             if event['event'] == 'ready':
                 # Virtual time stands still until the probe has heard that it goes on.
                 self.ready_s, self.released_ns = time.monotonic(), self.clock.elapsed_ns
@@ -319,17 +321,17 @@ class _Watched:
             pass  # it ended first
 
     def _nobody_else_ended_it(self) -> None:
-        """Refuse evidence of a program that the machine, or somebody on it, has ended."""
+        """Raise if the machine or another program ended the student's program."""
         if self.killed or self.exit is None:
             return
         if oom_kills() > self.oom_kills and self.exit in KILLED:
             raise ProbeFailed('The machine ran out of memory, and the system ended the program.')
         # No signal from inside reaches the launcher, which is in another pid namespace.
         if self.student.namespaces and self.exit < 0:
-            raise ProbeFailed(f'Somebody ended the sandbox from outside, by signal {-self.exit}.')
+            raise ProbeFailed(f'Another program ended the sandbox with signal {-self.exit}.')
 
     def _look_around(self) -> None:
-        """See from outside what the probe cannot: other ROS domains, and further processes."""
+        """Record what the probe cannot see: other ROS domains, and further processes."""
         if self.student.home is None:  # else the network is that of the whole machine
             self.domains = other_domains(ports(self.student.pid))
         launcher = bool(self.student.namespaces) or self.student.supervised
@@ -350,7 +352,7 @@ class _Watched:
 
 
 def _until(events: list[dict[str, Any]], ended_ns: int) -> list[dict[str, Any]]:
-    """Return what happened until the program ended, and how the graph was left."""
+    """Return the events until the program ended, and the last graph."""
     *before, end, process = events
     kept = [
         event

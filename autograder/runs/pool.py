@@ -1,13 +1,13 @@
 """
-Where runs take place: here, in a pool of processes, or on a cluster.
+Run tasks: in this process, in a pool of processes, or on a cluster.
 
-A task is bytes and so is its answer, both JSON: what the probe is told, the student's files, and
-the recording that came of them.  Nothing that was made from a submission is ever an object that
-crosses a process, and a worker knows neither checks nor the course's secret.  The same function,
-:func:`run_task`, does the work in every place, so the verdicts are the same in all of them.
+A task and its answer are JSON as bytes: the scenario and the student's files, and their recording.
+So no object made from a submission ever passes between processes, and a worker knows neither
+checks nor the course's secret.  The same function, :func:`run_task`, does the work in every place,
+so the verdicts are the same.
 
-A worker that dies (killed, out of memory) takes the runs with it that it had.  Each is done again
-once, alone in a new process; if that dies too, the submission is for review.
+If a worker dies (killed, out of memory), its runs are lost.  Each is repeated once, alone in a new
+process; if that dies too, the submission is for review.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ STOPPED_LOOKS = 3
 
 class Place(Protocol):
     """
-    Somewhere to run tasks.
+    A place in which tasks run.
 
     :param width: how many at a time
     """
@@ -58,18 +58,18 @@ class Place(Protocol):
 
     def run(self, task: bytes) -> bytes:
         """
-        Run one task; several threads call it at the same time.
+        Run one task; several threads may call this at the same time.
 
         :raises GraderError: if the place failed, whatever the task is
         """
 
 
 class WorkerDied(GraderError):
-    """A process of ours ended in the middle of a run, twice."""
+    """A process of the grader ended during a run, twice."""
 
 
 class Stopped(GraderError):
-    """The grading was ended before this run."""
+    """The grading was stopped before this run."""
 
 
 # -- a task, from both sides -----------------------------------------------------------------
@@ -95,7 +95,7 @@ def task_of(exam: str, scenario: Mapping[str, Any], files: Mapping[str, str], mo
 
 def outcome_of(answer: bytes) -> tuple[Recording, dict[str, float]]:
     """
-    Read what :func:`run_task` returned.
+    Read the result of :func:`run_task`.
 
     :returns: the recording, and times of the run [s]
     :raises GraderError: of the kind that there was on the other side
@@ -110,7 +110,7 @@ def outcome_of(answer: bytes) -> tuple[Recording, dict[str, float]]:
 
 def run_task(task: bytes) -> bytes:
     """
-    Run a student's program in a sandbox of this machine and return what was recorded.
+    Run a student's program in a sandbox of this machine and return the recording.
 
     :param task: made by :func:`task_of`
     :returns: for :func:`outcome_of`; our own fault is an answer too, never an exception
@@ -135,13 +135,15 @@ def _run(task: Mapping[str, Any]) -> tuple[Recording, dict[str, float]]:
     from autograder.runs.observe import observe
 
     if unlike := difference(task['version'], version()):
-        raise GraderError(f'A worker refused the task: {unlike}.', 'Update it and start it again.')
+        raise GraderError(
+            f'A worker refused the task: {unlike}.', 'Try: update the worker and restart it.'
+        )
     return observe(task['exam'], task['scenario'], task['files'], _sandbox(task['mode']))
 
 
 @lru_cache(maxsize=2)
 def _sandbox(mode: str) -> Sandbox:
-    """Return the sandbox that was tried out on this machine before."""
+    """Return the sandbox that was tried on this machine before."""
     from autograder.sandboxes.sandbox import Sandbox
 
     sandbox, as_root = Sandbox(mode), os.geteuid() == 0
@@ -149,7 +151,7 @@ def _sandbox(mode: str) -> Sandbox:
         # bubblewrap's user namespace started by root would still be uid 0 for the kernel.
         who = 'root' if as_root else 'a plain user'
         raise GraderError(
-            f'A worker refused the task: isolation {mode} does not go with {who}.',
+            f'A worker refused the task: isolation {mode} does not work for {who}.',
             'Start all workers as the same kind of user.',
         )
     return sandbox
@@ -165,14 +167,14 @@ def processors() -> int:
 
 class Pool:
     """
-    Processes on this machine; a context manager, as they must end with it.
+    Worker processes on this machine; a context manager that ends them.
 
     :param width: how many
     :param on_stopped: called with the number of a process that was stopped and does not go on
     """
 
     def __init__(self, width: int, on_stopped: Callable[[int], None] = lambda pid: None) -> None:
-        """Start nothing yet."""
+        """Start no process yet."""
         self.width = width
         self._on_stopped = on_stopped
         self._ended = threading.Event()
@@ -201,7 +203,7 @@ class Pool:
         return [process.pid for pool in pools for process in processes(pool) if process.pid]
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        """End the processes; at once if something went wrong."""
+        """End the processes, at once if there was an error."""
         self._ended.set()
         with self._guard:
             self._stopped = True
@@ -244,7 +246,7 @@ class Pool:
         pool.shutdown(wait=False, cancel_futures=True)
 
     def _alone(self, task: bytes) -> bytes:
-        """Run a task in a process of its own, so that nobody suffers for another's task."""
+        """Run a task in a separate process, so that a failure affects no other task."""
         with self._guard:
             if self._stopped:
                 raise Stopped('The grading was stopped.')
@@ -256,8 +258,8 @@ class Pool:
             if self._stopped:
                 raise Stopped('The grading was stopped.') from error
             raise WorkerDied(
-                'The process that ran it died twice (killed, or out of memory).',
-                'Grade again; what is done is kept.',
+                'The process that ran this submission died twice (killed, or out of memory).',
+                'Try: grade again. Finished runs are kept.',
             ) from error
         finally:
             with self._guard:
@@ -274,12 +276,12 @@ class Pool:
 
 
 def processes(pool: ProcessPoolExecutor) -> list[BaseProcess]:
-    """Return the processes that a pool has."""
+    """Return the processes of a pool."""
     return list((getattr(pool, '_processes', None) or {}).values())
 
 
 def state_of(pid: int) -> str:
-    """Return the state of a process as the kernel calls it, empty if it has ended: proc(5)."""
+    """Return the kernel's state of a process, empty if it has ended: proc(5)."""
     try:
         stat = Path(f'/proc/{pid}/stat').read_text(encoding='utf-8', errors='replace')
     except OSError:
@@ -294,7 +296,7 @@ def kill(pool: ProcessPoolExecutor) -> None:
 
 
 def _begin(folder: str) -> None:
-    """Make a new process a worker: it leaves Ctrl-C to its parent, and ends with it."""
+    """Set up a new worker process: it ignores Ctrl-C, and ends with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     tempfile.tempdir = folder
     parent = multiprocessing.parent_process()
@@ -313,9 +315,9 @@ def _end_with(sentinel: int) -> None:
 @contextmanager
 def grading_folder() -> Iterator[Path]:
     """
-    Yield a folder in which all temporary files of this process are from now on, and remove it.
+    Yield a folder for all temporary files of this process, and remove it afterwards.
 
-    A grading that is killed cannot tidy up: the folders of such ones go first.
+    A killed grading cannot remove its folder, so folders of killed gradings are removed first.
     """
     above = Path(tempfile.gettempdir())
     for left in above.glob(f'{FOLDERS}*'):
@@ -331,7 +333,7 @@ def grading_folder() -> Iterator[Path]:
 
 
 def _made(above: Path) -> tuple[Path, int]:
-    """Make a folder and lock it; the kernel frees the lock when the process ends, in any way."""
+    """Create a folder and lock it; the kernel releases the lock when the process ends."""
     while True:
         folder = Path(tempfile.mkdtemp(prefix=FOLDERS, dir=above))
         folder.chmod(0o711)  # the sandboxes' throw-away users pass through

@@ -1,8 +1,8 @@
 """
-What decides how a program runs: the same on two machines, or their recordings are not alike.
+Digests of everything that decides how a program runs, to compare two machines.
 
-The project may lie in different folders; its files, its Python and its ROS have to be the same.
-Digests tell whether they are; for people, a recording also names versions (:func:`made_with`).
+The project may be in different folders, but its files, its Python and its ROS have to be the same.
+Digests compare them; for people, a recording also names versions (:func:`made_with`).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ TASKS = 1
 @lru_cache(maxsize=4)
 def version(python: str = sys.executable) -> Mapping[str, str]:
     """
-    Return what two machines must have in common, by name.
+    Return the facts that two machines must have in common, by name.
 
     :param python: interpreter of the prepared environment
     """
@@ -65,7 +65,7 @@ def version(python: str = sys.executable) -> Mapping[str, str]:
 
 
 def difference(wanted: Mapping[str, str], got: Mapping[str, str]) -> str:
-    """Return how two versions differ, in words; empty if they are the same."""
+    """Return how two versions differ, as text; empty if they are equal."""
     return '; '.join(
         f'{name}: expected {wanted.get(name) or "nothing"}, got {got.get(name) or "nothing"}'
         for name in dict.fromkeys((*wanted, *got))
@@ -75,7 +75,7 @@ def difference(wanted: Mapping[str, str], got: Mapping[str, str]) -> str:
 
 def environment_digest(python: str, texts: Iterable[str]) -> str:
     """
-    Return a digest of what decides a run, for the names and the headers of recordings.
+    Return a digest of the environment, for the names and headers of recordings.
 
     A package of ``environment/messages.txt`` counts only for runs that name it: adding one leaves
     all other recordings valid.
@@ -91,14 +91,14 @@ def environment_digest(python: str, texts: Iterable[str]) -> str:
 
 @lru_cache(maxsize=1)
 def made_with() -> Mapping[str, str]:
-    """Return versions in words, for the headers of recordings; what is unknown is left out."""
+    """Return versions for the headers of recordings, without unknown ones."""
     found = {'grader': commit(HERE.parent), 'python': platform.python_version(), 'rclpy': _rclpy()}
     return {name: text for name, text in found.items() if text}
 
 
 def commit(root: Path) -> str:
     """
-    Return the commit of a copy of the project, with a sign if files were changed since.
+    Return the commit of a copy of the project, marked if files have changed since.
 
     :returns: empty if it is no copy of a repository, or git is missing or refuses
     """
@@ -141,7 +141,7 @@ def _digest_of_grader() -> str:
 
 
 def _digest_of_settings(venv: Path) -> str:
-    """Return a digest of how ROS is started, whatever the folders are called."""
+    """Return a digest of the settings of ROS, whatever the folders are called."""
     text = (venv / FILE_NAME).read_text(encoding='utf-8')
     share = Path(json.loads(text)['workspace'], 'share')
     for folder, name in ((venv, 'VENV'), (HERE.parent, 'COURSE'), (sys.base_prefix, 'PYTHON')):
@@ -152,7 +152,7 @@ def _digest_of_settings(venv: Path) -> str:
 
 
 def _digest_of_packages(venv: Path) -> str:
-    """Return a digest of the ROS packages in the environment; none where ROS was sourced."""
+    """Return a digest of the installed ROS packages; empty for a sourced ROS."""
     # By their folders: to read the metadata of all packages takes seconds.
     found = venv.glob('lib/python*/site-packages/ros_*.dist-info')
     packages = {path.name: path.name.removeprefix('ros_').partition('-')[0] for path in found}

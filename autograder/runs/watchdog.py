@@ -1,5 +1,5 @@
 """
-What a run may use: processor time, memory, files, output, and real time in which nothing happens.
+Enforce the limits of a run: processor time, memory, files, output, and standing still.
 
 Real time has no limit of its own: a busy machine makes a run longer and changes nothing in it.
 """
@@ -27,7 +27,7 @@ MOST_WALL_S = 600.0  # before a machine counts as too busy for a verdict
 
 class Watchdog:
     """
-    Looks at a run from outside, every 50 ms.
+    Checks a run from outside, every 50 ms.
 
     :param student: the program
     :param others: host pids of what the run needs beside it: the probe and the driver
@@ -42,7 +42,7 @@ class Watchdog:
         clock: VirtualClock,
         builds: bool,
     ) -> None:
-        """Begin to count."""
+        """Start with all counts at zero."""
         self.student, self.others = student, others
         self.limits = limits
         self.clock = clock
@@ -54,12 +54,12 @@ class Watchdog:
         self.progress: tuple[int, ...] = ()
 
     def is_due(self) -> bool:
-        """Return whether the next look is due."""
+        """Return whether it is time for the next check."""
         return time.monotonic() > self.looked + WATCH_EVERY_S
 
     def look(self, recorded: int, printed: int, begun: bool) -> str:
         """
-        Return the name of the limit that is passed, or nothing.
+        Return the name of the limit that was exceeded, or an empty string.
 
         :param recorded: bytes that came from the probe
         :param printed: bytes that came from the program
@@ -106,10 +106,10 @@ class Watchdog:
         self, recorded: int, printed: int, begun: bool, passed_s: float, used_s: float
     ) -> bool:
         """
-        Return whether no process has computed for too long since virtual time last moved.
+        Return whether virtual time has stood still for too long while no process computed.
 
-        What passes counts against the patience that is due meanwhile: a probe that somebody has
-        stopped for a second leaves the program its own 0.3 s.
+        Each cause of waiting has a separate timeout: a probe that was stopped for a second does
+        not use up the 0.3 s of the program.
 
         :param recorded: bytes that came from the probe
         :param printed: bytes that came from the program

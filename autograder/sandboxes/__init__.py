@@ -1,1 +1,1 @@
-"""Where student code runs, what it may use there, and what that mode does not protect."""
+"""Sandboxes for student code: isolation modes, limits, and what each mode does not protect."""

@@ -1,4 +1,4 @@
-"""Choose the strongest isolation that works here, or what was named to be weaker."""
+"""Choose the strongest isolation that works here, or an accepted weaker one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from autograder.sandboxes.sandbox_trial import try_out
 @functools.lru_cache(maxsize=4)
 def strongest(allow_weak: str = '') -> Sandbox:
     """
-    Return the strongest way that works here, found out by using it.
+    Return the strongest sandbox that works here, after trying it.
 
     :param allow_weak: the weakest mode of :data:`autograder.sandboxes.isolation.WEAK` that is
         accepted; empty for nothing but isolation
@@ -35,7 +35,7 @@ def strongest(allow_weak: str = '') -> Sandbox:
     offers = isolation.permitted(isolation.WEAK[-1], root) if not allow_weak else ()
     if offers:
         reasons.append(
-            f'To accept less, name it: --allow-weak={" or --allow-weak=".join(offers)}.'
+            f'To accept weaker isolation: --allow-weak={" or --allow-weak=".join(offers)}.'
         )
     raise SandboxUnavailable(refusal.what, ' '.join([refusal.fix, *reasons])) from refusal
 
@@ -80,5 +80,5 @@ def weak(mode: str) -> Sandbox:
 
 
 def plain() -> Sandbox:
-    """Return the way without isolation, for visible checks on one's own code."""
+    """Return the sandbox without isolation, for visible checks on one's own code."""
     return Sandbox('none')

@@ -1,4 +1,4 @@
-"""What is confined and how far: a program, its limits, and the handles on it once it runs."""
+"""Describe what to confine, with which limits, and control a program once it runs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from environment.ros_domain import Claim
 @dataclass(frozen=True)
 class Limits:
     """
-    What one run may use before it is ended.
+    What one run may use before the grader ends it.
 
     :param cpu_s: processor seconds, all processes together, and the probe and the clock's driver
     :param memory: bytes of resident memory, all processes together
@@ -40,9 +40,9 @@ class Limits:
 
     def argv(self, others: int = 0) -> list[str]:
         """
-        Return what the kernel itself limits, as the prlimit prefix of a command.
+        Return the limits that the kernel enforces, as the prlimit prefix of a command.
 
-        Sums over processes are the watchdog's business.
+        The watchdog enforces limits on sums over processes.
 
         :param others: processes and threads that the same uid has already: they count
         """
@@ -77,7 +77,7 @@ class Program:
 @dataclass
 class Confined:
     """
-    A started program and the handles on it.
+    A started program and the means to control it.
 
     :param process: the outermost process
     :param gate: the grader's end of its standard input
@@ -106,8 +106,8 @@ class Confined:
         """
         Let the program run; until then it waits, see :mod:`autograder.inside.gate`.
 
-        Not bubblewrap's own ``--block-fd``: a sandbox held there outlives a killed grader, and
-        runs.
+        bubblewrap's own ``--block-fd`` would not do: a sandbox that waits there outlives a killed
+        grader, and then runs.
         """
         with suppress(OSError):  # it has died already; its exit is noticed elsewhere
             self.gate.send(b'x')
@@ -115,10 +115,10 @@ class Confined:
 
     def held(self) -> bool:
         """
-        Return whether it still waits, or has ended so: no line of a student's has been run.
+        Return whether the program still waits, or ended before any line of the student ran.
 
-        The kernel says so of a socket, and nobody inside can put anything there: a pipe could be
-        opened again through the first process of the sandbox, and filled.
+        The kernel reports this for a socket, and no process inside can write to it: a pipe could
+        be opened again through the first process of the sandbox, and filled.
         """
         unread = fcntl.ioctl(self.gate, termios.TIOCOUTQ, bytes(4))
         ended = self.gate.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
@@ -151,17 +151,17 @@ class Confined:
 
     @property
     def domain(self) -> int:
-        """Its ROS domain id."""
+        """Return the ROS domain id."""
         return self.claimed.domain if self.claimed else 0
 
     @property
     def enter(self) -> list[str]:
-        """The command that runs what follows it in these namespaces; empty if there are none."""
+        """Return the command that enters these namespaces; empty if there are none."""
         found = [f'--{kind}=/proc/self/fd/{fd}' for kind, fd in self.namespaces.items()]
         return ['nsenter', *found, '--preserve-credentials', '--'] if found else []
 
     def files(self) -> tuple[int, int]:
-        """Return how many files the program has made and how many bytes they hold."""
+        """Return how many files the program has created and how many bytes they hold."""
         if self.home is not None:
             return _tree(self.home)
         count = size = 0
@@ -200,7 +200,7 @@ class Probe:
         end_group(self.process)
 
     def end(self) -> str:
-        """End it, as it is done or of no more use, and return its last words."""
+        """End the probe and return its last output."""
         self.kill()
         said = self.stderr.read().decode(errors='replace').strip()
         self.process.wait()
@@ -211,10 +211,10 @@ class Probe:
 
 def end_group(process: subprocess.Popen[bytes]) -> None:
     """
-    End a program that leads a process group, with all that it is just setting up.
+    End a program that leads a process group, with the processes that it is setting up.
 
-    bubblewrap's inner process waits for ever if the outer one dies before it says go on; until it
-    has a session of its own, it is in this group.
+    bubblewrap's inner process waits forever if the outer one dies before it gives the signal to
+    continue; until it has its own session, it is in this group.
 
     :param process: not waited for yet, or its number may be somebody else's
     """
@@ -230,7 +230,7 @@ MOST_COUNTED = 30_000
 
 
 def _tree(folder: Path) -> tuple[int, int]:
-    """Count the files below a folder and their bytes, as far as it matters."""
+    """Count the files below a folder and their bytes, up to a limit."""
     count = size = 0
     folders = [str(folder)]
     while folders and count < MOST_COUNTED:

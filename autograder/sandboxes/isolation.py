@@ -1,7 +1,7 @@
 """
-The isolation modes by strength, what each of them lacks, and the repair for each refusal.
+The isolation modes by strength, what each does not protect, and how to fix each refusal.
 
-Everything here is data and words; :mod:`autograder.sandboxes.sandbox` tries the modes out.
+Everything here is data and text; :mod:`autograder.sandboxes.sandbox_trial` tries the modes.
 """
 
 from __future__ import annotations
@@ -12,24 +12,24 @@ from pathlib import Path
 
 SHARED_NETWORK = (
     'the network is shared: a program can send to other programs on this machine and, over UDP, '
-    'to others, and whoever finds its ROS domain can talk into its run'
+    'to others; a program that finds its ROS domain can take part in its run'
 )
 SHARED_USER = (
     "the program runs as the grader's own user: it can change modes and dates of that user's "
-    "files, and its processes count together with that user's"
+    "files, and it shares that user's limit of processes"
 )
 SIGNALS = 'before Linux 6.12 the program can end processes of the same user, the grader included'
-NAMES = 'names and sizes of files can be asked for, although their content cannot be read'
+NAMES = 'the program can see names and sizes of files, but cannot read them'
 EVERYTHING = (
-    'nothing is hidden from the program and nothing is protected from it: files, other programs '
-    'and the network are those of the user; only limits of time and memory hold'
+    'nothing is hidden or protected from the program: it can use the files, programs and network '
+    'of the user; only limits of time and memory hold'
 )
 
 
 @dataclass(frozen=True)
 class Mode:
     """
-    One way of running a program.
+    One way to isolate a program.
 
     :param what: a description of the mode
     :param lacks: what it does not protect, empty for full isolation
@@ -65,7 +65,7 @@ WEAK = tuple(name for name, mode in MODES.items() if mode.lacks)
 
 
 def permitted(allow_weak: str, root: bool) -> tuple[str, ...]:
-    """Return the weak modes that may be tried: the one that was named and all better ones."""
+    """Return the weak modes that may be tried: the accepted one and all better ones."""
     if not allow_weak:
         return ()
     enough = WEAK[: WEAK.index(allow_weak) + 1]
@@ -73,7 +73,7 @@ def permitted(allow_weak: str, root: bool) -> tuple[str, ...]:
 
 
 def not_protected(mode: str) -> tuple[str, ...]:
-    """Return what a mode lacks, in words; empty for full isolation and for a mode unknown."""
+    """Return what a mode does not protect; empty for full isolation and unknown modes."""
     return MODES[mode].lacks if mode in MODES else ()
 
 
@@ -119,7 +119,7 @@ FIX_CONTAINER = (
 @dataclass(frozen=True)
 class System:
     """
-    What the repair depends on; the numbers are those of the kernel's settings, None if absent.
+    Facts about the system that a fix depends on; kernel settings, None if absent.
 
     :param container: whether this looks like a container
     """
@@ -132,7 +132,7 @@ class System:
 
     @classmethod
     def here(cls) -> System:
-        """Look at the running system."""
+        """Return the facts about the running system."""
 
         def setting(path: str) -> int | None:
             try:
@@ -152,7 +152,7 @@ class System:
 
 def fix_for(said: str, system: System) -> str:
     """
-    Return the repair for what bubblewrap printed, on this system.
+    Return the fix for bubblewrap's error message on this system.
 
     :param said: its own words
     """

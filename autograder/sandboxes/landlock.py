@@ -1,9 +1,9 @@
 """
-The weaker way: what a program behind Landlock may read, which domain it talks in, who runs it.
+Weaker isolation with Landlock: readable files, a free ROS domain, and one run at a time.
 
-The rules are applied by :mod:`autograder.inside.confine`.  A rule opens a whole folder, so
-whatever has to stay closed below an open folder (the course's own nodes, which would be the
-answer) is left out by opening its neighbours one by one.
+:mod:`autograder.inside.confine` applies the rules.  A rule opens a whole folder, so to keep
+something in it closed (the course's own nodes, which would be the answer), the rules open
+everything around it instead.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ NO_FILTER = (
 
 def refusal(root: bool) -> tuple[str, str]:
     """
-    Ask the kernel for Landlock.
+    Return why Landlock cannot be used here, or an empty string.
 
     :param root: whether a uid of its own is possible
     :returns: why it cannot be used, and what to do; twice empty if it can
@@ -43,11 +43,11 @@ def refusal(root: bool) -> tuple[str, str]:
         found = confine.landlock_version()
     except OSError as error:
         what = f'This kernel has no Landlock ({error.strerror}).'
-        fix = 'Add landlock to the kernel parameter lsm=..., or use a kernel from 6.2 on.'
+        fix = 'Add landlock to the kernel parameter lsm=..., or use kernel 6.2 or newer.'
         return what, fix
     if not root and found < SAME_USER_FROM:
         what = f'Landlock {found} cannot protect files against a program of the same user.'
-        return what, 'Use a kernel from 6.2 on.'
+        return what, 'Use kernel 6.2 or newer.'
     return ('', '') if filter_file().is_file() else NO_FILTER
 
 
@@ -57,7 +57,7 @@ def filter_file() -> Path:
 
 
 def closed_folder(paths: Iterable[str]) -> str:
-    """Return the first folder on the way to some paths that other users may not pass."""
+    """Return the first folder of some paths that other users may not enter."""
     for path in paths:
         for parent in reversed(Path(path).resolve().parents):
             if parent.is_dir() and not parent.stat().st_mode & 0o001:
@@ -67,7 +67,7 @@ def closed_folder(paths: Iterable[str]) -> str:
 
 def own_nodes(ros: RosEnvironment, course_messages: bool) -> set[Path]:
     """
-    Return what has to stay closed because it has the course's own nodes, which are the answer.
+    Return the paths of the course's own nodes, which are the answers.
 
     :param course_messages: whether the course's own built messages stay open
     """
@@ -83,7 +83,7 @@ def own_nodes(ros: RosEnvironment, course_messages: bool) -> set[Path]:
 
 def readable(ros: RosEnvironment, course_messages: bool) -> tuple[list[str], list[str]]:
     """
-    Return what a program may read, and the folders of which it may see the names only.
+    Return the paths that a program may read, and the folders that it may only list.
 
     :param course_messages: see :func:`own_nodes`
     """
@@ -97,7 +97,7 @@ def readable(ros: RosEnvironment, course_messages: bool) -> tuple[list[str], lis
 
 
 def _around(path: Path, closed: set[Path]) -> Iterator[tuple[Path, bool]]:
-    """Yield what to open so that everything but some paths is open, and whether it is whole."""
+    """Yield the paths to open so that all but some paths are open, and whether each is whole."""
     if path in closed:
         return
     if not any(path in one.parents for one in closed):
@@ -110,7 +110,7 @@ def _around(path: Path, closed: set[Path]) -> Iterator[tuple[Path, bool]]:
 
 def claim_free_domain() -> Claim:
     """
-    Claim a random ROS domain that no kernel has claimed and no program uses, as its ports tell.
+    Claim a random ROS domain that no kernel has claimed and no program uses.
 
     :raises SandboxUnavailable: if there is none
     """
@@ -128,7 +128,7 @@ def claim_free_domain() -> Claim:
 
 @contextmanager
 def turn() -> Iterator[None]:
-    """Wait until no other run of this user is under way: without a network each, one at a time."""
+    """Wait until no other run of this user is active: they share the network."""
     # All gradings have to agree on the file, whatever folder each has for its own.
     common = os.environ.get('TMPDIR') or '/tmp'
     path = Path(common, f'ros2-course-runs-{os.geteuid()}.lock')
@@ -141,7 +141,7 @@ def turn() -> Iterator[None]:
 
 
 def threads_of_user() -> int:
-    """Return how many threads this user has: a limit on processes counts them too."""
+    """Return how many threads this user has, because the limit of processes counts them."""
     count = 0
     for folder in glob('/proc/[0-9]*'):
         try:

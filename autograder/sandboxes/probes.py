@@ -84,7 +84,7 @@ def start_probe(
 def _in_a_sandbox(
     sandbox: Sandbox, program: Program, enter: Sequence[str], fds: Sequence[int]
 ) -> subprocess.Popen[bytes]:
-    """Start a probe in mounts and processes of its own, in a network that it enters."""
+    """Start a probe with separate mounts and processes, in the student's network."""
     rules = os.open(landlock.filter_file(), os.O_RDONLY)
     try:
         descriptors = ['--seccomp', str(rules)]
@@ -97,7 +97,7 @@ def _in_a_sandbox(
 
 def _variables(folder: Path, domain: int) -> dict[str, str]:
     """
-    Return the probe's own variables: where its profile is, and the port that it names.
+    Return the probe's own variables: the path of its profile and the port in it.
 
     :param folder: of the probe's files, as the probe sees it
     """

@@ -1,5 +1,5 @@
 """
-Read what a program uses from outside, in ``/proc``: threads, memory, processor, ports.
+Read in ``/proc`` what a program uses: threads, memory, processor time, ports.
 
 All facts come from the kernel; the program itself is not trusted.
 """
@@ -21,9 +21,9 @@ PAGE = os.sysconf('SC_PAGESIZE')
 
 def states(pid: int) -> bytes:
     """
-    Return the state of each thread of a process and its descendants, a letter each: proc(5).
+    Return the state of each thread of a process and its descendants, one letter each: proc(5).
 
-    R runs or waits for a processor, D waits for a disk, T is stopped.
+    R means running or waiting for a processor, D waiting for a disk, T stopped.
 
     :param pid: host pid of the first process
     """
@@ -37,7 +37,7 @@ def states(pid: int) -> bytes:
 
 
 def used_ns(pid: int) -> int:
-    """Return the processor time of a process and its descendants, to the moment [ns]."""
+    """Return the processor time of a process and its descendants until now [ns]."""
     total = 0
     for process in family(pid):
         with suppress(OSError):  # it has ended
@@ -48,7 +48,7 @@ def used_ns(pid: int) -> int:
 
 def ports(pid: int) -> set[int]:
     """
-    Return the UDP ports that are in use in the network of a process.
+    Return the UDP ports that the network of a process uses.
 
     :param pid: host pid
     """
@@ -61,16 +61,16 @@ def ports(pid: int) -> set[int]:
 
 
 def first_port(domain: int) -> int:
-    """Return the port on which the first participant of a ROS domain hears the others."""
+    """Return the port on which the first participant of a ROS domain listens."""
     return FIRST_PORT + PORTS_A_DOMAIN * domain + OWN_PORTS[0]
 
 
 def other_domains(used: set[int]) -> list[int]:
     """
-    Return the ROS domains besides 0 in which somebody takes part, by the ports in use.
+    Return the ROS domains other than 0 that have a participant, by the ports in use.
 
-    A participant has the domain's first port, for discovery, and two neighbours of its own.  Of
-    ports that Linux gives at random two may fit by chance, in one run of some thousands.
+    A participant uses the domain's first port, for discovery, and two ports next to it. By chance,
+    random ports of Linux can look the same, in one of several thousand runs.
 
     :param used: UDP ports
     """
@@ -86,7 +86,7 @@ def other_domains(used: set[int]) -> list[int]:
 
 
 def oom_kills() -> int:
-    """Return how many processes the kernel has ended since it started, for want of memory."""
+    """Return how many processes the kernel has killed since its start to free memory."""
     for line in _read('/proc/vmstat').splitlines():
         name, _, count = line.partition(b' ')
         if name == b'oom_kill':
@@ -98,7 +98,7 @@ def proportional(pid: int) -> int:
     """
     Return the memory of a process and its descendants, with shared pages counted once [bytes].
 
-    Slower than :func:`usage`, so it is asked only when that sum is over a limit.
+    This is slower than :func:`usage`, so it is called only if that sum is over a limit.
     """
     total = 0
     for current in family(pid):
@@ -111,7 +111,7 @@ def proportional(pid: int) -> int:
 
 
 def family(pid: int) -> Iterator[int]:
-    """Yield a process and its descendants, if it is there."""
+    """Yield a process and its descendants, if it exists."""
     pids = [pid]
     while pids:
         current = pids.pop()
@@ -126,7 +126,7 @@ def family(pid: int) -> Iterator[int]:
 
 
 def _read(path: str) -> bytes:
-    """Read a small file of /proc; some twenty a look, and a text file takes five times as long."""
+    """Read a small file of /proc, quickly, because each check reads about twenty."""
     file = os.open(path, os.O_RDONLY)
     try:
         return os.read(file, 1 << 16)

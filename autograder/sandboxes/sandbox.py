@@ -1,14 +1,14 @@
 """
-Where student code runs: bubblewrap with namespaces of its own, or what was named to be weaker.
+Confine student code: with bubblewrap in separate namespaces, or in a weaker way.
 
-The modes, by strength, and what each lacks are in :mod:`autograder.sandboxes.isolation`.  The two
-isolated ones give the student's process its own mount, pid, network, ipc and uts namespaces, a
-read-only system, sized temporary folders, resource limits and a system-call filter.  Hidden exams,
-the gradebook and other submissions are not hidden there: they do not exist.  Bubblewrap starts
-with an empty environment, because its own process would show ours as ``/proc/1/environ`` inside.
+:mod:`autograder.sandboxes.isolation` lists the modes by strength, and what each does not protect.
+The two isolated modes give the student's process its own mount, pid, network, ipc and uts
+namespaces, a read-only system, temporary folders of limited size, resource limits and a
+system-call filter.  Hidden exams, the gradebook and other submissions do not exist there.
+Bubblewrap starts with an empty environment, because a program inside can read it as
+``/proc/1/environ``.
 
-This module only builds command lines and asks the kernel; the namespaces themselves are
-bubblewrap's work.
+This module only builds command lines and queries the kernel; bubblewrap creates the namespaces.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ FIRST_UID, UIDS = 1_000_000_000, 1_000_000_000
 
 class Sandbox:
     """
-    One way of confining programs.
+    One way to confine programs.
 
     :param mode: see :data:`autograder.sandboxes.isolation.MODES`
     """
 
     def __init__(self, mode: str, ros: RosEnvironment | None = None) -> None:
-        """Look up the ROS environment once."""
+        """Read the ROS environment once."""
         self.mode = mode
         self.facts = isolation.MODES[mode]
         self.ros = ros or ros_environment()
@@ -100,7 +100,7 @@ class Sandbox:
         """
         Return bubblewrap's options for a program.
 
-        They are handed over through a pipe: its command line can be read inside the sandbox.
+        They go through a pipe, because a program inside the sandbox can read the command line.
 
         :param descriptors: ``--info-fd N`` and the like
         :param network: whether it gets a network of its own, or stays where it is started
@@ -121,7 +121,7 @@ class Sandbox:
         return argv
 
     def command(self, program: Program, limits: Limits) -> list[str]:
-        """Return what bubblewrap starts: the program behind its limits and, as root, its uid."""
+        """Return bubblewrap's command: the program behind its limits and, as root, with a uid."""
         drop = []
         if self.facts.root:
             uid = str(throw_away_uid())
@@ -168,10 +168,10 @@ class Sandbox:
         self, program: Program, limits: Limits, home: Path, inherited: Sequence[int] = ()
     ) -> Confined:
         """
-        Start a program of ours, which waits for :meth:`Confined.release`.
+        Start a confined program, which waits for :meth:`Confined.release`.
 
-        Call it from a thread that lives longer than the program: the kernel ends the sandbox
-        with the thread that started it.
+        Call this from a thread that lives longer than the program, because the kernel ends the
+        sandbox with the thread that started it.
 
         :param home: an existing empty folder, for modes without file systems of their own
         :param inherited: descriptors that the program inherits under their numbers
@@ -238,7 +238,7 @@ class Sandbox:
     def outside(
         self, program: Program, limits: Limits, home: Path, domain: int
     ) -> tuple[list[str], dict[str, str]]:
-        """Return a program's command line behind its limits, and variables, in host paths."""
+        """Return a program's command line with limits, and its variables, in host paths."""
         inside = {guest: host for host, guest in program.binds.items()}
         variables = {
             name: _outside(value, inside)
@@ -278,7 +278,8 @@ def throw_away_uid() -> int:
     """
     Return a uid for one sandbox or probe; limits on processes are per uid.
 
-    At random: graders in two containers have the same pids, and share the kernel that counts.
+    The uid is random, because graders in two containers may have equal pids and share the kernel
+    that counts.
     """
     return FIRST_UID + secrets.randbelow(UIDS)
 
@@ -319,7 +320,7 @@ def start_bwrap(
 
 
 def _parents(path: str) -> list[str]:
-    """Return options that make a path's parents readable; bubblewrap's own are root's alone."""
+    """Return options that make a path's parents readable, which bubblewrap opens only to root."""
     argv = []
     for parent in reversed(Path(path).parents):
         if str(parent) not in ('/', '/tmp', '/usr'):

@@ -1,8 +1,8 @@
 """
-Try a sandbox out by using it: a mode counts as working here only if it does what a run needs.
+Try a sandbox: a mode counts as working only if it does everything that a run needs.
 
-What is tried: inside, rclpy can be imported, the grader cannot be read and time is virtual; from
-outside, the probe finds its way into the sandbox's network.
+Inside, rclpy can be imported, the grader's files cannot be read, and time is virtual.  From
+outside, the probe can enter the sandbox's network.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ else:
 
 def try_out(sandbox: Sandbox) -> None:
     """
-    Run a Python that imports rclpy and finds nothing of ours; join its network.
+    Run a Python that imports rclpy and cannot read the grader; then join its network.
 
     :raises SandboxUnavailable: if one of these does not work
     """
@@ -62,8 +62,8 @@ def try_out(sandbox: Sandbox) -> None:
         finally:
             confined.kill()
     if confined.process.returncode in KILLED:
-        what = f'The trial of isolation {sandbox.mode} was ended from outside.'
-        raise SandboxUnavailable(what, 'Try: the same command again')
+        what = f'Another program ended the trial of isolation {sandbox.mode}.'
+        raise SandboxUnavailable(what, 'Try: run the same command again')
     if said.strip() == b'open':
         raise SandboxUnavailable(
             f'Isolation {sandbox.mode} lets a program read the grader.', isolation.SECTION

@@ -1,1 +1,1 @@
-"""What a student handed in, taken apart: notebooks, cells, packages, code."""
+"""Read submissions: notebooks, cells, packages, code."""

@@ -1,9 +1,9 @@
 """
 The magic line that turns a notebook cell into a file of a ROS package.
 
-One parser for both sides: the notebook's magics (:mod:`roslab.magics`) and the grader
-(:mod:`autograder.submission.extract`) call :func:`parse_cell`, so what a learner runs is what is
-graded.
+Both the notebook's magics (:mod:`roslab.magics`) and the grader
+(:mod:`autograder.submission.extract`) call :func:`parse_cell`, so the grader sees the same file
+that the learner runs.
 """
 
 from __future__ import annotations
@@ -54,12 +54,12 @@ _RULES = {
 
 
 class CellSyntaxError(ValueError):
-    """A cell's magic line does not say which file the cell is."""
+    """A cell's magic line does not name a valid file."""
 
 
 class NotALetterError(ValueError):
     """
-    The answer to a multiple-choice question is none of its letters.
+    The answer to a multiple-choice question is not one of its letters.
 
     :param reason: short stable name
     :param text: what was written, in words, for a message
@@ -74,7 +74,7 @@ class NotALetterError(ValueError):
 @dataclass(frozen=True)
 class CellFile:
     """
-    A cell seen as a file of the learner's package.
+    A cell as a file of the learner's package.
 
     :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
     :param name: as written on the magic line
@@ -100,13 +100,13 @@ class CellFile:
 
     @property
     def unsolved(self) -> bool:
-        """Return whether the stub's own text is still in the cell."""
+        """Return whether the text of the stub is still in the cell."""
         return UNSOLVED in self.body
 
 
 def check_name(kind: str, name: str) -> None:
     """
-    Refuse a name that is not a safe file name for its kind.
+    Raise if a name is not a safe file name for its kind.
 
     :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
     :raises CellSyntaxError: with the rule and an example
@@ -118,7 +118,7 @@ def check_name(kind: str, name: str) -> None:
 
 def parse_cell(source: str) -> CellFile | None:
     """
-    Read a cell as a file, or return None if it has no magic line of ours.
+    Read a cell as a file, or return None if it has no magic line of the course.
 
     :param source: the whole text of a code cell
     :raises CellSyntaxError: if the magic line names no valid file
@@ -142,7 +142,7 @@ def parse_cell(source: str) -> CellFile | None:
 
 def first_line(source: str) -> tuple[str, int]:
     """
-    Return the first line that is not blank, and where in the text it begins.
+    Return the first line that is not blank, and where it begins.
 
     :param source: the whole text of a cell; however long it is, no other line is copied
     """
@@ -156,7 +156,7 @@ def first_line(source: str) -> tuple[str, int]:
 
 def body_of(text: str) -> str:
     """
-    Blank the solution marks, keeping line numbers, and end the text with one newline.
+    Blank the solution marks without changing line numbers, and end the text with one newline.
 
     :param text: the cell's text below its magic line
     """
@@ -166,7 +166,7 @@ def body_of(text: str) -> str:
 
 def chosen_letter(body: str) -> str | None:
     """
-    Read the answer to a multiple-choice question.  It is a Python literal and never executed.
+    Read the answer to a multiple-choice question as a Python literal; never execute it.
 
     Capital letters, blanks around the letter and comments next to it are accepted.
 

@@ -1,8 +1,8 @@
 """
-From a rebuilt notebook to the files each exam judges.
+Find in a rebuilt notebook the files that each exam judges.
 
-A cell is a file: its magic line says which one (:mod:`autograder.submission.cells`).  The release
-says which file each cell has to be, so a learner who edits the magic line is told so.
+The magic line of a cell names its file (:mod:`autograder.submission.cells`).  The release defines
+which file each cell has to be, so a learner who edits the magic line gets a message.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class ExamFiles:
 
 def answer_files(release: Notebook) -> dict[str, CellFile]:
     """
-    Return which file each answer cell has to be, by grade id.
+    Return the file that each answer cell has to be, by grade id.
 
     :param release: the notebook that students received
     :raises CellSyntaxError: if the release itself is wrong
@@ -55,7 +55,7 @@ def extract(
     opened: Opened, exams: Iterable[Exam], release: Notebook, where: str = 'notebook'
 ) -> dict[str, ExamFiles]:
     """
-    Return the files of every exam.  An untouched stub goes along: the exam says so.
+    Return the files of every exam, including untouched stubs, which the exam reports.
 
     :param opened: the submission
     :param exams: the exams of the assignment
@@ -81,7 +81,7 @@ def extract(
 
 def with_reasons(result: SubmissionResult, exams: Iterable[Exam]) -> SubmissionResult:
     """
-    Say of answers that are not there that a note has the reason, where one has.
+    Refer from missing answers to the note that has the reason, where there is one.
 
     :param result: with the problems that were found in what was handed in
     """
@@ -100,7 +100,7 @@ def with_reasons(result: SubmissionResult, exams: Iterable[Exam]) -> SubmissionR
 def _read(
     source: str, wanted: CellFile, grade_id: str, where: str
 ) -> tuple[CellFile | None, Problem | None]:
-    """Read one answer as the file it has to be."""
+    """Read one answer as the file that it has to be."""
     line, first = f'%%{wanted.kind} {wanted.name}', first_line(source)[0].strip()
     try:
         found = parse_cell(source)

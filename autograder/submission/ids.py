@@ -1,4 +1,4 @@
-"""From a name to a student id: what nbgrader and every file system take, one a name."""
+"""Turn a name into a unique student id that nbgrader and every file system accept."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def student_id(name: str) -> str:
     """
     Return a name as a student id: the name itself if it can be an id.
 
-    Letters of all alphabets are kept, with the signs that belong to them.  If anything has to be
+    Letters of all alphabets are kept, with their combining characters.  If anything has to be
     replaced, a digest of the name follows, so that different names never become one id, regardless
     of their source and of the other students.
 

@@ -1,9 +1,9 @@
 """
-The folder of submitted work: who handed in what.
+Read the folder of submissions: who delivered what.
 
-``submitted/<student>/<assignment>/<notebook>.ipynb``, as nbgrader's collect leaves it.  These
-folders were filled from outside, so nothing is followed that could lead elsewhere: only
-regular files in real folders, looked at with lstat and opened without following links.
+Its form is ``submitted/<student>/<assignment>/<notebook>.ipynb``, as nbgrader's collect leaves it.
+The folders were filled from outside, so no link is followed: only regular files in real folders
+count, checked with lstat and opened without following links.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _BESIDE_LETTERS = frozenset(' ._@-')
 @dataclass(frozen=True)
 class Submission:
     """
-    What one student handed in for one assignment.
+    One student's submission of one assignment.
 
     :param student: name of the student's folder, the student id of the gradebook
     :param folder: the folder that was looked into
@@ -46,7 +46,7 @@ class Submission:
 
     def read(self, where: str) -> tuple[bytes | None, tuple[Problem, ...]]:
         """
-        Read the notebook again on each call: None if there is none to read.
+        Read the notebook again on each call; None if there is none.
 
         :param where: how to name the file in messages
         :returns: the content, and what went wrong while looking and reading
@@ -61,7 +61,7 @@ def discover(
     submitted: Path, assignment: str, notebook: str, known: Collection[str] = ()
 ) -> tuple[Submission, ...]:
     """
-    Look into every student's folder, in the order of their names.
+    Find the submissions of an assignment, in the order of the students' names.
 
     :param submitted: the folder of the class
     :param assignment: name of the assignment's folder
@@ -79,7 +79,7 @@ def students_in(submitted: Path, assignments: Collection[str]) -> list[str]:
     """
     Return the names of the students' folders, sorted: those with a notebook of the course.
 
-    A folder without one says nothing about who it belongs to: it may be part of a raw download,
+    A folder without a notebook of the course has no known owner: it may be part of a raw download,
     or a whole class one level deeper.
 
     :param assignments: names of the folders in which the notebook may be
@@ -90,7 +90,7 @@ def students_in(submitted: Path, assignments: Collection[str]) -> list[str]:
 
 def without_notebooks(submitted: Path, assignments: Collection[str]) -> list[str]:
     """
-    Return the names of the folders that belong to no student of the course, sorted.
+    Return the names of the folders without a notebook of the course, sorted.
 
     :raises OSError: if the folder of the class cannot be read
     """
@@ -98,7 +98,7 @@ def without_notebooks(submitted: Path, assignments: Collection[str]) -> list[str
 
 
 def _folders(submitted: Path) -> list[str]:
-    """Return what may be a student's folder, without notes and editor files next to them."""
+    """Return the folders that may be students', without notes and editor files next to them."""
     return [
         name
         for name in sorted(os.listdir(submitted))
@@ -108,9 +108,9 @@ def _folders(submitted: Path) -> list[str]:
 
 def _has_notebook(folder: Path, assignments: Collection[str]) -> bool:
     """
-    Return whether a notebook, readable or not, is in the folder of an assignment.
+    Return whether the folder of an assignment contains a notebook, readable or not.
 
-    A link in place of that folder counts, so that the attempt is reported; it is not followed.
+    A link instead of that folder counts, so that the attempt is reported; it is not followed.
     """
     for place in (folder / one for one in assignments):
         with suppress(OSError):  # It is missing, or may not be read.
@@ -132,9 +132,10 @@ def is_student_id(name: str) -> bool:
 
 def is_letter(char: str) -> bool:
     """
-    Return whether a character is a letter or digit of any alphabet, or a sign that belongs to one.
+    Return whether a character is a letter, a digit or a combining character of any alphabet.
 
-    Regular expressions count no such sign as part of a word, but it may be a name's only vowel.
+    Regular expressions do not treat a combining character as part of a word, but it may be a
+    name's only vowel.
     """
     return unicodedata.category(char)[0] in 'LMN'
 
@@ -142,14 +143,14 @@ def is_letter(char: str) -> bool:
 def _student(
     folder: Path, assignment: str, notebook: str, known: Collection[str]
 ) -> Submission | None:
-    """Look into one student's folder; None if there is only work for other assignments."""
+    """Read one student's folder; None if it has only work for other assignments."""
     name = folder.name
     readable = name.encode('utf-8', 'surrogateescape').decode('utf-8', 'replace')
     if not is_student_id(name):
         problem = Problem(
             f'submitted/{readable[:MAX_NAME_CHARS]!r}',
             f'a student id of at most {MAX_NAME_CHARS} letters, digits and . _ - @',
-            'another folder name, which nbgrader would misread',
+            'a folder name that nbgrader would misread',
             'rename the folder to the student id',
         )
         return Submission(readable[:MAX_NAME_CHARS], folder, None, (problem,), recordable=False)
@@ -171,7 +172,7 @@ def open_folder(folder: Path, student: str, notebook: str) -> Submission:
     """
     Find the notebook in one submission folder.
 
-    A single notebook under another name, as browsers make them ("name (1).ipynb"), counts.
+    A single notebook under a different name, such as a browser's "name (1).ipynb", counts.
 
     :param folder: ``submitted/<student>/<assignment>``
     :param student: name of the student
@@ -196,7 +197,7 @@ def open_folder(folder: Path, student: str, notebook: str) -> Submission:
 
 
 def _inside(folder: Path, where: str) -> tuple[list[str], tuple[Problem, ...]]:
-    """Return the sorted names in a real folder, or why there are none."""
+    """Return the sorted names in a real folder, or why it cannot be read."""
     try:
         if stat.S_ISDIR(os.lstat(folder).st_mode):
             return sorted(os.listdir(folder)), ()

@@ -1,9 +1,9 @@
 """
-What is handed in besides a notebook: a Python script, a ROS package folder, or a zip of one.
+Read submissions other than notebooks: a Python script, a ROS package folder, or a zip of one.
 
-All of it becomes texts by relative path and is never unpacked on the grader's own disk
-(:mod:`autograder.submission.tree`).  One entry of a zip that is not a package's regular file
-refuses the whole.
+Their files become texts by relative path; a zip is never unpacked on the grader's disk
+(:mod:`autograder.submission.tree`).  A zip with any entry that is not a regular file of a package
+is refused.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def read_handed_in(path: Path) -> dict[str, str]:
         return {path.name: _script(path)}
     if path.is_dir() or path.suffix == '.zip':
         return in_package(_texts(path), str(path))
-    kind = 'another file' if path.exists() else 'nothing of that name'
+    kind = 'another file' if path.exists() else 'no file or folder of this name'
     raise NotTakenInError(
         f'{path}: expected a Python script, a package folder, a zip file or a notebook, '
         f'got {kind}.'
@@ -115,7 +115,7 @@ def _texts(path: Path) -> dict[str, str]:
 
 def in_package(files: Mapping[str, str], where: str) -> dict[str, str]:
     """
-    Return the files of the one package as seen from its own folder.
+    Return the files of the only package, with paths from its own folder.
 
     :param files: of a package, or of a folder somewhere in which a package lies
     :raises NotTakenInError: if there are several packages
@@ -147,8 +147,8 @@ def with_node_files(files: Mapping[str, str], wanted: Iterable[str]) -> dict[str
     """
     Return the files with each wanted node at the top, where exams look for it.
 
-    What counts is the file of that name in the package's own folders; else the module that
-    ``setup.py`` or ``setup.cfg`` makes the executable of that name from.
+    The node is the file of that name in the package's own folders; else the module from which
+    ``setup.py`` or ``setup.cfg`` builds the executable of that name.
 
     :param wanted: node files such as ``talker.py``
     """

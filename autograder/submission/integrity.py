@@ -1,11 +1,10 @@
 """
-Whether a submitted notebook still has the cells of the release, in words for the instructor.
+Report to the instructor whether a submitted notebook still has the cells of the release.
 
-None of it changes a grade, because only the answers' texts survive (see
-:mod:`autograder.submission.submission`). nbgrader's checksums say nothing about tags, and are
-wrong for every cell whose text is made at release; here cells are compared with the release
-itself.  What editors add by themselves (outputs, ids, folding, timing) is not looked at, so an
-honest notebook gives no line.
+None of it changes a grade, because the grader uses only the texts of answers (see
+:mod:`autograder.submission.submission`).  nbgrader's checksums ignore tags, and are wrong for
+every cell whose text is generated at release; this module compares cells with the release itself.
+It ignores what editors add (outputs, ids, folding, timing), so an honest notebook gives no line.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ MOST_LINES = 20
 
 def changes(release: Mapping[str, Any], cells: Sequence[StudentCell]) -> tuple[str, ...]:
     """
-    Return how the cells that nbgrader knows differ from the release.
+    Return how the graded cells differ from those of the release.
 
     :param release: the notebook that students received
     :param cells: all cells of the submitted one
@@ -34,7 +33,7 @@ def changes(release: Mapping[str, Any], cells: Sequence[StudentCell]) -> tuple[s
         if grade_id:
             lines += _about(released, grade_id, by_id.pop(grade_id, []))
     lines += [
-        f'there is a cell with the grade id {name[:60]!r}, which the release does not have'
+        f'the release has no cell with the grade id {name[:60]!r}'
         for name in sorted(by_id)
         if name
     ]
@@ -45,7 +44,7 @@ def changes(release: Mapping[str, Any], cells: Sequence[StudentCell]) -> tuple[s
 def _about(
     released: dict[str, Any], grade_id: str, copies: Sequence[StudentCell]
 ) -> Iterator[str]:
-    """Say what is different about one cell of the release."""
+    """Yield the differences of one cell of the release."""
     marks = released['metadata'].get('nbgrader', {})
     answer = bool(marks.get('solution'))
     name = f'{"answer" if answer else "locked"} cell {grade_id}'
@@ -53,16 +52,16 @@ def _about(
         yield f'{name} is missing'
         return
     if len(copies) > 1:
-        yield f'{name} is there {len(copies)} times'
+        yield f'{name} occurs {len(copies)} times'
     wanted = {key: marks[key] for key in MARKS if marks.get(key) is not None}
     for cell in copies[:1]:
         if not answer and cell.source.strip() != released['source'].strip():
-            yield f'{name} has another text'
+            yield f'{name} has a different text'
         if cell.cell_type != released['cell_type']:
             yield f'{name} is a {cell.cell_type[:20]!r} cell'
         for key, value in wanted.items():
             if cell.marks.get(key) != value:
-                yield f'{name} has another value of {key}'
+                yield f'{name} has a different value of {key}'
         tags = released['metadata'].get('tags', [])
         if not answer and sorted(cell.tags) != sorted(tags):
             yield f'{name} has the tags {", ".join(cell.tags)[:80] or "removed"!r}'

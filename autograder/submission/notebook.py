@@ -1,4 +1,4 @@
-"""Read notebooks: the course's own, and, with bounds on everything, those of students."""
+"""Read notebooks: the course's own, and those of students within strict limits."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FRESH_COPY = 'download a fresh copy of the assignment and copy the answers into 
 
 @dataclass(frozen=True)
 class StudentCell:
-    """One cell of a submitted notebook: all we read of it."""
+    """One cell of a submitted notebook, with everything that the grader reads of it."""
 
     grade_id: str
     cell_type: str
@@ -77,7 +77,7 @@ def read_notebook(
 
 
 class _Objects:
-    """Makes JSON objects and notices a key that is there twice: readers differ in which counts."""
+    """Build JSON objects, and note a repeated key: readers differ in which one counts."""
 
     repeated = ''
 
@@ -89,20 +89,20 @@ class _Objects:
 
 
 def too_large(where: str, size: int) -> Problem:
-    """Say that a file is larger than any notebook we read."""
+    """Return the problem of a file that is larger than any notebook."""
     limit = f'a file of at most {MAX_BYTES // 2**20} MiB'
     got = f'{size / 2**20:.1f} MiB'
     return Problem(where, limit, got, 'clear all outputs, save and submit again')
 
 
 def _parts(data: bytes) -> int:
-    """Count at least what the parser makes of the text: each string begins with a bare quote."""
+    """Return a lower limit for the parser's objects: each string begins with a bare quote."""
     quotes = data.count(b'"') - data.count(b'\\"')
     return data.count(b'[') + data.count(b'{') + quotes
 
 
 def _broken_json(data: bytes, error: ValueError) -> tuple[str, str]:
-    """Say whether the text is cut off, not JSON at all, or broken at a line; and what to try."""
+    """Return whether the text is cut off, not JSON, or broken at a line; and what to try."""
     if not data.lstrip(b'\xef\xbb\xbf \t\r\n').startswith(b'{'):
         fix = 'submit the .ipynb file itself, not an export, a picture or an archive of it'
         return 'a file that is not JSON', fix
@@ -117,7 +117,7 @@ def _broken_json(data: bytes, error: ValueError) -> tuple[str, str]:
 def _read_cells(
     content: object, where: str
 ) -> tuple[tuple[StudentCell, ...] | None, tuple[Problem, ...]]:
-    """Read what we use of parsed JSON, ignoring anything odd beside it."""
+    """Read the cells of parsed JSON, ignoring everything unexpected."""
     cells = content.get('cells') if isinstance(content, dict) else None
     if not isinstance(cells, list):
         old = isinstance(content, dict) and 'worksheets' in content
@@ -153,9 +153,9 @@ def _read_cell(cell: object) -> StudentCell:
 
 def _clean(text: str) -> str:
     """
-    Return text with Unix line ends and no half surrogate pairs, which no file can hold.
+    Return text with Unix line ends and without half surrogate pairs, which no file can hold.
 
-    Of a text that is too long for an answer, only so much is kept that it stays too long.
+    A text that is too long for an answer is cut, but stays longer than the limit.
     """
     text = text[: 2 * (MAX_ANSWER_BYTES + 1)]  # two characters of it are one Windows line end
     text = text.replace('\r\n', '\n').replace('\r', '\n')
@@ -163,21 +163,21 @@ def _clean(text: str) -> str:
 
 
 def marks_of(cell: Notebook) -> dict[str, Any]:
-    """Return a trusted cell's nbgrader metadata, empty if it has none."""
+    """Return a trusted cell's nbgrader metadata; empty if it has none."""
     marks = cell.get('metadata', {}).get('nbgrader', {})
     return marks if isinstance(marks, dict) else {}
 
 
 def read_release(path: Path) -> Notebook:
     """
-    Read a notebook of ours: the text of each cell becomes one string, as nbformat has it.
+    Read a notebook of the course; the text of each cell becomes one string.
 
     :raises OSError: if it cannot be read
     :raises ValueError: if it is not a notebook
     """
     notebook = json.loads(path.read_text(encoding='utf-8'))
     if not isinstance(notebook, dict) or not isinstance(notebook.get('cells'), list):
-        raise ValueError(f'{path.name} is no notebook in format 4')
+        raise ValueError(f'{path.name} is not a notebook in format 4')
     for cell in notebook['cells']:
         cell['source'] = ''.join(cell['source'])
     return notebook
@@ -191,7 +191,7 @@ _NUMBERS = {number / 20: number / 20 for number in range(20001)}
 
 def small_number(text: str) -> float | bool:
     """
-    Return a number as a notebook's points may be, or True for any other.
+    Return a number that can be a notebook's points; True for any other value.
 
     :param text: as it is written in the file
     """

@@ -1,7 +1,7 @@
 """
-A package folder on disk as the files that exams judge.
+Read a package folder on disk as the files that exams judge.
 
-Nodes may lie at the top or, as in every Python ROS package, in the folder named like the package;
+Nodes may be at the top or, as in every Python ROS package, in the folder with the package's name;
 links are not followed.
 """
 
@@ -50,10 +50,10 @@ def read_package(folder: Path) -> dict[str, str]:
 
 def own_files(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
     """
-    Return the files that an exam is about, of all that a notebook has made.
+    Return the files that an exam needs, from all that a notebook has saved.
 
-    A message package is built without the nodes of later exercises, as in grading; so an edit of
-    a node builds nothing again.
+    A message package is built without the nodes of later exercises, as in grading; so an edit of a
+    node causes no new build.
 
     :param files: from :func:`read_package`
     """
@@ -63,7 +63,7 @@ def own_files(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
 
 
 def what_is_there(files: Mapping[str, str]) -> str:
-    """Name the first files of a package, for a message about one that is not there."""
+    """Return the first files of a package, for a message about a missing one."""
     if not files:
         return 'no file of a package'
     names = [name if name.isprintable() else repr(name) for name in files]
@@ -72,7 +72,7 @@ def what_is_there(files: Mapping[str, str]) -> str:
 
 def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
     """
-    Speak of files where the result of a missing one speaks of a notebook's cells.
+    Return a result that speaks of missing files instead of a notebook's cells.
 
     :param result: the exam's result on these files
     """
@@ -85,7 +85,7 @@ def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
 
 
 def with_missing_file(result: ExamResult, **words: str) -> ExamResult:
-    """Return a result with other words about a file that is missing."""
+    """Return a result with a message about a missing file."""
     checks = [
         replace(check, **words) if check.cause_id == 'missing_file' else check  # type: ignore[arg-type]
         for check in result.checks

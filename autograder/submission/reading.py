@@ -1,4 +1,4 @@
-"""Read a file that a student or another system laid down, whatever it really is."""
+"""Read a file from a student or another system safely, whatever it really is."""
 
 from __future__ import annotations
 
@@ -44,6 +44,6 @@ def read_file(
 
 
 def unreadable(where: str, error: OSError) -> Problem:
-    """Say why the system does not let us read."""
+    """Return the problem of a file that the system does not let the grader read."""
     reason = (error.strerror or type(error).__name__).lower()
     return Problem(where, 'something that can be read', reason, 'check its permissions')

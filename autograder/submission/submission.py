@@ -1,10 +1,10 @@
 """
-From the bytes a student handed in to a notebook we trust: the release plus the answers.
+Turn submitted bytes into a notebook that the grader trusts: the release plus the answers.
 
-Only the text of answer cells survives.  Everything else in a submitted notebook - outputs,
-tags, metadata, changed tests, extra cells - is dropped, because nbgrader and Jupyter act on
-it.  Nothing here raises on bad input: what is wrong becomes a
-:class:`~autograder.results.Problem` that says which answers are missing because of it.
+The grader keeps only the text of answer cells.  Everything else in a submitted notebook (outputs,
+tags, metadata, changed tests, extra cells) is dropped, because nbgrader and Jupyter act on it.
+Bad input never raises: each mistake becomes a :class:`~autograder.results.Problem` that says which
+answers are missing because of it.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def rebuild(
     release: Notebook, student: Sequence[StudentCell] | None, where: str = 'notebook'
 ) -> tuple[Notebook, tuple[Problem, ...]]:
     """
-    Return the release with the student's answers in it, found by grade id.
+    Return the release with the student's answers, which are found by grade id.
 
     :param release: the notebook that students received
     :param student: cells of the submitted notebook; None if it could not be read
@@ -109,7 +109,7 @@ def rebuild(
 def _fill_in(
     cell: Notebook, copies: Sequence[StudentCell], by_file: Mapping[str, StudentCell], where: str
 ) -> Iterator[Problem]:
-    """Put the first of the student's copies into an answer cell; yield what is wrong."""
+    """Put the student's first copy into an answer cell; yield the problems."""
     grade_id = marks_of(cell)['grade_id']
     spot = f'{where}, cell {grade_id}'
     if not copies:
@@ -138,7 +138,7 @@ def _fill_in(
 
 
 def _missing_answer(cell: Notebook, by_file: Mapping[str, StudentCell], spot: str) -> Problem:
-    """Say that an answer is missing, and where a cell looks like it."""
+    """Return the problem of a missing answer, with a cell that looks like it."""
     grade_id, wanted = marks_of(cell)['grade_id'], _path(cell['source'])
     got = 'no such cell'
     if wanted in by_file:
@@ -149,7 +149,7 @@ def _missing_answer(cell: Notebook, by_file: Mapping[str, StudentCell], spot: st
 
 
 def _path(source: str) -> str:
-    """Return which file a cell's magic line names, empty if none."""
+    """Return the file that a cell's magic line names, or an empty string."""
     try:
         found = parse_cell(first_line(source)[0])
     except CellSyntaxError:
@@ -158,10 +158,10 @@ def _path(source: str) -> str:
 
 
 def _changed_check(grade_id: str, where: str) -> Problem:
-    """Say that a locked cell was edited; the release's text is used."""
+    """Return the problem of an edited locked cell; the release's text is used."""
     return Problem(
         f'{where}, cell {grade_id}',
         'the text of the release (this cell is locked)',
-        'a changed text, which was ignored',
+        'changed text, which was ignored',
         'leave locked cells as they are',
     )

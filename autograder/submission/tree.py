@@ -1,10 +1,9 @@
 """
-A folder, or a zip that is never unpacked, as a list of files that can be read.
+List the files of a folder, or of a zip that is never unpacked, and read them safely.
 
-Other people named everything in it.  Only regular files are listed, what a zip says about itself
-is not believed, and nothing that leads elsewhere is followed.  Every file is read again each time,
-and :class:`Bounds` limit each file and all of them together.  What programs leave next to people's
-work is not listed.
+Students named everything in it.  Only regular files are listed, sizes that a zip claims are not
+trusted, and no link is followed.  Every file is read again each time, and :class:`Bounds` limit
+each file and all of them together.  Files that programs generate next to the work are not listed.
 """
 
 from __future__ import annotations
@@ -36,17 +35,17 @@ _DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError)
 
 
 class NotTakenInError(GraderError):
-    """What was handed in cannot be used as it is."""
+    """The submission cannot be used."""
 
 
 class UnreadableError(Exception):
-    """A single file cannot be taken; the others can."""
+    """A single file cannot be read; the others can."""
 
 
 @dataclass(frozen=True)
 class Bounds:
     """
-    What is read of a source, and how much.
+    Limits for what is read of a source.
 
     :param what: what it should be, in words
     :param fix: what to try if it is not
@@ -66,19 +65,19 @@ class Bounds:
     name_chars: int
 
     def refusal(self, source: str, got: str) -> NotTakenInError:
-        """Return the error that a source, or a file of it, is not what it should be."""
+        """Return the error for a source, or a file of it, that cannot be used."""
         return NotTakenInError(f'{source}: expected {self.what}, got {got}.', f'Try: {self.fix}')
 
     def trouble(self, parts: Parts) -> str:
-        """Return why a path is not taken, or nothing."""
+        """Return why a path is not accepted, or an empty string."""
         path = '/'.join(parts)
         readable = path.encode('utf-8', 'surrogateescape').decode('utf-8', 'replace') == path
         if path.startswith('/') or (len(parts[0]) == 2 and parts[0][1] == ':'):
             return 'an absolute path'
         if {'', '.', '..'} & set(parts):
-            return 'a path that leads elsewhere'
+            return 'a path that leads out of the folder'
         if not readable or not path.isprintable() or '\\' in path:
-            return 'a name with characters that no system shows'
+            return 'a name with unprintable characters'
         if len(path) > self.name_chars:
             return 'a path that is far too long'
         return f'folders more than {DEEPEST} deep' if len(parts) > DEEPEST else ''
@@ -110,7 +109,7 @@ class File:
 @dataclass(frozen=True)
 class Tree:
     """
-    A source.
+    A source with its files.
 
     :param files: in the order of their paths
     :param refused: path and reason of what was left where it was
@@ -138,7 +137,7 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
     try:
         kind = source.stat().st_mode
     except OSError as error:
-        what = f'{source}: expected a folder or a zip file, got: {str(error.strerror).lower()}.'
+        what = f'{source}: cannot be read: {str(error.strerror).lower()}.'
         raise NotTakenInError(what) from error
     meter = _Meter(str(source), bounds)
     if stat.S_ISDIR(kind):
@@ -151,15 +150,15 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
             yield _tree(source.stem, _in_zip(archive, meter), meter)
     except _DAMAGED as error:
         raise NotTakenInError(
-            f'{source}: expected a folder or a zip file that can be read, got: {error}.',
-            'Try: download or pack it again, or the folder that was packed',
+            f'{source}: the zip file cannot be read: {error}.',
+            'Try: download or pack it again, or give the unpacked folder',
         ) from error
 
 
 @dataclass
 class _Meter:
     """
-    How much was read of a source; a file that was read can be read again.
+    The number of bytes that were read of a source; a file may be read again.
 
     :param where: the source, for messages
     """
@@ -171,7 +170,7 @@ class _Meter:
 
     def within(self, parts: Parts, data: bytes) -> bytes:
         """
-        Return what was read of a file.
+        Count and return the bytes of a file; raise if they exceed a limit.
 
         :raises NotTakenInError: if it is too much with all the others
         :raises UnreadableError: if it is too much for one file
@@ -201,7 +200,7 @@ class _Name:
 
 
 def _tree(name: str, names: Iterable[_Name], meter: _Meter) -> Tree:
-    """Return a source, with those folders as empty in which nothing was found."""
+    """Return a source; folders without a file count as empty."""
     files: dict[Parts, File] = {}
     refused: list[tuple[str, str]] = []
     folders: set[Parts] = set()
@@ -221,7 +220,7 @@ def _tree(name: str, names: Iterable[_Name], meter: _Meter) -> Tree:
             continue
         if one.owner is not None:
             owners[one.parts] = one.owner
-        twice = 'a name that is there twice' if one.parts in files else ''
+        twice = 'a name that occurs twice' if one.parts in files else ''
         if trouble := bounds.trouble(one.parts) or one.trouble or twice:
             refused.append(('/'.join(one.parts)[: bounds.name_chars], trouble))
         elif one.read is None:
@@ -236,7 +235,7 @@ def _tree(name: str, names: Iterable[_Name], meter: _Meter) -> Tree:
 
 
 def _in_folder(folder: Path, above: Parts, meter: _Meter) -> Iterator[_Name]:
-    """Yield everything in order; no link is followed."""
+    """Yield all files in order, without following links."""
     with os.scandir(folder) as entries:
         inside = sorted(entries, key=lambda entry: entry.name)
     for entry in inside:
@@ -291,7 +290,7 @@ def _name_of(entry: zipfile.ZipInfo) -> str:
     """
     Return the name of an entry.
 
-    The Finder and ``zip`` write UTF-8 without saying so, and Python reads that as code page 437.
+    The Finder and ``zip`` write UTF-8 without marking it, and Python reads it as code page 437.
     """
     if not entry.flag_bits & _UTF_8:
         with suppress(UnicodeError):

@@ -145,8 +145,8 @@ def is_packed_strangely(folder: Path) -> Path:
 
 
 REFUSED: dict[Callable[[Path], Path], str] = {
-    climbs_out: 'a path that leads elsewhere',
-    climbs_out_later: 'a path that leads elsewhere',
+    climbs_out: 'a path that leads out of the folder',
+    climbs_out_later: 'a path that leads out of the folder',
     is_absolute: 'an absolute path',
     links_out: 'a link or a special file',
     writes_through_a_link: 'a link or a special file',
@@ -159,9 +159,9 @@ REFUSED: dict[Callable[[Path], Path], str] = {
     has_a_file_that_is_a_folder: 'both a file and a folder',
     has_thousands_of_files: 'more than 2000 files',
     is_a_maze: 'a path that is far too long',
-    has_terminal_codes_in_a_name: 'characters that no system shows',
-    turns_its_name_round: 'characters that no system shows',
-    is_cut_off: 'a zip file that can be read',
+    has_terminal_codes_in_a_name: 'unprintable characters',
+    turns_its_name_round: 'unprintable characters',
+    is_cut_off: 'the zip file cannot be read',
     is_packed_strangely: 'an unusual compression',
 }
 """What is said about each."""

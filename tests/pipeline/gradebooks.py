@@ -139,7 +139,7 @@ def says_that_a_gradebook_does_not_answer(course: Layout) -> None:
         return  # a server is not harmed for a test
     path.write_bytes(b'no database' * 100)
 
-    assert 'gradebook.db: expected a gradebook that answers, got: ' in refused(course)
+    assert 'gradebook.db: the gradebook is damaged: ' in refused(course)
     assert path.read_bytes() == b'no database' * 100
 
 
@@ -150,13 +150,15 @@ def says_that_settings_are_wrong(course: Layout) -> None:
     text = config.read_text(encoding='utf-8')
     for line, said in {
         'c.LateSubmissionPlugin.penalty_method = zero': 'got NameError',
-        "c.CourseDirectory.db_url = 'postgres://u@localhost/g'": 'expected the address of',
-        "c.CourseDirectory.db_url = 'gradebook.db'": 'expected the address of',
-        "c.CourseDirectory.db_url = 'postgresql://u@localhost:port/g'": 'expected the address of',
+        "c.CourseDirectory.db_url = 'postgres://u@localhost/g'": 'this is not the address of',
+        "c.CourseDirectory.db_url = 'gradebook.db'": 'this is not the address of',
+        "c.CourseDirectory.db_url = 'postgresql://u@localhost:port/g'": 'is not the address of',
     }.items():
         config.write_text(f'{text}\n{line}\n', encoding='utf-8')
         assert said in refused(course)
-        assert due_dates(course).problem.startswith('no due dates, the gradebook cannot be read')
+        assert due_dates(course).problem.startswith(
+            'due dates unknown, because the gradebook cannot be read'
+        )
 
 
 def refused(course: Layout, count: int = 1) -> str:

@@ -231,10 +231,10 @@ class TestCommands:
         [
             (['export', 'csv', 'temprature'], 'Did you mean'),
             (['stats', 'nonsense_xyz'], 'no such assignment'),
-            (['similar', ASSIGNMENT, '--submitted', '/nowhere'], 'expected a folder'),
+            (['similar', ASSIGNMENT, '--submitted', '/nowhere'], 'the folder cannot be read'),
             (
                 ['export', 'canvas', ASSIGNMENT, '--gradebook', '/nowhere', '--column', 'x'],
-                'expected the file that Canvas exports',
+                'the gradebook from Canvas cannot be read',
             ),
         ],
     )

@@ -96,7 +96,7 @@ def test_a_program_that_is_killed_from_outside_gets_its_points(wanted):
 def test_a_launcher_that_is_killed_each_time_makes_no_verdict():
     """No evidence, no points, no zero: a person has to look."""
     killer = Killer(launcher, times=2)
-    with pytest.raises(ProbeFailed, match='from outside, by signal 9'):
+    with pytest.raises(ProbeFailed, match='Another program ended the sandbox with signal 9'):
         graded(ANSWER.read_text(encoding='utf-8'), killer)
 
     assert killer.runs == 2

@@ -108,4 +108,4 @@ def test_a_gradebook_that_cannot_be_reached_costs_no_result(class_):
     new, refused = run(class_, engine, meanwhile)
 
     assert new == 3
-    assert 'gradebook.db: expected a gradebook that answers, got: ' in refused
+    assert 'gradebook.db: the gradebook is damaged: ' in refused

@@ -120,9 +120,9 @@ class TestLoweredMarks:
         assert grade() == command.USAGE
         said = capsys.readouterr()
         out = ' '.join(said.out.split())
-        assert 'Left as they are in the gradebook: ann 40 to 30.' in out
+        assert 'Unchanged in the gradebook: ann 40 to 30.' in out
         assert said.err.startswith(f'autograder: gradebook: 1 mark of {ASSIGNMENT} would be ')
-        assert 'Try: look at the list, then the same command with --yes' in said.err
+        assert 'Try: look at the list, then run the same command with --yes' in said.err
         assert scores(here, 'ann')[CHECK] == scores(here, 'bob')[CHECK] == 15
         assert [one.points for one in one_graded(here, ASSIGNMENT).results] == [30, 40]
 
@@ -206,8 +206,8 @@ class TestLoweredMarks:
         assert command.main(['rejudge', '--write']) == command.USAGE
         said = capsys.readouterr()
         assert 'lower mark in the gradebook: ann 40 to 30\n' in said.out
-        assert 'Nothing was written, as marks would be lowered or emptied.' in said.out
-        assert 'nothing was written. Try: look at the list, then the same command' in said.err
+        assert 'Nothing was written, because marks would be lowered or cleared.' in said.out
+        assert 'nothing was written. Try: look at the list, then run the same command' in said.err
         assert scores(here, 'ann')[CHECK] == 15
         assert one_graded(here, ASSIGNMENT).results[0].points == 40
 
@@ -252,7 +252,7 @@ class TestCopies:
             said = capsys.readouterr()
             assert said.out == ''
             assert said.err == (
-                f'autograder: {path}: expected a gradebook that answers, got: an empty file. Try: '
+                f'autograder: {path}: the gradebook is damaged: an empty file. Try: '
                 f'cp {copy} {path}. To begin a new gradebook instead, remove the file. Nothing '
                 'was written.\n'
             )
@@ -281,7 +281,7 @@ class TestStudents:
         said = capsys.readouterr().err
         fix = f'Try: --submitted {tmp_path}/download/mine\n'
         if not deep:
-            fix = f'Try: python -m autograder collect {tmp_path}/download, which reads downloads '
+            fix = f'Try: python -m autograder collect {tmp_path}/download, if this is a download '
         assert fix in said
         with book(here) as gradebook:
             assert [student.id for student in gradebook.students] == ['ann']
@@ -293,5 +293,5 @@ class TestStudents:
 
         assert grade() == OK
         said = ' '.join(capsys.readouterr().out.split())
-        assert 'Not graded, as no notebook of the course is in them: old stuff.' in said
+        assert 'Folders without a notebook of the course were not graded: old stuff.' in said
         assert len(one_graded(here, ASSIGNMENT).results) == 1

@@ -246,7 +246,7 @@ def test_autograde_leaves_a_mark_that_would_fall(course):
 
     said = nbgrader(course, 'autograde', ASSIGNMENT, '--force')
 
-    assert 'so the old one was left: ann 40 to 30. Try: make grade ARGS=--yes' in said
+    assert 'so it was not changed: ann 40 to 30. Try: make grade ARGS=--yes' in said
     assert grades(course) == before
 
 

@@ -59,7 +59,7 @@ def graded(course):
     for student in ('ann', 'cho'):
         hand_in(course, course.submitted, student)
     hand_in(course, course.submitted, 'bob', temperature_topic='temprature_topic')
-    assert 'kept as they were' not in grade(course, course.submitted)
+    assert 'their results are unchanged' not in grade(course, course.submitted)
     return course
 
 
@@ -74,7 +74,7 @@ def test_an_appeal_changes_one_student(graded, tmp_path):
     assert before == {'ann': 40, 'bob': 30, 'cho': 40}
     assert points(graded) == {'ann': 40, 'bob': 40, 'cho': 40, 'dee': 40}
     assert list(points(graded)) == ['ann', 'bob', 'cho', 'dee']
-    assert 'Not in this folder, kept as they were: 2 others.' in said
+    assert '2 other students are not in this folder; their results are unchanged.' in said
     assert 'cho' not in said
     new = pages(graded)
     assert sorted(new) == ['ann.html', 'bob.html', 'cho.html', 'dee.html']
@@ -96,7 +96,7 @@ def test_the_courses_own_folder_is_the_class(graded, tmp_path, link):
         folder = tmp_path / 'link'
         folder.symlink_to(graded.submitted)
 
-    assert 'kept as they were' not in grade(graded, folder)
+    assert 'their results are unchanged' not in grade(graded, folder)
     assert sorted(points(graded)) == ['ann', 'bob']
     assert sorted(pages(graded)) == ['ann.html', 'bob.html']
 
@@ -105,7 +105,7 @@ def test_a_first_grading_from_elsewhere_has_nobody_to_keep(course, tmp_path):
     """As with a class that lies elsewhere."""
     hand_in(course, tmp_path / 'mine', 'ann')
 
-    assert 'kept as they were' not in grade(course, tmp_path / 'mine')
+    assert 'their results are unchanged' not in grade(course, tmp_path / 'mine')
     assert points(course) == {'ann': 40}
 
 
@@ -115,6 +115,6 @@ def test_results_that_cannot_be_read_are_not_replaced(graded, tmp_path):
     path.write_text(json.dumps([{'student': 'ann'}]), encoding='utf-8')
     hand_in(graded, tmp_path / 'appeal', 'bob')
 
-    with pytest.raises(GraderError, match='expected results as a report writes them'):
+    with pytest.raises(GraderError, match='the results cannot be read'):
         grade(graded, tmp_path / 'appeal')
     assert json.loads(path.read_text(encoding='utf-8')) == [{'student': 'ann'}]

@@ -165,7 +165,7 @@ class TestWhatIsMeant:
         """Whatever its kind: a mistake by the instructor never gives a student zero points."""
         monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
-        with pytest.raises(NotTakenInError, match='got nothing of that name'):
+        with pytest.raises(NotTakenInError, match='there is no such file or folder'):
             quick_look.looks(tmp_path / name, monitor, LAYOUT)
 
 

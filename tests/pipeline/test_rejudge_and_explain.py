@@ -163,7 +163,7 @@ class TestRejudge:
         assert (reference.before.points, reference.after.points) == (15, 9)
         assert changed['names_the_unit'].points_after == 0
         assert 'expected the unit Kelvin; observed the unit Celsius' in accounts[0].text()
-        assert changed['names_the_sensor'].why == 'the check gives other points: 1 -> 4'
+        assert changed['names_the_sensor'].why == 'the points of the check have changed: 1 -> 4'
         assert changed['is_new'].why == 'the check is new'
         assert changed['readings_are_plausible'].after == 'no such check'
         assert 'starts_its_node' not in changed
@@ -194,8 +194,8 @@ class TestRejudge:
         kept = {name: one.kept for name, one in by_student(accounts).items()}
 
         assert code == FOR_REVIEW
-        assert kept['pass__reference'] == 'no submission any more'
-        assert 'the files are not those that were recorded' in kept['fail__two_hertz']
+        assert kept['pass__reference'] == 'the submission no longer exists'
+        assert 'the files have changed since the recording' in kept['fail__two_hertz']
         assert 'cannot be read' in kept['fail__crashes_in_mid_run']
         assert kept['fail__stamps_without_nanoseconds'] == ''
 
@@ -219,7 +219,8 @@ class TestRejudge:
 
         (account,), _ = rejudge_command(layout, None, None, write=True)
         assert account.written == (
-            'The reports have the points of 4; 4 given to the gradebook, 0 were there as they are.'
+            'The reports show the new points of 4 submissions; 4 were entered in the gradebook, '
+            '0 were unchanged.'
         )
         data = {one['student']: one for one in json.loads(results.read_text(encoding='utf-8'))}
         points = [check['points'] for check in data['pass__reference']['exams'][0]['checks']]
@@ -254,13 +255,13 @@ class TestRejudge:
         assert 'fail__two_hertz' in changed
         assert len(changed) < len(STUDENTS)
         assert given == [set(STUDENTS), changed]
-        assert '0 given to the gradebook, 4 were there as they are' in unchanged.written
+        assert '0 were entered in the gradebook, 4 were unchanged' in unchanged.written
         assert [(one.student, ran_s(one)) for one in last_results(layout, ASSIGNMENT)] == slowest
         assert all(seconds > 0 for _, seconds in slowest)
 
     def test_what_was_never_graded_cannot_be_judged_again(self, course):
         """The way out is named."""
-        with pytest.raises(GraderError, match='grade the class first'):
+        with pytest.raises(GraderError, match='Try: make grade'):
             rejudge_command(course, None, None, write=False)
 
 
@@ -276,7 +277,7 @@ class TestExplain:
         assert '4.000s  /temperature_topic: ' in marked
         assert 'timestamp: 5.000000000' in marked
         assert found['check']['verdict'] == 'FAILED'
-        assert found['now'] == 'judged again now from the recording: the same'
+        assert found['now'] == 'judged again now from the recording: same verdict'
         assert found['recording']['of_these_files']
         assert found['recording']['name'] in text
         assert found['versions']['rclpy'] in text
@@ -296,8 +297,8 @@ class TestExplain:
         found = evidence(layout, 'fail__crashes_in_mid_run', 'names_the_unit')
         text = evidence_text(found)
 
-        assert found['deviation']['how'] == 'the run ended early, and this is how'
-        assert 'the program printed last:' in text
+        assert found['deviation']['how'] == 'the run ended early here'
+        assert 'last lines that the program printed:' in text
         assert 'Error' in text
 
     def test_a_verdict_that_passed_has_evidence_too(self, layout, now):
@@ -310,9 +311,13 @@ class TestExplain:
     @pytest.mark.parametrize(
         ('student', 'check', 'said'),
         [
-            ('nobody', 'names_the_unit', 'Graded: fail__crashes_in_mid_run, fail__stamps'),
-            ('pass__reference', 'nothing', 'There are: temperature_publisher/starts_its_node'),
-            ('pass__reference', 'other/names_the_unit', 'has no such verdict'),
+            (
+                'nobody',
+                'names_the_unit',
+                'Students with results: fail__crashes_in_mid_run, fail__stamps',
+            ),
+            ('pass__reference', 'nothing', 'Try: one of temperature_publisher/starts_its_node'),
+            ('pass__reference', 'other/names_the_unit', 'has no check of this name'),
         ],
     )
     def test_who_or_what_is_not_there_is_answered_with_what_is(
@@ -356,7 +361,7 @@ class TestCommands:
         assert command.main(['rejudge', 'temperature_monitor']) == OK
         said = capsys.readouterr().out
         assert said.startswith(f'{ASSIGNMENT}: 4 of 4 submissions judged again in ')
-        assert said.endswith('nothing run; 0 changed. Nothing was written; --write does.\n')
+        assert said.endswith('without a run; 0 changed. Nothing was written. Try: --write\n')
 
         assert command.main(['rejudge', '--json']) == OK
         (account,) = json.loads(capsys.readouterr().out)
@@ -377,7 +382,7 @@ class TestCommands:
 
         assert command.main(['rejudge', '--write']) == command.USAGE
         said = capsys.readouterr()
-        assert 'of 4 given to the gradebook, not all were taken.' in said.out
+        assert 'the gradebook did not accept all of the 4 that changed.' in said.out
         assert said.err == 'autograder: nbgrader failed in recording: no disk.\n'
         points = {one.student: one.points for one in last_results(layout, ASSIGNMENT)}
         assert points['pass__reference'] == 7 * len(exam.checks)
@@ -399,7 +404,7 @@ class TestCommands:
 
         assert command.main(['explain', 'nobody', 'x']) == command.USAGE
         (line,) = capsys.readouterr().err.splitlines()
-        assert line.startswith('autograder: nobody: expected a student with results')
+        assert line.startswith('autograder: nobody: no student with this name or id has results')
 
     def test_explain_without_a_check_lists_the_checks_of_a_student(self, layout, capsys):
         """With verdict, points and cause; the student is named by id or name."""
@@ -412,7 +417,7 @@ class TestCommands:
         assert rate.split()[:4] == ['FAILED', '0', 'of', '3']
         assert 'about 2 times a second' in rate
         assert {line.split()[4].partition('/')[0] for line in lines} == {'temperature_publisher'}
-        assert 'shows the evidence' in last
+        assert 'To see the evidence' in last
 
         assert command.main(['explain', 'Ann Lee', '--json']) == OK
         (found,) = json.loads(capsys.readouterr().out)

@@ -97,8 +97,8 @@ def test_following_it_literally_works(course):
 
     done = follow(course, proof)
     assert done.stdout.splitlines() == [
-        '20_doors: the reference solution has 6 of 6, as it must.',
-        '20_doors: the untouched release has 0 of 6, as it must.',
+        '20_doors: the reference solution has 6 of 6, as expected.',
+        '20_doors: the untouched release has 0 of 6, as expected.',
     ], done.stderr
 
     done = follow(course, look)

@@ -149,8 +149,8 @@ class TestGrading:
         said = run(course, 'autograder.authoring.release', 'check').stdout.splitlines()
         assert said[-1] == 'The notebooks and the exams fit together.'
         assert run(course, 'autograder', 'self-check').stdout.splitlines() == [
-            '01_points: the reference solution has 6 of 6, as it must.',
-            '01_points: the untouched release has 0 of 6, as it must.',
+            '01_points: the reference solution has 6 of 6, as expected.',
+            '01_points: the untouched release has 0 of 6, as expected.',
         ]
 
     def test_a_class_is_graded_in_its_own_gradebook(self, course):
@@ -192,7 +192,7 @@ class TestBeginning:
         (tmp_path / 'full' / 'mine').touch()
         (tmp_path / 'file').touch()
         for name in ('full', 'file'):
-            with pytest.raises(GraderError, match='expected no such folder, or an empty one'):
+            with pytest.raises(GraderError, match='this folder exists and is not empty'):
                 new_course(tmp_path / name)
         assert sorted(path.name for path in tmp_path.iterdir()) == ['file', 'full']
 
@@ -208,6 +208,6 @@ class TestBeginning:
         new_course(root)
         new_exam(Layout(root), 'far_points', '01_points')
         before = sorted(root.rglob('*'))
-        with pytest.raises(GraderError, match='it is there already'):
+        with pytest.raises(GraderError, match='this file already exists'):
             new_exam(Layout(root), 'near_points', '01_points')
         assert sorted(root.rglob('*')) == before

@@ -161,7 +161,7 @@ def test_a_trial_of_the_sandbox_that_somebody_ended_says_nothing_about_rclpy(mon
     sandbox = strongest()
     monkeypatch.setattr(Sandbox, 'command', lambda *_: ['sh', '-c', 'kill -9 $$'])
 
-    with pytest.raises(SandboxUnavailable, match='was ended from outside') as caught:
+    with pytest.raises(SandboxUnavailable, match='Another program ended the trial') as caught:
         try_out(sandbox)
 
-    assert caught.value.fix == 'Try: the same command again'
+    assert caught.value.fix == 'Try: run the same command again'

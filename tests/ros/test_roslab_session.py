@@ -199,7 +199,7 @@ def test_node_that_fails_before_start_returns_is_named(session, capfd, monkeypat
     monkeypatch.setattr(BackgroundExecutor, 'add', add_slowly)
     session.start(Failing)
 
-    assert 'failing stopped, a callback raised an exception' in capfd.readouterr().out
+    assert 'failing stopped because a callback raised an exception' in capfd.readouterr().out
     assert session.losses() == 'Node failing stopped: ZeroDivisionError: third.'
 
 

@@ -130,7 +130,7 @@ class TestNumbers:
         numbers = numbers_of(REVIEW)
 
         assert numbers.marks is None
-        assert 'nobody has a mark' in stats_text(numbers)
+        assert 'no student has a mark' in stats_text(numbers)
 
     def test_causes_are_counted_by_their_name(self):
         """Their words name lines and values of one student; the commonest words stand for all."""
@@ -351,7 +351,7 @@ class TestWhatWasGraded:
 
     def test_nothing_graded_says_what_to_do(self, tmp_path):
         """Grade first."""
-        with pytest.raises(GraderError, match='grade the class first'):
+        with pytest.raises(GraderError, match='Try: make grade'):
             graded(Layout(tmp_path))
 
 

@@ -28,7 +28,7 @@ from autograder.collect.source import tree
 from autograder.collect.table import LEFT, TAKEN
 from autograder.submission.tree import NotTakenInError
 
-STRANGE = 'no cell of the assignment is in it'
+STRANGE = 'it contains no cell of the assignment'
 
 
 def done(rows) -> list[tuple[str, str, str]]:
@@ -119,7 +119,7 @@ class TestOneAssignmentASource:
     @pytest.mark.parametrize(
         ('one', 'two', 'said'),
         [
-            (GOOD, OTHER, f'as many of {LISTEN} as of {TALK}. Try: --assignment'),
+            (GOOD, OTHER, f'equally many cells of {LISTEN} and {TALK}. Try: --assignment'),
             (OWN, OWN, 'none of this course'),
         ],
     )
@@ -259,7 +259,7 @@ class TestTheRightOne:
         assert [row.notes[0] for row in rows] == [
             'an earlier one',
             'the newest of 3 with a cell of the assignment',
-            'another one was taken',
+            'a different one was collected',
         ]
 
 
@@ -297,7 +297,7 @@ class TestBounds:
         rows = collect(source, layout, layout.submitted)
 
         assert [(row.student, row.done) for row in rows] == [('ann', LEFT), ('bob', TAKEN)]
-        assert rows[0].notes == ('it changed while it was collected',)
+        assert rows[0].notes == ('the file changed while it was collected',)
         assert set(taken(layout)) == {f'bob/{TALK}/talk.ipynb'}
 
     @pytest.mark.parametrize('how', [packed, laid])
@@ -331,7 +331,7 @@ class TestBounds:
 
         assert sorted(row.done for row in rows) == [LEFT, TAKEN]
         (left,) = [row for row in rows if row.done == LEFT]
-        assert f'not looked at, after {choice.MOST_NOTEBOOKS} other notebooks' in left.notes[0]
+        assert f'not read: {choice.MOST_NOTEBOOKS} other notebooks' in left.notes[0]
         assert left.notes[0].endswith('18 more')
 
     def test_one_student_has_not_the_share_of_a_class(self, tmp_path, layout, monkeypatch):
@@ -342,7 +342,7 @@ class TestBounds:
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
 
         assert sorted(row.done for row in rows) == [LEFT, TAKEN, TAKEN]
-        assert any('after 3 other notebooks' in '; '.join(row.notes) for row in rows)
+        assert any('not read: 3 other notebooks' in '; '.join(row.notes) for row in rows)
 
     def test_a_notebook_that_is_too_large_is_told_beside_the_others(
         self, tmp_path, layout, monkeypatch
@@ -365,4 +365,7 @@ class TestBounds:
         rows = collect(source, layout, layout.submitted)
 
         assert len(rows) == 3
-        assert notes(rows)['ann/link0'] == ('a link or a special file', 'and 8 more there')
+        assert notes(rows)['ann/link0'] == (
+            'a link or a special file',
+            'and 8 more in the same folder',
+        )

@@ -34,7 +34,7 @@ class TestFolders:
         rows = collect(how(tmp_path / 'r', REPOSITORIES), layout, layout.submitted)
 
         assert {row.student: row.done for row in rows} == {'ann': TAKEN, 'bob': TAKEN, 'cho': LEFT}
-        assert all("'talk-' was taken off the name" in row.notes for row in rows)
+        assert all("'talk-' was removed from the name" in row.notes for row in rows)
         assert not [path for path in layout.submitted.rglob('*') if '.git' in path.parts]
 
     def test_a_repository_without_a_commit_is_in_the_table(self, tmp_path, layout):
@@ -98,7 +98,7 @@ class TestFolders:
         rows = collect(laid(tmp_path / 'ann', files), layout, layout.submitted)
 
         assert {row.done for row in rows} == {LEFT}
-        assert 'collect the folder above it' in rows[0].notes[0]
+        assert 'collect the folder above' in rows[0].notes[0]
 
 
 class TestIdsOfFolders:
@@ -163,7 +163,7 @@ class TestIdsOfFolders:
         """Systems have names of their own."""
         source = packed(tmp_path / 'm.zip', MOODLE)
 
-        with pytest.raises(NotTakenInError, match='for --prefix, got names of moodle'):
+        with pytest.raises(NotTakenInError, match='these are names from moodle'):
             collect(source, layout, layout.submitted, prefix='Li ')
 
 
@@ -283,7 +283,7 @@ class TestNamedKind:
         with pytest.raises(NotTakenInError) as caught:
             collect(source, layout, layout.submitted, kind=wanted)
 
-        assert f'expected submissions of the kind {wanted} (' in caught.value.what
+        assert f'expected submissions of kind {wanted} (' in caught.value.what
         assert 'got: grades.csv, roster.csv.' in caught.value.what
 
     def test_what_is_in_a_folder_around_everything_is_named(self, tmp_path, layout):

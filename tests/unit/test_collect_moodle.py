@@ -136,7 +136,9 @@ class TestMoodle:
 
         rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
-        assert rows[0].notes == ('numbers of Moodle cannot be written: no space left on device',)
+        assert rows[0].notes == (
+            'student numbers from Moodle cannot be written: no space left on device',
+        )
         assert f'Bo Berg/{TALK}/talk.ipynb' in taken(layout)
 
     def test_a_file_called_like_somebody_elses_stays_its_owners(self, tmp_path, layout):

@@ -55,7 +55,7 @@ def test_work_of_another_user_is_refused_with_both_names(tmp_path, layout):
 
     assert row.done == LEFT
     assert row.notes[0] == (
-        f"handed in as 'ann', but owned by '{ME}'; if you laid it there yourself: --trust-names "
+        f"handed in as 'ann', but owned by '{ME}'; if you copied it there yourself: --trust-names "
         '(docs/exchange.md)'
     )
     assert taken(layout) == {}

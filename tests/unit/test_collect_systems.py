@@ -25,7 +25,7 @@ import pytest
 from autograder.collect.table import LEFT, TAKEN
 from autograder.submission.tree import NotTakenInError
 
-LATE = 'late, as Canvas says; no time known, so a late policy cannot act'
+LATE = 'late, according to Canvas; the time is unknown, so a late policy cannot apply'
 
 
 class TestCanvas:
@@ -71,9 +71,9 @@ class TestCanvas:
     @pytest.mark.parametrize(
         ('name', 'what'),
         [
-            ('exampleann_1001_text.html', 'a text was handed in instead of a file'),
-            ('exampleann_1001_link.html', 'a link was handed in instead of a file'),
-            ('exampleann_LATE_1001_text.html', 'a text was handed in instead of a file'),
+            ('exampleann_1001_text.html', 'the student submitted text instead of a file'),
+            ('exampleann_1001_link.html', 'the student submitted a link instead of a file'),
+            ('exampleann_LATE_1001_text.html', 'the student submitted text instead of a file'),
         ],
     )
     def test_what_was_typed_in_is_told(self, name, what, tmp_path, layout):
@@ -143,7 +143,9 @@ class TestCanvas:
         rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
 
         assert {row.student for row in rows} == {'1001'}
-        assert 'user 1001, as the other files tell' in notes(rows)['a_102_1001_77_talk-1.ipynb']
+        assert (
+            'user 1001, according to the other files' in notes(rows)['a_102_1001_77_talk-1.ipynb']
+        )
         assert b'new' in taken(layout)[f'1001/{TALK}/talk.ipynb']
 
     def test_what_cannot_be_told_is_nobodys(self, tmp_path, layout):
@@ -153,9 +155,7 @@ class TestCanvas:
         (row,) = collect(source, layout, layout.submitted)
 
         assert (row.student, row.done) == ('', LEFT)
-        assert row.notes == (
-            'it cannot be told whose it is: user 1001 or user 102; rename the file',
-        )
+        assert row.notes == ('the owner is unclear: user 1001 or user 102; rename the file',)
 
     def test_a_class_whose_files_all_begin_with_a_number_is_read(self, tmp_path, layout):
         """As the lesson is called so."""
@@ -171,7 +171,7 @@ class TestCanvas:
 
         rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
 
-        why = ('not named as canvas names what is handed in',)
+        why = ('not named the way canvas names submissions',)
         said = notes(rows)
         assert (said['roster.csv'], said['extra']) == (why, why)
         assert len(rows) == len(CANVAS) + 2
@@ -219,7 +219,7 @@ class TestGradescope:
         table_ = b'submission_1:\n  :created_at: 2026-13-45 10:00:00\n'
         source = packed(tmp_path / 'g.zip', {'submission_metadata.yml': table_})
 
-        with pytest.raises(NotTakenInError, match='expected YAML'):
+        with pytest.raises(NotTakenInError, match='not valid YAML'):
             collect(source, layout, layout.submitted)
 
     @pytest.mark.parametrize(
@@ -264,7 +264,7 @@ class TestExchange:
         """With what to name instead."""
         files = {**EXCHANGE, **{name.replace('c/', 'd/', 1): GOOD for name in EXCHANGE}}
 
-        with pytest.raises(NotTakenInError, match='the exchange of one course, got 2'):
+        with pytest.raises(NotTakenInError, match='this exchange has 2 courses'):
             collect(laid(tmp_path / 'exchange', files), layout, layout.submitted)
 
     def test_releases_are_nobodys_work_before_the_first_hand_in(self, tmp_path, layout):

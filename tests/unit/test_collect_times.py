@@ -198,7 +198,7 @@ class TestStampBesideANotebook:
             (row,) = collect(laid(tmp_path / str(n), files), layout, layout.submitted)
 
             assert row.handed_in == ''
-            assert row.notes[0].startswith('no time from its timestamp.txt: in a repository')
+            assert row.notes[0].startswith('timestamp.txt ignored: in a repository')
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_elsewhere_it_is_some_file(self, tmp_path, layout):
@@ -229,7 +229,7 @@ class TestOlderWork:
             (row,) = collect(monday, layout, layout.submitted, write=write)
             assert (row.done, row.notes[0]) == (
                 LEFT,
-                'older than what is there, of 2026-03-03 12:00',
+                'older than the collected one, of 2026-03-03 12:00',
             )
         assert taken(layout) == before
 
@@ -264,7 +264,7 @@ class TestOlderWork:
 
         (row,) = collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
 
-        assert (row.done, row.notes) == (REPLACED, ('which one is newer is not known',))
+        assert (row.done, row.notes) == (REPLACED, ('it is unknown which one is newer',))
         assert b'2026-03-02' in taken(layout)[f'ann/{TALK}/timestamp.txt']
 
 
@@ -285,7 +285,7 @@ class TestStaleTime:
         rows = collect(newer, layout, layout.submitted)
 
         assert [row.done for row in dry] == [row.done for row in rows] == [REPLACED]
-        assert rows[0].notes == dry[0].notes == ('which one is newer is not known',)
+        assert rows[0].notes == dry[0].notes == ('it is unknown which one is newer',)
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
         assert [row.done for row in collect(newer, layout, layout.submitted)] == [UNCHANGED]
 
@@ -344,7 +344,9 @@ class TestDueDates:
         rows = collect(source, layout, layout.submitted)
 
         assert [row.done for row in rows] == ['not taken', TAKEN]
-        assert rows[0].notes[0].startswith('no due dates, the gradebook cannot be read')
+        assert (
+            rows[0].notes[0].startswith('due dates unknown, because the gradebook cannot be read')
+        )
 
     def test_nbgrader_is_not_imported(self, tmp_path, layout, gradebook):
         """It takes seconds."""

@@ -35,7 +35,7 @@ def test_a_missing_folder_is_named(tmp_path, capsys):
     code = command.main(['grade', '--submitted', str(tmp_path / 'nowhere')])
 
     assert code == command.USAGE
-    assert 'nowhere: expected a folder, got none.' in capsys.readouterr().err
+    assert 'nowhere: there is no such folder.' in capsys.readouterr().err
 
 
 def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
@@ -103,9 +103,8 @@ def test_a_folder_that_cannot_be_written_is_one_line(
 
     line = one_line(capsys.readouterr())
     assert line.startswith(f'autograder: {no_place_to_write}')
-    assert 'expected' in line
-    assert 'got: ' in line
-    assert 'Try: ' in line
+    assert 'cannot be read or written' in line
+    assert line.count('Try: ') == 1
 
 
 def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys, monkeypatch):
@@ -135,7 +134,7 @@ def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, m
 
     captured = capsys.readouterr()
     line = one_line(captured)
-    assert f'{tmp_path}/ros_environment.json: expected' in line
+    assert f'{tmp_path}/ros_environment.json: the description' in line
     assert line.endswith('Try: make doctor')
     if '--json' in options:
         assert json.loads(captured.out)['error']['try_this'] == 'make doctor'
@@ -153,8 +152,8 @@ def test_a_python_without_the_packages_is_one_line(tmp_path):
 
     assert done.returncode == command.USAGE
     (line,) = done.stderr.splitlines()
-    assert line.startswith(f'autograder: {sys.executable}: expected a Python that has ')
-    assert 'run it with make grade or .venv/bin/python' in line
+    assert line.startswith(f'autograder: {sys.executable}: this Python has no module ')
+    assert 'Try: make grade, or .venv/bin/python' in line
 
 
 def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
@@ -237,7 +236,7 @@ def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
     names = {path.name for path in (tmp_path / 'class').iterdir()}
     notebooks = list((tmp_path / 'class').glob('*/*/*.ipynb'))
     assert {'pass__reference', 'zero__untouched_stub'} <= names
-    assert f'{len(notebooks)} submissions' in capsys.readouterr().out
+    assert f'{len(notebooks)} example submissions' in capsys.readouterr().out
 
 
 def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_path, capsys):
@@ -268,7 +267,7 @@ def test_sample_students_never_follow_a_class(tmp_path):
         reports = tmp_path / 'reports'
 
     Elsewhere.reports.mkdir()
-    with pytest.raises(grading.UsageError, match=r'got an empty folder\. Try: .* collect SOURCE'):
+    with pytest.raises(grading.UsageError, match=r'nothing to grade\. Try: .* collect SOURCE'):
         submitted_folder(Elsewhere(Layout.here().root), None, Console())
 
     assert not Elsewhere.submitted.exists()
@@ -289,8 +288,8 @@ def test_a_cluster_takes_no_options_of_one_machine(options, named, tmp_path, cap
 @pytest.mark.parametrize(
     ('argv', 'said'),
     [
-        (['grade', '--fresh'], 'The same command begins again, as --fresh repeats every run'),
-        (['stats'], 'The same command begins again.'),
+        (['grade', '--fresh'], 'With --fresh, the same command repeats every run'),
+        (['stats'], 'Run the same command again; it starts from the beginning.'),
     ],
 )
 def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
@@ -325,7 +324,7 @@ def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, m
             signal.signal(one, handler)
 
     assert capsys.readouterr().err == (
-        '\nStopped. Finished runs are kept; the same command goes on.\n'
+        '\nStopped. Finished runs are kept; run the same command again to continue.\n'
     )
 
 

@@ -105,7 +105,7 @@ def test_check_room_little_is_weak():
     finding = doctor.check_room('disk space', Path('/'), 2**40, 'make room')
 
     assert finding.state == doctor.WEAK
-    assert 'wanted' in finding.detail
+    assert 'needed' in finding.detail
 
 
 @pytest.mark.parametrize(

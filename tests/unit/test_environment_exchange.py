@@ -53,7 +53,7 @@ def test_doctor_names_the_folder_and_what_to_type(exchange):
     finding = doctor.check_exchange(exchange)
 
     assert finding.state == doctor.WEAK
-    assert finding.detail == f'{exchange} lets users remove the work of others'
+    assert finding.detail == f'in {exchange}, users can remove the work of others'
     assert os.system(finding.fix) == 0
     assert doctor.check_exchange(exchange).state == doctor.OK
     assert mode(exchange / 'course' / 'inbound') == 0o3733

@@ -69,9 +69,9 @@ def test_requirements_names_the_packages_that_are_used():
     ('asked', 'said', 'advice'),
     [
         ('ros-b-msgs~=2.1', 'ros-toy-msgs uses ros-b-msgs, which is not', 'add the line ros-b-ms'),
-        ('ros-std-msgs~=5.5.1', 'requires ros-std-msgs~=5.5.1, the installed', 'for Jazzy'),
-        ('ros-std-msgs~=5.3.8', 'requires ros-std-msgs~=5.3.8, the installed', 'for Jazzy'),
-        ('ros-std-msgs==5.3.7', 'requires ros-std-msgs==5.3.7, the installed', 'for Jazzy'),
+        ('ros-std-msgs~=5.5.1', 'requires ros-std-msgs~=5.5.1; the installed', 'for Jazzy'),
+        ('ros-std-msgs~=5.3.8', 'requires ros-std-msgs~=5.3.8; the installed', 'for Jazzy'),
+        ('ros-std-msgs==5.3.7', 'requires ros-std-msgs==5.3.7; the installed', 'for Jazzy'),
     ],
 )
 def test_package_of_another_distribution_is_refused(asked, said, advice):

@@ -171,7 +171,7 @@ def test_clear_venv_foreign_folder_is_refused(tmp_path):
     (tmp_path / '.venv').mkdir()
     (tmp_path / '.venv' / 'thesis.txt').touch()
 
-    with pytest.raises(StepError, match='other files'):
+    with pytest.raises(StepError, match='not a virtual environment'):
         prepare.clear_venv(Places.of('.venv', tmp_path))
     assert (tmp_path / '.venv' / 'thesis.txt').exists()
 

@@ -183,7 +183,7 @@ class TestWithRos:
             (
                 'type_description_interfaces/msg/FieldType',
                 {'nested_type_name': 'x' * 256},
-                'expected a text of at most 255 characters for nested_type_name, got ',
+                'expected a string of at most 255 characters for nested_type_name, got ',
             ),
             (
                 'std_msgs/msg/Empty',

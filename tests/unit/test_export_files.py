@@ -25,7 +25,7 @@ def test_a_file_that_is_there_stays_unless_forced(tmp_path):
     path = tmp_path / 'marks.csv'
     path.write_bytes(b'old')
 
-    with pytest.raises(GraderError, match=r'already there\. Try: --force'):
+    with pytest.raises(GraderError, match=r'already exists\. Try: --force'):
         write_file(path, b'new')
     assert path.read_bytes() == b'old'
     write_file(path, b'new', force=True)
@@ -52,13 +52,13 @@ def test_a_link_is_something_that_is_there(tmp_path):
     """Wherever it leads."""
     (tmp_path / 'marks.csv').symlink_to('nowhere')
 
-    with pytest.raises(GraderError, match='already there'):
+    with pytest.raises(GraderError, match='already exists'):
         refuse_existing([tmp_path / 'marks.csv'], force=False)
 
 
 def test_a_folder_is_not_replaced(tmp_path):
     """Not even if forced."""
-    with pytest.raises(GraderError, match='got a folder'):
+    with pytest.raises(GraderError, match='this is a folder'):
         refuse_existing([tmp_path], force=True)
 
 

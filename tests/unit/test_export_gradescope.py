@@ -108,7 +108,7 @@ class TestResults:
             'Observed: none',
             'Likely cause: a typo',
         ]
-        assert stops['output'] == 'Not looked at, it waits for: It warns.'
+        assert stops['output'] == 'Not checked, because it depends on: It warns.'
 
     def test_for_review_has_no_file(self):
         """A file without a score is refused there, and a zero would be wrong."""
@@ -211,10 +211,10 @@ class TestZip:
 
     def test_no_isolation_at_all_is_refused(self):
         """Visible checks make no grade."""
-        with pytest.raises(GraderError, match='runs no hidden exam'):
+        with pytest.raises(GraderError, match='hidden exams never run'):
             autograder_zip(LAYOUT, ASSIGNMENT, allow_weak='none')
 
     def test_the_students_copy_cannot_make_one(self, tmp_path):
         """It has no hidden exams."""
-        with pytest.raises(GraderError, match='copy of the course that students have'):
+        with pytest.raises(GraderError, match='copy of the course for students'):
             autograder_zip(Layout(tmp_path), ASSIGNMENT)

@@ -132,4 +132,4 @@ def test_a_gradebook_that_nbgrader_cannot_open_is_one_sentence(tmp_path):
     with pytest.raises(GraderError) as caught, opened_gradebook(layout):
         pass
 
-    assert 'expected a gradebook that answers, got: file is not a database' in caught.value.what
+    assert 'the gradebook is damaged: file is not a database' in caught.value.what

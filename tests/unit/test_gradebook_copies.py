@@ -161,7 +161,7 @@ def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, 
     broken = gradebook(course).read_bytes()
 
     for look in (refuse_damaged, keep_copy, lambda layout: connected(layout).__enter__()):
-        with pytest.raises(GraderError, match='expected a gradebook that answers, got: ') as told:
+        with pytest.raises(GraderError, match='the gradebook is damaged: ') as told:
             look(course)
     assert gradebook(course).read_bytes() == broken
     assert len(copies.copies(course)) == 1
@@ -181,7 +181,7 @@ def test_damage_that_only_a_full_read_finds_makes_no_copy(course, at):
     gradebook(course).write_bytes(data)
     at(1)
 
-    with pytest.raises(GraderError, match=rf'got: .+ Try: cp \S+{copy.name} '):
+    with pytest.raises(GraderError, match=rf'damaged: .+ Try: cp \S+{copy.name} '):
         keep_copy(course)
     assert list(copy.parent.iterdir()) == [copy]
 
@@ -190,7 +190,9 @@ def test_without_a_copy_a_backup_is_asked_for(course):
     """There is no command that could help."""
     empty(gradebook(course))
 
-    with pytest.raises(GraderError, match='restore it from a backup, as no copy of it is kept'):
+    with pytest.raises(
+        GraderError, match='restore it from a backup, because the grader has no copy'
+    ):
         refuse_damaged(course)
 
 
@@ -215,7 +217,7 @@ def test_a_locked_gradebook_is_not_called_damaged(course, monkeypatch):
     holder.execute('begin exclusive')
 
     refuse_damaged(course)
-    with pytest.raises(GraderError, match=r'can be kept: database is locked\. Nothing'):
+    with pytest.raises(GraderError, match=r'cannot be copied: database is locked\. Nothing'):
         keep_copy(course)
     assert copies.copies(course) == []
     holder.close()

@@ -79,19 +79,19 @@ def test_points_of_a_fraction_are_points(student, monkeypatch):
     [
         (lambda cells: cells.pop(CHECK), 'locked cell check_talker is missing'),
         (lambda cells: cells.pop(ANSWER), 'answer cell talker is missing'),
-        (lambda cells: cells.append(cells[SPEC]), 'locked cell spec is there 2 times'),
-        (lambda cells: cells.append(cells[ANSWER]), 'answer cell talker is there 2 times'),
+        (lambda cells: cells.append(cells[SPEC]), 'locked cell spec occurs 2 times'),
+        (lambda cells: cells.append(cells[ANSWER]), 'answer cell talker occurs 2 times'),
         (
             lambda cells: cells[CHECK].update(source='3.0'),
-            'locked cell check_talker has another text',
+            'locked cell check_talker has a different text',
         ),
         (
             lambda cells: cells[CHECK]['metadata']['nbgrader'].update(points=1000.5),
-            'locked cell check_talker has another value of points',
+            'locked cell check_talker has a different value of points',
         ),
         (
             lambda cells: cells[CHECK]['metadata']['nbgrader'].update(locked=False),
-            'locked cell check_talker has another value of locked',
+            'locked cell check_talker has a different value of locked',
         ),
         (
             lambda cells: cells[CHECK]['metadata'].update(tags=['skip-execution']),
@@ -103,7 +103,7 @@ def test_points_of_a_fraction_are_points(student, monkeypatch):
         ),
         (
             lambda cells: cells.append(cell('bonus', '1')),
-            "there is a cell with the grade id 'bonus', which the release does not have",
+            "the release has no cell with the grade id 'bonus'",
         ),
     ],
 )

@@ -17,9 +17,9 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.mark.parametrize(
     ('text', 'said'),
     [
-        ('name = ', 'expected TOML, got: '),
-        ("nmae = 'x'", "got 'nmae'"),
-        ('work = 3', 'expected a text for work, got 3'),
+        ('name = ', 'this is not valid TOML: '),
+        ("nmae = 'x'", "unknown name 'nmae'"),
+        ('work = 3', 'expected a string for work, got 3'),
         ("messages = 'x'", "expected a table for messages, got 'x'"),
     ],
 )
@@ -78,7 +78,9 @@ class TestHere:
     def test_a_folder_without_a_course_is_refused(self, tmp_path, monkeypatch):
         """Grading another course would be worse."""
         monkeypatch.setenv(CHOSEN, str(tmp_path))
-        with pytest.raises(GraderError, match=f'expected a course, found no {FILE}'):
+        with pytest.raises(
+            GraderError, match=f'this is not the folder of a course; it has no {FILE}'
+        ):
             Layout.here()
 
     def test_it_is_the_one_around_the_folder(self, tmp_path, monkeypatch):
@@ -89,7 +91,9 @@ class TestHere:
         monkeypatch.chdir(inside)
         assert Layout.here().root == ROOT
         monkeypatch.setattr(layout, 'PROJECT', tmp_path)
-        with pytest.raises(GraderError, match=f'{inside}: expected a course, found no {FILE}'):
+        with pytest.raises(
+            GraderError, match=f'{inside}: this is not the folder of a course; it has no {FILE}'
+        ):
             Layout.here()
         (tmp_path / FILE).touch()
         assert Layout.here().root == tmp_path

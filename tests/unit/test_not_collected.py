@@ -47,7 +47,7 @@ def test_pdf_and_wrong_lesson_are_kept(tmp_path, layout):
     assert kept(layout) == [
         ('1003', TALK, f'wrong assignment: listen.ipynb is {LISTEN}'),
         ('1004', TALK, PDF),
-        ('1006', TALK, 'a text was handed in instead of a file'),
+        ('1006', TALK, 'the student submitted text instead of a file'),
     ]
 
 

@@ -122,10 +122,13 @@ def test_student_is_found_by_id_or_name(name, student, layout):
 @pytest.mark.parametrize(
     ('name', 'said'),
     [
-        ('Ann Lee', 'got 2. Try: one of the ids 1001, 1002'),
-        ('Zoe', 'got none of that name. Graded: 1001, 1002, 1003'),
-        ('', 'got none of that name'),
-        ('Gone', 'got none of that name'),
+        ('Ann Lee', '2 students have this name. Try: one of the ids 1001, 1002'),
+        (
+            'Zoe',
+            'no student with this name or id has results. Students with results: 1001, 1002, 1003',
+        ),
+        ('', 'no student with this name or id has results'),
+        ('Gone', 'no student with this name or id has results'),
     ],
 )
 def test_name_of_several_students_or_of_none_is_refused(name, said, layout):

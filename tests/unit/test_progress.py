@@ -41,7 +41,7 @@ class TestTotals:
             totals.add(one)
 
         assert totals.slowest == ('ann', 2.5)
-        assert totals.slowest_text() == 'longest in runs ann, 2.5 s'
+        assert totals.slowest_text() == 'longest run time: ann, 2.5 s'
 
     def test_a_rerun_has_the_same_slowest(self):
         """The time of a run stays with its recording; equal files come in any order."""

@@ -71,8 +71,8 @@ def test_reference_and_release_are_as_they_must_be(course):
     lines = list(self_check(layout, FakeEngine(FakeExam())))
 
     assert lines == [
-        (True, '01_x: the reference solution has 1 of 1, as it must.'),
-        (True, '01_x: the untouched release has 0 of 1, as it must.'),
+        (True, '01_x: the reference solution has 1 of 1, as expected.'),
+        (True, '01_x: the untouched release has 0 of 1, as expected.'),
     ]
 
 
@@ -90,14 +90,14 @@ def test_lesson_without_exams_has_nothing_to_grade(course):
     """It is named, so that nobody wonders where it is."""
     lines = list(self_check(course('right', 'x', checked=False), FakeEngine()))
 
-    assert lines == [(True, '01_x: nothing to grade, as it must.')]
+    assert lines == [(True, '01_x: nothing to grade, as expected.')]
 
 
 def test_check_cell_without_an_exam_is_no_lesson_without_exams(course):
     """An exam that got lost would else be missed by nobody."""
     lines = list(self_check(course('right', 'x'), FakeEngine()))
 
-    assert lines == [(False, '01_x: check_talker expected an exam, got none.')]
+    assert lines == [(False, '01_x: check_talker has no exam.')]
 
 
 def test_a_run_without_a_verdict_has_no_points_to_compare(course):

@@ -237,7 +237,7 @@ def test_the_list_says_that_it_is_no_proof():
 
     assert WARNING in similar_text(result)
     assert 'no proof' in similar_text(result)
-    assert 'Two of this class are typically' in similar_text(result)
+    assert 'Two submissions of this class are typically' in similar_text(result)
     assert json.loads(json.dumps(result.to_json()))['warning'] == WARNING
 
 

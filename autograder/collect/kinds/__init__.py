@@ -1,1 +1,1 @@
-"""The systems that students hand in with, one module each."""
+"""The learning platforms and folder layouts that ``collect`` reads, one module each."""

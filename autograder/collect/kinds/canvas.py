@@ -1,13 +1,13 @@
 """
 Canvas: files named ``NAME_[LATE_]USER_ATTACHMENT_FILE``, all in one folder.
 
-The student id is the user's number, which the gradebook file of Canvas names too.  With anonymous
-grading it is ``[LATE_]anon_ID_ATTACHMENT_FILE``, and for what was typed into Canvas
+The student id is the user's number, which Canvas's gradebook file has too.  With anonymous
+grading, the name is ``[LATE_]anon_ID_ATTACHMENT_FILE``; text typed into Canvas is in
 ``NAME_[LATE_]USER_text.html`` or ``..._link.html``.
 
-A name may keep underscores and numbers, so a file name can be read in more than one way.  Then the
-others decide: an attachment belongs to one file, its number is near theirs, and a user has one
-name.  If they do not, nobody guesses whose work it is.
+A name may keep underscores and numbers, so there may be several ways to read a file name.  Then
+the other files decide: an attachment belongs to one file, its number is close to those of the
+others, and a user has one name.  If this leaves a doubt, the file is not collected.
 
 Source: canvas-lms, lib/content_zipper.rb, which takes numbers between underscores out of names.
 """
@@ -30,8 +30,8 @@ _ANONYMOUS = re.compile(
     r'(?:(?P<typed>text|link)\.html|(?P<attachment>[1-9][0-9]*)_(?P<file>.+))'
 )
 _TYPED = {
-    'text': 'a text was handed in instead of a file',
-    'link': 'a link was handed in instead of a file',
+    'text': 'the student submitted text instead of a file',
+    'link': 'the student submitted a link instead of a file',
 }
 _SPREAD = 10
 """Attachments are counted upwards, so those of one assignment are not this much apart."""
@@ -54,17 +54,17 @@ class Reading:
 
     @property
     def anonymous(self) -> bool:
-        """Return whether it belongs to an assignment that is graded anonymously."""
+        """Return whether the file belongs to an assignment that is graded anonymously."""
         return not self.name and self.user.startswith('anon_')
 
 
 def claims(level: Level) -> int:
-    """Return how many entries are named as Canvas does."""
+    """Return how many entries have names in Canvas's form."""
     return sum(bool(readings(name)) for name in level.files)
 
 
 def readings(name: str) -> tuple[Reading, ...]:
-    """Return every way to read a file name; none if it is not from Canvas."""
+    """Return every way to read a file name; empty if Canvas did not write it."""
     found = []
     if match := _ANONYMOUS.fullmatch(name):
         late = bool(match['late'] or match['later'])
@@ -86,12 +86,12 @@ def readings(name: str) -> tuple[Reading, ...]:
 
 
 def _may_be_name(parts: Sequence[str]) -> bool:
-    """Return whether Canvas leaves a name so: in lower case, no number between underscores."""
+    """Return whether Canvas could have written a name like this."""
     return 'LATE' not in parts and not any(map(_NUMBER.fullmatch, parts[1:-1]))
 
 
 def read(level: Level) -> Iterator[Handed | Left]:
-    """Yield what each user handed in."""
+    """Yield the deliveries of each user."""
     ways = {name: readings(name) for name in level.files}
     ways = {name: found for name, found in ways.items() if found}
     settled = {name: found[0] for name, found in ways.items() if len(found) == 1}
@@ -103,14 +103,14 @@ def read(level: Level) -> Iterator[Handed | Left]:
                 told[name] = fitting[0]
             else:
                 whose = ' or '.join(sorted({f'user {one.user}' for one in found}))
-                yield Left(name, f'it cannot be told whose it is: {whose}; rename the file')
+                yield Left(name, f'the owner is unclear: {whose}; rename the file')
     users: dict[str, list[str]] = {}
     for name in level.files:
         if name in told:
             users.setdefault(told[name].user, []).append(name)
     for user, names in users.items():
         by_others = [name for name in names if name not in settled]
-        notes = (f'user {user}, as the other files tell',) if by_others else ()
+        notes = (f'user {user}, according to the other files',) if by_others else ()
         yield from _of_user(level, {name: told[name] for name in names}, notes)
 
 
@@ -119,7 +119,7 @@ def _fitting(
     settled: Mapping[str, Reading],
     all_ways: Mapping[str, Sequence[Reading]],
 ) -> list[Reading]:
-    """Return the readings that go together with the other files."""
+    """Return the readings that agree with the other files."""
     named: dict[str, set[str]] = {}
     for one in settled.values():
         named.setdefault(one.user, set()).add(one.name)
@@ -145,7 +145,7 @@ def _fitting(
 def _of_user(
     level: Level, told: Mapping[str, Reading], notes: tuple[str, ...]
 ) -> Iterator[Handed]:
-    """Yield what was typed in, and the files as one hand-in, the newest first."""
+    """Yield typed text, and the files as one delivery, newest first."""
     files = {name: one for name, one in told.items() if one.attachment}
     late = 'Canvas' if any(one.late for one in told.values()) else ''
     person = max(told.values(), key=lambda one: int(one.attachment or 0)).name

@@ -23,12 +23,12 @@ _FOLDER = re.compile(
 
 
 def claims(level: Level) -> int:
-    """Return how many entries are named as nbgrader does."""
+    """Return how many entries have names in nbgrader's form."""
     return sum(bool(_FOLDER.fullmatch(name)) for name in level.folders)
 
 
 def read(level: Level) -> Iterator[Handed]:
-    """Yield each hand-in, with the time that nbgrader put into its name."""
+    """Yield each delivery, with the time that nbgrader put into its name."""
     for folder, files in level.folders.items():
         match = _FOLDER.fullmatch(folder)
         if match is None:

@@ -17,13 +17,13 @@ from autograder.collect.source.deliveries import Handed, in_folder, Left, Level,
 from autograder.collect.source.times import STAMP
 from autograder.submission.tree import File, Tree, UnreadableError
 
-EXPECTED = 'a folder or a notebook a student'
+EXPECTED = 'one folder or one notebook per student'
 FEW = 20
 """Number of notebooks to read, to distinguish a class from one student's copies."""
 
 
 def level_of(tree: Tree, course: Course) -> Level:
-    """Return the folder whose entries are students: some programs pack a zip with one around."""
+    """Return the folder whose entries are students; a zip may have an extra folder around it."""
     outer = level(tree)
     if outer.files or len(outer.folders) != 1:
         return outer
@@ -57,7 +57,7 @@ def _are_students(files: Mapping[str, File], course: Course) -> bool:
 
 def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Left]:
     """
-    Yield what each student handed in; whose it is, the name alone tells, never who else is there.
+    Yield the delivery of each student; only the folder's own name decides whose it is.
 
     :param prefix: what the instructor takes off the names that begin with it
     """
@@ -70,13 +70,15 @@ def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Le
             yield Left(name, "neither a notebook nor a student's folder")
     for folder, files in level.folders.items():
         if folder in course.assignments:
-            yield Left(folder, "an assignment, no student's name: collect the folder above it")
+            yield Left(
+                folder, 'the name of an assignment, not of a student: collect the folder above'
+            )
             continue
         repository = folder in level.repositories
         off = _prefix(folder, prefix) or (course.beginning(folder) if repository else '')
         notes: tuple[str, ...] = ()
         if repository and any(file.name == STAMP for file in files):
-            notes = (f"no time from its {STAMP}: in a repository that is the student's own",)
+            notes = (f'{STAMP} ignored: in a repository, students can edit it',)
         yield _handed(folder, off, in_folder(folder, files), folder, not repository, notes)
 
 
@@ -93,7 +95,7 @@ def _handed(
     stamped: bool = False,
     notes: tuple[str, ...] = (),
 ) -> Handed:
-    """Return a hand-in, which tells what was taken off the name."""
-    said = (f'{off!r} was taken off the name',) if off else ()
+    """Return a delivery, with a note about what was removed from the name."""
+    said = (f'{off!r} was removed from the name',) if off else ()
     student = name[len(off) :]
     return Handed(student, pieces, place, stamped=stamped, notes=(*said, *notes), called=name)

@@ -18,12 +18,12 @@ from autograder.collect.source.times import read_time
 from autograder.submission.tree import File, NotTakenInError, UnreadableError
 
 METADATA = 'submission_metadata.yml'
-EXPECTED = f'the file {METADATA} and folders beside it'
+EXPECTED = f'the file {METADATA} and folders next to it'
 _FOLDER = re.compile(r'submission_\d+')
 
 
 def claims(level: Level) -> int:
-    """Return how many entries are named as Gradescope does; none without its table."""
+    """Return how many entries have names in Gradescope's form; 0 without its metadata file."""
     if METADATA not in level.files:
         return 0
     return 1 + sum(bool(_FOLDER.fullmatch(name)) for name in level.folders)
@@ -31,7 +31,7 @@ def claims(level: Level) -> int:
 
 def read(level: Level) -> Iterator[Handed | Left]:
     """
-    Yield what is in the table, and the folders that are not.
+    Yield the submissions in the metadata, and the folders that are missing there.
 
     :raises NotTakenInError: if the table cannot be read
     """
@@ -50,23 +50,23 @@ def read(level: Level) -> Iterator[Handed | Left]:
             )
     for folder in level.folders:
         if folder not in described:
-            yield Left(folder, f'not in {METADATA}, so it cannot be told whose it is')
+            yield Left(folder, f'not in {METADATA}, so its owner is unknown')
 
 
 def _metadata(file: File) -> Mapping[Any, Any]:
-    """Return the table; YAML makes no objects here."""
+    """Return the metadata; the YAML cannot create Python objects."""
     try:
         data = yaml.safe_load(file.read())
     except (yaml.YAMLError, UnreadableError, RecursionError, ValueError) as error:
         what = ' '.join(str(error).split())[:200]
-        raise NotTakenInError(f'{METADATA}: expected YAML, got: {what}.') from error
+        raise NotTakenInError(f'{METADATA}: this is not valid YAML: {what}.') from error
     if not isinstance(data, Mapping):
-        raise NotTakenInError(f'{METADATA}: expected a table of submissions.')
+        raise NotTakenInError(f'{METADATA}: this is not a table of submissions.')
     return data
 
 
 def _submitters(facts: object) -> list[tuple[str, str]]:
-    """Return id and name of everybody whose submission it is."""
+    """Return id and name of every student of a submission."""
     found = []
     people = _field(facts, 'submitters')
     for person in people if isinstance(people, list) else []:
@@ -76,7 +76,7 @@ def _submitters(facts: object) -> list[tuple[str, str]]:
 
 
 def _text(facts: object, name: str) -> str:
-    """Return a field as text; what is nested is none."""
+    """Return a field as a string; a nested value counts as missing."""
     value = _field(facts, name)
     return str(value).strip() if isinstance(value, (str, int)) else ''
 

@@ -1,9 +1,9 @@
 """
-Recognise the system that a source comes from, and read who handed in what.
+Recognise the platform that a source comes from, and read who delivered what.
 
-Only the names on one level decide: those in the source itself, or in the single folder around
-everything.  Students chose the names further down, and no student may decide how the work of the
-whole class is read.  Each entry on that level that is not a submission gets a reason.
+Only the names on one level decide: those in the source itself, or in its single outer folder.
+Students chose the names further down, and no student may decide how the work of the whole class is
+read. Each entry on that level that is not a submission gets a reason.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ many entries of a level are named so (``claims``), and what they are (``read``).
 @dataclass(frozen=True)
 class Found:
     """
-    What is in a source.
+    The contents of a source.
 
     :param single: whether all of it was handed in for one assignment, as systems give it
     """
@@ -50,13 +50,13 @@ class Found:
 
 
 def kind_of(tree: Tree) -> str:
-    """Return which system a source comes from, by its names."""
+    """Return which platform a source comes from, by its names."""
     return _recognised(tree)[0]
 
 
 def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> Found:
     """
-    Return all that was handed in.
+    Return all deliveries in a source.
 
     :param kind: a system, ``'folder'``, or empty to find out
     :param prefix: what is taken off the names of folders
@@ -73,7 +73,8 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     else:
         if prefix:
             raise NotTakenInError(
-                f'{tree.name}: expected folders of students for --prefix, got names of {chosen}.',
+                f'{tree.name}: --prefix works only with folders of students; these are names '
+                f'from {chosen}.',
                 'Try: leave out --prefix',
             )
         expected, system = SYSTEMS[chosen].EXPECTED, SYSTEMS[chosen]
@@ -84,23 +85,23 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     left = [one for one in found if isinstance(one, Left)]
     known = {name for one in handed for name in one.places} | {one.place for one in left}
     known |= {gradescope.METADATA} if chosen == 'gradescope' else set()
-    why = f'not named as {chosen} names what is handed in'
+    why = f'not named the way {chosen} names submissions'
     left += [Left(name, why) for name in place.entries if name not in known]
     return Found(chosen, handed, tuple(left), chosen not in (FOLDER, EXCHANGE))
 
 
 def _used(tree: Tree, prefix: str, names: Sequence[str]) -> None:
-    """Refuse a prefix that no name begins with: the ids would be others than somebody expects."""
+    """Refuse a prefix that no name begins with: the student ids would be unexpected."""
     if prefix and not any(name.startswith(prefix) for name in names):
         raise NotTakenInError(
             f'{tree.name}: expected names of students that begin with {printable(prefix)!r} '
             f'(--prefix), got: {_shown(names)}.',
-            'Try: leave out --prefix, or what the names of the folders begin with',
+            'Try: leave out --prefix, or give the text that the folder names begin with',
         )
 
 
 def _recognised(tree: Tree) -> tuple[str, Level | None]:
-    """Return the system that explains most of the outermost level that any explains."""
+    """Return the platform that recognises most names, on the outermost level that has any."""
     for place in _levels(tree):
         claims = {name: system.claims(place) for name, system in SYSTEMS.items()}
         best = max(claims, key=lambda name: claims[name])
@@ -111,14 +112,14 @@ def _recognised(tree: Tree) -> tuple[str, Level | None]:
     courses = level(tree).folders
     if courses and all(_is_exchange(level(tree, name)) for name in courses):
         raise NotTakenInError(
-            f'{tree.name}: expected the exchange of one course, got {len(courses)} of them.',
-            'Try: the folder of the course, or its inbound/',
+            f'{tree.name}: this exchange has {len(courses)} courses.',
+            'Try: collect the folder of one course, or its inbound/',
         )
     return FOLDER, None
 
 
 def _levels(tree: Tree) -> Iterator[Level]:
-    """Yield the levels that may be named by a system, the outermost first."""
+    """Yield the folders whose names may follow a platform's form, outermost first."""
     outer = level(tree)
     yield outer
     if not outer.files and len(outer.folders) == 1:
@@ -128,7 +129,7 @@ def _levels(tree: Tree) -> Iterator[Level]:
 
 
 def _inbound(tree: Tree) -> Level | None:
-    """Return the hand-ins of a course in nbgrader's exchange, whose folders have fixed names."""
+    """Return the deliveries of a course in nbgrader's exchange, whose folders have fixed names."""
     outer = level(tree)
     if _is_exchange(outer):
         return level(tree, exchange.INBOUND)
@@ -143,12 +144,12 @@ def _is_exchange(place: Level) -> bool:
 
 
 def _nothing(tree: Tree, kind: str, expected: str) -> NotTakenInError:
-    """Return the error that a source is not of the kind that the user named."""
+    """Return the error for a source that is not of the kind that the user named."""
     *_, place = _levels(tree)
     return NotTakenInError(
-        f'{tree.name}: expected submissions of the kind {kind} ({expected}), '
+        f'{tree.name}: expected submissions of kind {kind} ({expected}), '
         f'got: {_shown(place.entries)}.',
-        'Try: leave out --kind, or the source as it was downloaded',
+        'Try: leave out --kind, or collect the source as you downloaded it',
     )
 
 

@@ -1,10 +1,10 @@
 """
 Moodle: folders named ``NAME_NUMBER_assignsubmission_file[_]``, or files that begin so.
 
-The number is new in each assignment, so the student id is the name; ``namesakes`` sees to two
-people who have the same.  Files are named
-``NAME_NUMBER_assignsubmission_file_FILE`` with "Download submissions in folders" off, and what was
-typed into Moodle is an ``onlinetext`` in place of the ``file``.
+The number differs in each assignment, so the student id is the name; ``namesakes`` handles two
+people with the same name.  With "Download submissions in folders" off, files are named
+``NAME_NUMBER_assignsubmission_file_FILE``.  Text typed into Moodle is an ``onlinetext`` instead of
+a ``file``.
 
 Source: moodle, mod/assign/classes/downloader.php, which takes underscores out of names.
 """
@@ -26,14 +26,14 @@ _TYPED = {'onlinetext': 'an online text, which is not collected'}
 
 
 def claims(level: Level) -> int:
-    """Return how many entries are named as Moodle does."""
+    """Return how many entries have names in Moodle's form."""
     return sum(bool(_FOLDER.fullmatch(name)) for name in level.folders) + sum(
         bool(_FILE.fullmatch(name)) for name in level.files
     )
 
 
 def read(level: Level) -> Iterator[Handed]:
-    """Yield what each participant handed in."""
+    """Yield the deliveries of each participant."""
     handed: dict[tuple[str, str, str], list[Piece]] = {}
     places: dict[tuple[str, str, str], str] = {}
     for place in level.entries:
@@ -51,7 +51,7 @@ def read(level: Level) -> Iterator[Handed]:
             pieces = in_folder(place, level.folders[place])
         handed.setdefault(key, []).extend(pieces)
     for (name, number, kind), found in handed.items():
-        what = '' if kind == 'file' else _TYPED.get(kind, f'{kind} of Moodle, no file')
+        what = '' if kind == 'file' else _TYPED.get(kind, f'{kind} of Moodle, not a file')
         place = places[name, number, kind]
         theirs = () if what else tuple(found)
         yield Handed(name, theirs, place, name, instead=what, number=number)

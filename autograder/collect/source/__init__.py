@@ -1,1 +1,1 @@
-"""What is in a source: files of a folder or a zip, who handed them in, and when."""
+"""Read a source: files of a folder or a zip, who delivered them, and when."""

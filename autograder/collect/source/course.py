@@ -1,4 +1,4 @@
-"""What is known of the assignments, by which a notebook is recognised."""
+"""Facts about the assignments, by which a notebook is recognised."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _NUMBER = re.compile(r'^\d+[_-]')
 
 
 def _plain(text: str) -> str:
-    """Return a name as systems shorten it: small letters, and hyphens for underscores."""
+    """Return a name as platforms shorten it: in lower case, with hyphens for underscores."""
     return text.replace('_', '-').lower()
 
 
 @dataclass
 class Course:
-    """The assignments of a course; nothing is read before it is asked for."""
+    """The assignments of a course; files are read when they are needed."""
 
     layout: Layout
 
@@ -52,11 +52,11 @@ class Course:
 
     @cached_property
     def due(self) -> DueDates:
-        """Return until when work should be there."""
+        """Return the due dates."""
         return due_dates(self.layout)
 
     def of_file(self, name: str) -> str:
-        """Return the assignment whose notebook is called so, additions aside."""
+        """Return the assignment whose notebook has this name, apart from ``(1)`` and the like."""
         plain = _COPY.sub('', name)
         found = [one for one, file in self.file_names.items() if file in (name, plain)]
         return found[0] if len(found) == 1 else ''
@@ -68,7 +68,7 @@ class Course:
 
     def beginning(self, name: str) -> str:
         """
-        Return the assignment that a repository's name begins with, as in ``ASSIGNMENT-STUDENT``.
+        Return the assignment at the beginning of a repository's name, ``ASSIGNMENT-STUDENT``.
 
         :returns: it as it is written there, with the sign after it; empty if there is none
         """
@@ -81,7 +81,7 @@ class Course:
         return found
 
     def shared(self, data: bytes) -> dict[str, int]:
-        """Return how many of its grade ids are in a notebook, for each assignment that has any."""
+        """Return how many grade ids of each assignment a notebook has, without zeros."""
         cells, _ = read_notebook(data, '')
         ids = {cell.grade_id for cell in cells or ()} - {''}
         return {name: len(ids & theirs) for name, theirs in self.cells.items() if ids & theirs}

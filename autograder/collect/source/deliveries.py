@@ -1,8 +1,8 @@
 """
-What a source says of who handed in what: the words that all kinds of sources have in common.
+The data types that all kinds of sources share: who delivered what.
 
-Systems name the folders and files of one :class:`Level` of a source, its entries; what is below
-was named by students and decides nothing.
+Platforms name the entries of one :class:`Level` of a source.  Students named everything below, so
+those names decide nothing.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from autograder.submission.tree import File, Tree
 @dataclass(frozen=True)
 class Piece:
     """
-    One file of what was handed in.
+    One delivered file.
 
     :param file: with its path and name as the student had it
     :param place: the entry of the source that it is in
@@ -33,7 +33,7 @@ class Piece:
 @dataclass(frozen=True)
 class Handed:
     """
-    What one student handed in at one time.
+    What one student delivered at one time.
 
     :param student: as the source names them; not yet fit for a folder
     :param called: the whole name in the source, if ``student`` is a part of it
@@ -68,7 +68,7 @@ class Handed:
 
     @property
     def places(self) -> tuple[str, ...]:
-        """Return the entries of the source that this is, in their order."""
+        """Return the entries of the source that belong to the delivery, in order."""
         return tuple(dict.fromkeys(piece.place for piece in self.pieces)) or (self.place,)
 
 
@@ -138,5 +138,5 @@ def level(tree: Tree, *base: str) -> Level:
 
 
 def in_folder(folder: str, files: tuple[File, ...]) -> tuple[Piece, ...]:
-    """Return the pieces of a hand-in that is a folder."""
+    """Return the files of a delivery that is a folder."""
     return tuple(Piece(file, folder) for file in files)

@@ -1,4 +1,4 @@
-"""When work was handed in, and whether that was late."""
+"""Times of delivery, and whether work was late."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def read_time(value: object) -> tuple[datetime | None, str]:
     """
     Read a time as nbgrader and Gradescope write it.
 
-    Only offsets are understood, not names of zones: CST alone is four of them.
+    Only offsets are understood, not names of time zones: CST alone has four meanings.
 
     :param value: text, a datetime from YAML, or nothing; without a zone it is UTC
     :returns: the time in UTC, None if there is none; and a note if it is not understood
@@ -59,24 +59,24 @@ def _offset(zone: str) -> timedelta | None:
 
 
 def stamp(when: datetime) -> bytes:
-    """Return a time as the content of nbgrader's file."""
+    """Return a time as nbgrader writes it to its file."""
     return f'{when:%Y-%m-%d %H:%M:%S} UTC\n'.encode()
 
 
 def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[str, ...]:
     """
-    Say whether work is late.
+    Return notes about whether work is late.
 
     :param late: the system that says so
     :param when: time of delivery, if known
     :param due: until when it should have been there, if known
     """
     if when is None:
-        said = f'late, as {late} says; no time known, so a late policy cannot act'
+        said = f'late, according to {late}; the time is unknown, so a late policy cannot apply'
         return (said,) if late else ()
     if due is not None and when > due:
         return (f'late by {_duration(when - due)}',)
-    return (f'late, as {late} says',) if late else ()
+    return (f'late, according to {late}',) if late else ()
 
 
 def _duration(length: timedelta) -> str:
@@ -89,7 +89,7 @@ def _duration(length: timedelta) -> str:
 @dataclass(frozen=True)
 class DueDates:
     """
-    Until when work should be there, in UTC.
+    When work is due, in UTC.
 
     :param dates: by assignment
     :param extensions: what single students have more, by student and assignment
@@ -101,7 +101,7 @@ class DueDates:
     problem: str = ''
 
     def of(self, student: str, assignment: str) -> datetime | None:
-        """Return a student's own date, None if the gradebook has none."""
+        """Return a student's due date, or None if the gradebook has none."""
         date = self.dates.get(assignment)
         more = self.extensions.get((student, assignment), timedelta())
         return None if date is None else date + more
@@ -117,9 +117,9 @@ where submitted_assignment.extension is not null
 
 def due_dates(layout: Layout) -> DueDates:
     """
-    Ask the gradebook, if there is one; none is made by looking.
+    Read the due dates from the gradebook, if there is one; never create one.
 
-    It is asked directly, as nbgrader takes seconds to import.
+    The database is queried directly, because nbgrader takes seconds to import.
     """
     if not (layout.root / 'nbgrader_config.py').is_file():
         return DueDates()
@@ -138,4 +138,4 @@ def due_dates(layout: Layout) -> DueDates:
         )
     except (GraderError, ValueError, ImportError) as error:
         what = ' '.join(str(error).split())[:120]
-        return DueDates(problem=f'no due dates, the gradebook cannot be read: {what}')
+        return DueDates(problem=f'due dates unknown, because the gradebook cannot be read: {what}')

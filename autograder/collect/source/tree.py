@@ -1,8 +1,8 @@
 """
-A class as a source: how much of it is read, and what does not count as work.
+Open the source of a class: limits for its size, and files that do not count as work.
 
-What programs leave next to people's work is not listed and does not count as files of the class,
-because a student's workspace must not make a class too large.
+Files that programs generate next to the work are neither listed nor counted, because a student's
+workspace must not make a class too large.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ _WORKSPACE = 'ros_ws'
 
 def opened(source: Path) -> AbstractContextManager[Tree]:
     """
-    Return a class, whose files can be read in the context.
+    Yield a class whose files can be read in the context.
 
     :raises NotTakenInError: if it is neither folder nor zip, broken, or far too much
     """
     bounds = Bounds(
         'the submissions of a class',
-        'the folder with the submissions alone, one assignment at a time, or a part of the class',
+        'a folder with submissions only, one assignment at a time, or part of the class',
         _is_noise,
         entries=MOST_ENTRIES,
         listed=MOST_LISTED,

@@ -5,8 +5,8 @@ A developer's tool: it needs libseccomp and ``pip install pyseccomp``; the grade
 files next to it.  After a change run ``python autograder/sandboxes/seccomp/make_filters.py``,
 commit both.
 
-The filter is the last fence, not the first: namespaces, dropped capabilities and resource limits
-come before it.  It closes what they leave open, measured with real rclpy nodes inside:
+The filter is the last layer, after namespaces, dropped capabilities and resource limits.  It
+closes what they leave open, tested with real rclpy nodes inside:
 
 * new namespaces and mounts (bubblewrap's root mode has no user namespace to forbid them),
 * socket families that a network namespace does not isolate, such as AF_VSOCK,

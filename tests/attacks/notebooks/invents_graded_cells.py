@@ -3,7 +3,7 @@ Tries: add cells of its own that nbgrader would count.
 
 Stopped by: the notebook is rebuilt from the release; only the texts of answers survive
 Deserves: 0
-Flag: which the release does not have
+Flag: the release has no cell with the grade id
 """
 
 from tests.attacks.handing_in import code

@@ -3,7 +3,7 @@ Tries: make every check worth a thousand points.
 
 Stopped by: the notebook is rebuilt from the release; only the texts of answers survive
 Deserves: 0
-Flag: another value of points
+Flag: a different value of points
 """
 
 from tests.attacks.handing_in import checks

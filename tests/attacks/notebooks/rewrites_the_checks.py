@@ -3,8 +3,8 @@ Tries: unlock the check cells and let them say the score.
 
 Stopped by: the notebook is rebuilt from the release; only the texts of answers survive
 Deserves: 0
-Flag: has another text
-Flag: another value of locked
+Flag: has a different text
+Flag: a different value of locked
 """
 
 from tests.attacks.handing_in import checks
