@@ -324,6 +324,8 @@ EXPORT int close(int fd)
     if (is_ours(fd))
         return 0;
     wait_for_post(fd);
+    if (self())
+        forget_timer(fd);
     return REAL(close)(fd);
 }
 

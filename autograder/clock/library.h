@@ -123,6 +123,7 @@ void forget_post(void);
 /* timers.c */
 int64_t first_timer(void); /* L */
 void fire_timer(void);     /* L */
+void forget_timer(int fd);
 void forget_timers(void);
 
 /* clocks.c */

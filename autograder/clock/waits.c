@@ -111,8 +111,12 @@ static bool is_shared(const void *semaphore)
 
 static void remember_shared(const void *semaphore)
 {
-    if (active && semaphore && !is_shared(semaphore) && shared_count < 64)
+    if (!active || !semaphore)
+        return;
+    lock();
+    if (!is_shared(semaphore) && shared_count < 64)
         shared[shared_count++] = semaphore;
+    unlock();
 }
 
 EXPORT int sem_init(sem_t *semaphore, int of_processes, unsigned value)
@@ -203,20 +207,22 @@ EXPORT int sem_timedwait(sem_t *semaphore, const struct timespec *at)
  * then asks its holder for it: a matter of real time, while the holder computes and virtual time stands
  * still. The lock is the condition inside the symbol _PyRuntime.
  */
+static const char *interpreter, *interpreter_end;
+
+__attribute__((constructor)) static void find_interpreter(void)
+{
+    Dl_info where;
+    const ElfW(Sym) *symbol = NULL;
+    void *runtime = dlsym(RTLD_DEFAULT, "_PyRuntime");
+    if (runtime && dladdr1(runtime, &where, (void **)&symbol, RTLD_DL_SYMENT) && symbol) {
+        interpreter = runtime;
+        interpreter_end = interpreter + symbol->st_size;
+    }
+}
+
 static bool is_interpreter_lock(const void *condition)
 {
-    static const char *begin, *end;
-    if (!begin) {
-        Dl_info where;
-        const ElfW(Sym) *symbol = NULL;
-        void *runtime = dlsym(RTLD_DEFAULT, "_PyRuntime");
-        begin = end = (const char *)1;
-        if (runtime && dladdr1(runtime, &where, (void **)&symbol, RTLD_DL_SYMENT) && symbol) {
-            begin = runtime;
-            end = begin + symbol->st_size;
-        }
-    }
-    return (const char *)condition >= begin && (const char *)condition < end;
+    return (const char *)condition >= interpreter && (const char *)condition < interpreter_end;
 }
 
 #define ASK_HOLDER (SECOND / 10000) /* of real time; CPython's own interval is 5 ms */
