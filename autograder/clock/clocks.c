@@ -53,11 +53,11 @@ static void read_the_clock(void)
         look(thread, &thread->reads);
 }
 
-/* CPython reads the clock for each lock that it takes, and takes one for each read of a file. */
+/* Most CPythons read the clock for each lock that they take, and take one for each read of a file. */
 void took_a_lock(void)
 {
     struct thread *thread = self();
-    if (thread && thread->reads > 0)
+    if (locks_read_the_clock && thread && thread->reads > 0)
         thread->reads--;
 }
 

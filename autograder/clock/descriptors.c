@@ -83,6 +83,8 @@ int poll_until(struct pollfd *fds, nfds_t count, int64_t deadline)
     int result = REAL(poll)(fds, count, 0);
     if (result == 0 && deadline <= now())
         waited_for_nothing();
+    else
+        deadline = with_slack(deadline);
     /* Another thread may take the data first; then this one waits on. */
     while (result == 0 && deadline > now()) {
         memcpy(all, fds, count * sizeof *all);
