@@ -18,18 +18,19 @@ def sources() -> list[Path]:
     return sorted(path for path in CLOCK_SOURCES.iterdir() if path.suffix in ('.c', '.h'))
 
 
-def commands(folder: Path) -> list[list[str]]:
+def commands(folder: Path, *options: str) -> list[list[str]]:
     """
     Return the compiler's two command lines.
 
     :param folder: where the results go
+    :param options: further options of the compiler
     """
     driver = CLOCK_SOURCES / 'driver.c'
     library = [str(path) for path in sources() if path.suffix == '.c' and path != driver]
     shared = ['-fPIC', '-shared', '-fvisibility=hidden', '-pthread']
     return [
-        [*COMPILER, str(driver), '-o', str(folder / DRIVER)],
-        [*COMPILER, *shared, *library, '-o', str(folder / LIBRARY), '-ldl'],
+        [*COMPILER, *options, str(driver), '-o', str(folder / DRIVER)],
+        [*COMPILER, *options, *shared, *library, '-o', str(folder / LIBRARY), '-ldl'],
     ]
 
 

@@ -53,11 +53,11 @@ static void read_the_clock(void)
         look(thread, &thread->reads);
 }
 
-/* CPython reads the clock for each lock that it takes, and takes one for each read of a file. */
+/* Most CPythons read the clock for each lock that they take, and take one for each read of a file. */
 void took_a_lock(void)
 {
     struct thread *thread = self();
-    if (thread && thread->reads > 0)
+    if (locks_read_the_clock && thread && thread->reads > 0)
         thread->reads--;
 }
 
@@ -72,15 +72,15 @@ void sent_something(void)
 /* Whether a read by the code at an address counts: the C++ library's is Fast DDS's, not a program's. */
 static bool counts(const void *caller)
 {
-    static struct { const void *caller; bool counts; } known[64];
-    size_t slot = (uintptr_t)caller / 8 % 64;
-    if (known[slot].caller != caller) {
+    static _Atomic uintptr_t known[64]; /* an address and the answer, in one word for all threads */
+    uintptr_t address = (uintptr_t)caller << 1, found = known[address / 16 % 64];
+    if ((found & ~(uintptr_t)1) != address) {
         Dl_info where = {0};
         dladdr(caller, &where);
-        known[slot].counts = !where.dli_fname || !strstr(where.dli_fname, "libstdc++");
-        known[slot].caller = caller;
+        found = address | (!where.dli_fname || !strstr(where.dli_fname, "libstdc++"));
+        known[address / 16 % 64] = found;
     }
-    return known[slot].counts;
+    return found & 1;
 }
 
 EXPORT int clock_gettime(clockid_t clock, struct timespec *time)

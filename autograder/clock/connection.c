@@ -11,7 +11,7 @@
 
 int in_flight = -1, our_socket = -1;
 
-static unsigned char ours[MAX_FDS]; /* whether a descriptor is the library's own */
+static _Atomic unsigned char ours[MAX_FDS]; /* whether a descriptor is the library's own */
 static struct process_page *page;
 static struct time_page *timing;
 static int wake_up = -1;
@@ -111,7 +111,7 @@ void begin_again_in_child(int socket)
     for (int fd = 0; fd < MAX_FDS; fd++)
         if (ours[fd])
             REAL(close)(fd);
-    memset(ours, 0, sizeof ours);
+    memset((void *)ours, 0, sizeof ours);
     munmap(page, sizeof *page);
     munmap(timing, sizeof *timing);
     forget_descriptors();

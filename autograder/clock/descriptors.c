@@ -83,6 +83,8 @@ int poll_until(struct pollfd *fds, nfds_t count, int64_t deadline)
     int result = REAL(poll)(fds, count, 0);
     if (result == 0 && deadline <= now())
         waited_for_nothing();
+    else
+        deadline = with_slack(deadline);
     /* Another thread may take the data first; then this one waits on. */
     while (result == 0 && deadline > now()) {
         memcpy(all, fds, count * sizeof *all);
@@ -324,6 +326,8 @@ EXPORT int close(int fd)
     if (is_ours(fd))
         return 0;
     wait_for_post(fd);
+    if (self())
+        forget_timer(fd);
     return REAL(close)(fd);
 }
 

@@ -101,6 +101,7 @@ int64_t now(void);
 int64_t realtime(void);
 int64_t deadline_in(int64_t nanoseconds);
 int64_t deadline_at(clockid_t clock, const struct timespec *at);
+int64_t with_slack(int64_t deadline);
 
 /* connection.c */
 extern int in_flight;   /* the set of descriptors that our threads wait for; the driver looks at it */
@@ -123,7 +124,11 @@ void forget_post(void);
 /* timers.c */
 int64_t first_timer(void); /* L */
 void fire_timer(void);     /* L */
+void forget_timer(int fd);
 void forget_timers(void);
+
+/* waits.c */
+extern bool locks_read_the_clock; /* CPython reads it for each lock that it takes */
 
 /* clocks.c */
 void waited_for_nothing(void);

@@ -22,21 +22,20 @@
 
 static pid_t children[MAX_CHILDREN];
 
-static void remember_child(pid_t pid)
+/* Write `now` in place of `before`: a child's process id, or 0. */
+static void change_child(pid_t before, pid_t now)
 {
-    for (int i = 0; i < MAX_CHILDREN; i++)
-        if (!children[i]) {
-            children[i] = pid;
-            return;
-        }
+    int i = 0;
+    lock();
+    while (i < MAX_CHILDREN && children[i] != before)
+        i++;
+    if (i < MAX_CHILDREN)
+        children[i] = now;
+    unlock();
 }
 
-static void forget_child(pid_t pid)
-{
-    for (int i = 0; i < MAX_CHILDREN; i++)
-        if (children[i] == pid)
-            children[i] = 0;
-}
+static void remember_child(pid_t pid) { change_child(0, pid); }
+static void forget_child(pid_t pid) { change_child(pid, 0); }
 
 /*
  * Order a place for a child; return its socket, -1 without one. The driver learns from the child's first
@@ -54,7 +53,7 @@ static int order_place(void)
     struct iovec data = {&byte, 1};
     struct msghdr message = {.msg_iov = &data, .msg_iovlen = 1, .msg_control = control.bytes,
                              .msg_controllen = sizeof control.bytes};
-    if (socketpair(AF_UNIX, SOCK_SEQPACKET, 0, pair) < 0)
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) < 0)
         return -1;
     setsockopt(pair[1], SOL_SOCKET, SO_PASSCRED, &on, sizeof on);
     struct cmsghdr *header = CMSG_FIRSTHDR(&message);
@@ -196,22 +195,33 @@ EXPORT int posix_spawn_file_actions_addclosefrom_np(posix_spawn_file_actions_t *
 
 static int open_child(pid_t pid) { return (int)REAL(syscall)(SYS_pidfd_open, pid, 0); }
 
+/* Open a child, or all if it is not a positive number, to be polled for their end; return how many. */
+static nfds_t open_children(pid_t pid, struct pollfd fds[MAX_CHILDREN])
+{
+    nfds_t count = 0;
+    lock();
+    for (int i = 0; i < MAX_CHILDREN; i++)
+        if (children[i] && (pid <= 0 || children[i] == pid) &&
+            (fds[count].fd = open_child(children[i])) >= 0)
+            fds[count++].events = POLLIN;
+    unlock();
+    return count;
+}
+
+static void close_children(const struct pollfd *fds, nfds_t count)
+{
+    for (nfds_t i = 0; i < count; i++)
+        REAL(close)(fds[i].fd);
+}
+
 /* Wait until a child may have ended: this one, or any if it is not a positive number. */
 static void wait_for_child(pid_t pid)
 {
     struct pollfd fds[MAX_CHILDREN];
-    nfds_t count = 0;
-    for (int i = 0; i < MAX_CHILDREN; i++) {
-        if (!children[i] || (pid > 0 && children[i] != pid))
-            continue;
-        int fd = open_child(children[i]);
-        if (fd >= 0)
-            fds[count++] = (struct pollfd){.fd = fd, .events = POLLIN};
-    }
+    nfds_t count = open_children(pid, fds);
     if (count)
         poll_until(fds, count, NEVER);
-    for (nfds_t i = 0; i < count; i++)
-        REAL(close)(fds[i].fd);
+    close_children(fds, count);
 }
 
 EXPORT pid_t wait4(pid_t pid, int *status, int options, struct rusage *usage)
@@ -305,13 +315,9 @@ EXPORT int sigsuspend(const sigset_t *mask)
         return REAL(sigsuspend)(mask);
     pthread_sigmask(SIG_SETMASK, mask, &before);
     struct pollfd fds[MAX_CHILDREN];
-    nfds_t count = 0;
-    for (int i = 0; i < MAX_CHILDREN; i++)
-        if (children[i] && (fds[count].fd = open_child(children[i])) >= 0)
-            fds[count++].events = POLLIN;
+    nfds_t count = open_children(-1, fds);
     poll_until(fds, count, NEVER);
-    for (nfds_t i = 0; i < count; i++)
-        REAL(close)(fds[i].fd);
+    close_children(fds, count);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     errno = EINTR;
     return -1;

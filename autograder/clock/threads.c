@@ -15,6 +15,8 @@
 #include <sys/eventfd.h>
 #include <sys/syscall.h>
 
+#define SLACK (SECOND / 20000) /* 50 us */
+
 _Atomic bool active;
 _Atomic int interpreter_wanted;
 struct functions functions;
@@ -92,6 +94,13 @@ int64_t deadline_at(clockid_t clock, const struct timespec *at)
         __builtin_add_overflow(sum, (int64_t)at->tv_nsec, &sum))
         return at->tv_sec < 0 ? 0 : NEVER;
     return clock == CLOCK_REALTIME || clock == CLOCK_TAI ? sum - timing->to_realtime : sum;
+}
+
+/* No sleep or wait for descriptors ends earlier than Linux's slack for timers allows. */
+int64_t with_slack(int64_t deadline)
+{
+    int64_t earliest = deadline_in(SLACK);
+    return deadline < earliest ? earliest : deadline;
 }
 
 /* -- the state of the process -- */
@@ -313,10 +322,16 @@ struct thread *self(void)
 
 void leave_clock(void) { outside = true; }
 
+#ifdef __SANITIZE_THREAD__ /* ThreadSanitizer lets go of a thread in the last round */
+#define LAST_ROUND (PTHREAD_DESTRUCTOR_ITERATIONS - 1)
+#else
+#define LAST_ROUND PTHREAD_DESTRUCTOR_ITERATIONS
+#endif
+
 /* The destructor of a thread's own data: its last round is the last thing that a thread does. */
 static void end_thread(void *round)
 {
-    if ((intptr_t)round < PTHREAD_DESTRUCTOR_ITERATIONS) {
+    if ((intptr_t)round < LAST_ROUND) {
         pthread_setspecific(at_end, (void *)((intptr_t)round + 1));
         return;
     }

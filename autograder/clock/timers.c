@@ -99,6 +99,16 @@ static struct timer *timer_of(int fd)
     return NULL;
 }
 
+/* A descriptor is about to be closed; its number may soon be another file's. */
+void forget_timer(int fd)
+{
+    lock();
+    struct timer *timer = timer_of(fd);
+    if (timer)
+        *timer = (struct timer){.fd = -1, .next = NEVER};
+    unlock();
+}
+
 EXPORT int timerfd_create(clockid_t clock, int flags)
 {
     if (!self())
@@ -106,7 +116,7 @@ EXPORT int timerfd_create(clockid_t clock, int flags)
     int fd = eventfd(0, (flags & TFD_NONBLOCK ? EFD_NONBLOCK : 0) |
                             (flags & TFD_CLOEXEC ? EFD_CLOEXEC : 0));
     lock();
-    struct timer *timer = timer_of(fd); /* of a descriptor that was closed */
+    struct timer *timer = NULL;
     for (int i = 1; !timer && i < MAX_TIMERS; i++)
         if (!timers[i].used)
             timer = &timers[i];
@@ -137,13 +147,15 @@ EXPORT int timerfd_gettime(int fd, struct itimerspec *value)
 EXPORT int timerfd_settime(int fd, int flags, const struct itimerspec *value,
                            struct itimerspec *before)
 {
-    struct timer *timer = self() ? timer_of(fd) : NULL;
-    if (!timer)
-        return REAL(timerfd_settime)(fd, flags, value, before);
+    int64_t first = deadline_at(CLOCK_MONOTONIC, &value->it_value);
     if (before)
         timerfd_gettime(fd, before);
-    int64_t first = deadline_at(CLOCK_MONOTONIC, &value->it_value);
     lock();
+    struct timer *timer = self() ? timer_of(fd) : NULL;
+    if (!timer) {
+        unlock();
+        return REAL(timerfd_settime)(fd, flags, value, before);
+    }
     timer->interval = deadline_at(CLOCK_MONOTONIC, &value->it_interval);
     if (!first)
         timer->next = NEVER;

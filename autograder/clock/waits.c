@@ -12,10 +12,10 @@
 #include <link.h>
 #include <linux/futex.h>
 #include <stdarg.h>
+#include <string.h>
 #include <sys/syscall.h>
 
 #define LOOK_AGAIN MILLISECOND /* how often a semaphore of several processes is looked at */
-#define SHORTEST_SLEEP (SECOND / 20000) /* 50 us, the slack that Linux gives its timers */
 
 /* -- locks that are tried again -- */
 
@@ -111,8 +111,12 @@ static bool is_shared(const void *semaphore)
 
 static void remember_shared(const void *semaphore)
 {
-    if (active && semaphore && !is_shared(semaphore) && shared_count < 64)
+    if (!active || !semaphore)
+        return;
+    lock();
+    if (!is_shared(semaphore) && shared_count < 64)
         shared[shared_count++] = semaphore;
+    unlock();
 }
 
 EXPORT int sem_init(sem_t *semaphore, int of_processes, unsigned value)
@@ -203,20 +207,48 @@ EXPORT int sem_timedwait(sem_t *semaphore, const struct timespec *at)
  * then asks its holder for it: a matter of real time, while the holder computes and virtual time stands
  * still. The lock is the condition inside the symbol _PyRuntime.
  */
+static const char *interpreter, *interpreter_end;
+bool locks_read_the_clock;
+
+/* Return whether an object has an undefined symbol; those come before the symbols of its hash table. */
+static bool imports(const struct link_map *object, const char *name)
+{
+    const ElfW(Sym) *symbols = NULL;
+    const char *names = NULL;
+    const uint32_t *hash = NULL;
+    for (const ElfW(Dyn) *entry = object->l_ld; entry->d_tag != DT_NULL; entry++) {
+        const void *at = (const void *)entry->d_un.d_ptr;
+        if (entry->d_tag == DT_SYMTAB)
+            symbols = at;
+        else if (entry->d_tag == DT_STRTAB)
+            names = at;
+        else if (entry->d_tag == DT_GNU_HASH)
+            hash = at;
+    }
+    for (uint32_t i = 1; hash && i < hash[1]; i++)
+        if (strcmp(names + symbols[i].st_name, name) == 0)
+            return true;
+    return false;
+}
+
+__attribute__((constructor)) static void find_interpreter(void)
+{
+    Dl_info where;
+    const ElfW(Sym) *symbol = NULL;
+    const struct link_map *object = NULL;
+    void *runtime = dlsym(RTLD_DEFAULT, "_PyRuntime");
+    if (!runtime || !dladdr1(runtime, &where, (void **)&symbol, RTLD_DL_SYMENT) || !symbol)
+        return;
+    interpreter = runtime;
+    interpreter_end = interpreter + symbol->st_size;
+    dladdr1(runtime, &where, (void **)&object, RTLD_DL_LINKMAP);
+    /* CPython from 3.11 on, where the C library had sem_clockwait when it was built. */
+    locks_read_the_clock = dlsym(RTLD_DEFAULT, "Py_Version") && imports(object, "sem_clockwait");
+}
+
 static bool is_interpreter_lock(const void *condition)
 {
-    static const char *begin, *end;
-    if (!begin) {
-        Dl_info where;
-        const ElfW(Sym) *symbol = NULL;
-        void *runtime = dlsym(RTLD_DEFAULT, "_PyRuntime");
-        begin = end = (const char *)1;
-        if (runtime && dladdr1(runtime, &where, (void **)&symbol, RTLD_DL_SYMENT) && symbol) {
-            begin = runtime;
-            end = begin + symbol->st_size;
-        }
-    }
-    return (const char *)condition >= begin && (const char *)condition < end;
+    return (const char *)condition >= interpreter && (const char *)condition < interpreter_end;
 }
 
 #define ASK_HOLDER (SECOND / 10000) /* of real time; CPython's own interval is 5 ms */
@@ -345,10 +377,8 @@ static int sleep_until(int64_t deadline)
         waited_for_nothing();
         return 0;
     }
-    if (deadline < deadline_in(SHORTEST_SLEEP))
-        deadline = deadline_in(SHORTEST_SLEEP);
     lock();
-    enum why why = wait_on(thread, thread, deadline);
+    enum why why = wait_on(thread, thread, with_slack(deadline));
     unlock();
     return why == INTERRUPTED || why == BY_ITSELF ? EINTR : 0;
 }

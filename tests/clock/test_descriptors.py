@@ -92,6 +92,18 @@ time.sleep(5); tell()
 """,
         [[5.6]],
     ),
+    'the number of a closed timerfd is that of another file': (
+        """
+import ctypes
+libc = ctypes.CDLL(None)
+timer = libc.timerfd_create(time.CLOCK_MONOTONIC, 0)
+libc.timerfd_settime(timer, 0, (ctypes.c_int64 * 4)(1, 0, 1, 0), None)
+os.read(timer, 8); os.close(timer)
+ours, theirs = socket.socketpair()
+tell(ours.fileno() == timer, len(select.select([theirs], [], [], 5)[0]))
+""",
+        [[6, True, 0]],
+    ),
     'posix_spawn with closefrom': (
         """
 import ctypes

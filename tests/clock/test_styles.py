@@ -20,6 +20,7 @@ from tests.clock.time_styles import ANSWERING, BEGIN, STYLES
 pytestmark = [pytest.mark.ros, pytest.mark.pipeline]
 SECOND = 1_000_000_000
 LATE_NS = SECOND // 16
+COMMANDS = ('subprocess', 'os.system')
 WATCHED = Scenario(file='style.py', watch={'/n': 'std_msgs/msg/Int32'}, steps=(Advance(19.8),))
 ASKED = Scenario(
     file='style.py',
@@ -54,7 +55,10 @@ def test_style_is_exact(style: str) -> None:
     body, seconds = STYLES[style]
     first = 2 if style == 'publish and sleep' else 1
 
-    assert numbers(recording(body, WATCHED, strongest())) == numbers_at(seconds, first)
+    due = numbers_at(seconds, first)
+    # The sleep command of coreutils 9.7 (Debian 13) asks for a nanosecond more than it is told.
+    longer = [(at + number, number) for at, number in due] if style in COMMANDS else due
+    assert numbers(recording(body, WATCHED, strongest())) in (due, longer)
 
 
 @pytest.mark.parametrize('style', ANSWERING)

@@ -226,7 +226,7 @@ STYLES: dict[str, tuple[str, Sequence[float]]] = {
         'logger = node.get_logger()\n'
         'events = SubscriptionEventCallbacks(deadline=lambda _: logger.warn("late"), '
         'liveliness=lambda event: logger.info(f"alive {event.alive_count}"))\n'
-        'node.create_subscription(Int32, "d", print, qos, event_callbacks=events)\n'
+        'node.create_subscription(Int32, "d", lambda _: None, qos, event_callbacks=events)\n'
         'def both(): node.tick(); publisher.publish(Int32(data=node.number))\n'
         'node.create_timer(P, both)\nrclpy.spin(node)',
         EVERY_SECOND,
