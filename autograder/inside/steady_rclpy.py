@@ -1,15 +1,15 @@
 """
-Keep two defects of rclpy's executors out of marks: no student makes them, and chance decides.
+Work around two defects of rclpy's executors, so that they never cost points by chance.
 
-An executor lists the entities of its nodes and then puts them into a wait set.  If another of its
-threads destroys a publisher or subscription in between, as a node that cleans up in a callback
-does, rclpy 7.1 leaves its subscriptions, timers, services and clients out, but not its events:
-``InvalidHandle`` then ends the program, in about one run of four of a correct managed node on
-three threads.  Here a destroyed event is left out like the rest.
+An executor lists the entities of its nodes and then puts them into a wait set.  Another of its
+threads may destroy a publisher or subscription in between, for example in a callback that cleans
+up.  rclpy 7.1 then skips destroyed subscriptions, timers, services and clients, but not events:
+``InvalidHandle`` ends the program, in about one of four runs of a correct managed node on three
+threads.  This patch also skips destroyed events.
 
-It keeps its nodes in a set, whose order is that of their addresses in memory.  Of two timers that
-are due at the same moment, either may come first.  Here it is that of the node that was added
-first.
+An executor keeps its nodes in a set, whose order depends on their addresses in memory.  If two
+timers are due at the same moment, either may come first.  With this patch, nodes are served in
+the order in which they were added.
 
 Usage as a program: steady_rclpy.py SCRIPT [arguments], for the executables of a package.
 """
@@ -36,9 +36,9 @@ def steady() -> None:
 
 class _Patching:
     """
-    Finds the modules of rclpy that are mended, and patches each as it is loaded.
+    Find the modules of rclpy that need a patch, and patch each as it is loaded.
 
-    A finder as importlib describes it; to import importlib.abc for a name takes 20 ms.
+    The class does not inherit from importlib.abc, because that import takes 20 ms.
     """
 
     def __init__(self) -> None:
