@@ -3,7 +3,7 @@ Tries: hand in several answers to one question and hope for the best of them.
 
 Stopped by: the first one counts, and that is said
 Deserves: 25
-Flag: is there 2 times
+Flag: occurs 2 times
 """
 
 from tests.attacks.handing_in import cell

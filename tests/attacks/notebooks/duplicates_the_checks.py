@@ -3,7 +3,7 @@ Tries: hand in every check several times.
 
 Stopped by: the notebook is rebuilt from the release; only the texts of answers survive
 Deserves: 0
-Flag: is there 4 times
+Flag: occurs 4 times
 """
 
 from tests.attacks.handing_in import checks
