@@ -85,26 +85,26 @@ static bool counts(const void *caller)
 
 EXPORT int clock_gettime(clockid_t clock, struct timespec *time)
 {
-    int64_t at;
+    bool is_realtime = false;
     if (!active)
         return REAL(clock_gettime)(clock, time);
-    if (counts(__builtin_return_address(0)))
-        read_the_clock();
     switch (clock) {
     case CLOCK_MONOTONIC:
     case CLOCK_MONOTONIC_RAW:
     case CLOCK_MONOTONIC_COARSE:
     case CLOCK_BOOTTIME:
-        at = now();
         break;
     case CLOCK_REALTIME:
     case CLOCK_REALTIME_COARSE:
     case CLOCK_TAI:
-        at = realtime();
+        is_realtime = true;
         break;
     default: /* processor time */
         return REAL(clock_gettime)(clock, time);
     }
+    if (counts(__builtin_return_address(0)))
+        read_the_clock();
+    int64_t at = is_realtime ? realtime() : now();
     *time = (struct timespec){at / SECOND, at % SECOND};
     return 0;
 }

@@ -14,6 +14,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from contextlib import suppress
+import gc
 import importlib
 import importlib.util
 from pathlib import Path
@@ -55,12 +56,15 @@ def join_packages(folder: Path) -> list[Path]:
 
 def main() -> None:
     """Run the file that the command line names."""
+    gc.disable()  # all that is loaded here stays
     lean()
     steady()
     # What loading it does with threads and processes of its own is over when the gate opens, so
     # the program's first line runs at the very instant of the release.
     import rclpy  # noqa: F401
 
+    gc.freeze()
+    gc.enable()
     gate.wait()
     path, sys.argv = sys.argv[1], sys.argv[1:]
     source = Path(path).read_text(encoding='utf-8')

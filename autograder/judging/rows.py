@@ -148,7 +148,7 @@ def shown_values(run: Run, values: Sequence[Any] | None, secret: str = 'somethin
     """
     if values and run.secret:
         return secret
-    texts = (f'{one:g}' if isinstance(one, float) else repr(one)[:40] for one in values or ())
+    texts = (f'{one:.12g}' if isinstance(one, float) else repr(one)[:40] for one in values or ())
     return ', '.join(texts) or 'nothing'
 
 

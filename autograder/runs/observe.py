@@ -27,7 +27,7 @@ from autograder.errors import ProbeFailed
 from autograder.recording import header, Recording
 from autograder.runs.watchdog import WATCH_EVERY_S, Watchdog
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
-from autograder.sandboxes.probes import start_probe
+from autograder.sandboxes.probes import compile_code, start_probe
 from autograder.sandboxes.processes import (
     family,
     oom_kills,
@@ -125,6 +125,7 @@ def observe(
     :raises ProbeFailed: if our own observer died: there is no evidence then
     :raises SandboxUnavailable: if the sandbox refuses
     """
+    compile_code()
     began = time.monotonic()
     with sandbox.turn(), laid_out(files) as (submission, home), virtual_clock(2) as clock:
         program, limits = program_for(scenario, submission, sandbox.ros)

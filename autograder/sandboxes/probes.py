@@ -11,6 +11,8 @@ program.
 from __future__ import annotations
 
 from collections.abc import Sequence
+import compileall
+from functools import cache
 import os
 from pathlib import Path
 import shutil
@@ -22,17 +24,18 @@ from autograder.sandboxes.confined import Confined, Limits, Probe, Program
 from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
-FILES = (
-    'probe/probe.py',
-    'probe/probe_graph.py',
-    'probe/probe_loopback.py',
-    'probe/probe_steps.py',
-    'probe/probe_wire.py',
-    'probe/probe.xml',
-    'inside/lean_start.py',
-)
-"""What the probe consists of."""
+CODE = {str(HERE / name): f'/grader/{name}' for name in ('probe', 'inside')}
+"""Folders that a probe sees; of the second, it shares one file with the student's side."""
+START = '/grader/probe/probe.py'
 LIMITS = Limits()
+HALF_WRITTEN = shutil.ignore_patterns('*.pyc.*')
+
+
+@cache
+def compile_code() -> None:
+    """Keep bytecode beside what each run starts: inside a sandbox Python can keep none."""
+    for folder in CODE:
+        compileall.compile_dir(folder, quiet=2)  # not if it may not write there
 
 
 def start_probe(
@@ -50,26 +53,19 @@ def start_probe(
     :param clock: command before its own, by which it finds the virtual clock
     :param inherited: the descriptor that it names
     """
-    argv = (*clock, sandbox.ros.python)
+    argv = (*clock, sandbox.ros.python, START)
     fds = (*student.namespaces.values(), *inherited)
     if sandbox.facts.namespaces and sandbox.facts.root:
-        program = Program(
-            (*argv, '/grader/probe.py'),
-            {str(HERE / name): f'/grader/{Path(name).name}' for name in FILES},
-            variables=_variables(Path('/grader'), student.domain),
-        )
+        program = Program(argv, CODE, variables=_variables(Path('/grader'), student.domain))
         process = _in_a_sandbox(sandbox, program, student.enter, fds)
     else:
         own, code = home.parent / 'probe', home.parent / 'code'
-        for folder in (own, code):
-            folder.mkdir(mode=0o755)
-        for name in FILES:  # Python lists the folder, and must not see its neighbours
-            shutil.copy(HERE / name, code)
-        program = Program(
-            (*argv, '/grader/probe.py'),
-            {str(code): '/grader'},
-            variables=_variables(code, student.domain),
-        )
+        own.mkdir(mode=0o755)
+        for folder in CODE:  # Python lists the folders, and must not see their neighbours
+            shutil.copytree(folder, code / Path(folder).name, ignore=HALF_WRITTEN)
+        code.chmod(0o755)
+        variables = _variables(code, student.domain)
+        program = Program(argv, {str(code): '/grader'}, variables=variables)
         run, variables = sandbox.outside(program, LIMITS, own, student.domain)
         if sandbox.keeps_secrets and not landlock.refusal(root=os.geteuid() == 0)[0]:
             run = [*sandbox.behind_landlock(program, own, inherited), *run]
@@ -99,9 +95,9 @@ def _variables(folder: Path, domain: int) -> dict[str, str]:
     """
     Return the probe's own variables: the path of its profile and the port in it.
 
-    :param folder: of the probe's files, as the probe sees it
+    :param folder: of the grader's code, as the probe sees it
     """
     return {
-        'FASTRTPS_DEFAULT_PROFILES_FILE': str(folder / 'probe.xml'),
+        'FASTRTPS_DEFAULT_PROFILES_FILE': str(folder / 'probe' / 'probe.xml'),
         'UNICAST_PORT': str(first_port(domain)),
     }

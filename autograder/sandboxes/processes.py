@@ -77,10 +77,12 @@ def other_domains(used: set[int]) -> list[int]:
     found = []
     for domain in range(1, MOST_DOMAIN + 1):
         first = FIRST_PORT + PORTS_A_DOMAIN * domain
+        if first not in used:
+            continue
         own = [first + port for port in OWN_PORTS[::2]]
         if first >= AT_RANDOM:
             own = [port for port in own if port + 1 in used]
-        if first in used and any(port in used for port in own):
+        if any(port in used for port in own):
             found.append(domain)
     return found
 

@@ -22,6 +22,10 @@ CASES = {
         'lock = threading.Lock()\nfor _ in range(20000):\n    with lock: pass\ntell()',
         [[0]],
     ),
+    'looks at processor time do not count as polling': (
+        'while time.process_time() < 0.3: pass\ntell()',
+        [[0]],
+    ),
     'prints do not count as polling': (
         "out = open('/dev/null', 'w')\n"
         'for number in range(5000): print(number, file=out, flush=True)\ntell()',

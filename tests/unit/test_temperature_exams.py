@@ -281,7 +281,7 @@ class TestUnlogged:
     @pytest.mark.parametrize(
         ('printed', 'cause_id'),
         [
-            ('', 'unknown_unit'),
+            ('', 'no_error'),
             ('unknown unit\n', 'print_instead_of_logger'),
             ('[ERROR] [mine]: unknown unit\n', 'other_logger'),
         ],
