@@ -37,7 +37,7 @@ SENT = [{'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place 
     ids=str,
 )
 def test_each_number_has_one_reading(indexes, cause):
-    """Numbers come so seldom that a reading that is late has come before the next number."""
+    """A reading that is late still comes before the next number."""
     end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
     graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}
     read = [
