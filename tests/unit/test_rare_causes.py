@@ -6,14 +6,17 @@ import pytest
 
 from autograder.exam.exam import Failed, Run
 from autograder.exams.readings import Reading, Sent
+from autograder.exams.visible import managed_beacon as beacon
 from autograder.exams.visible import (
     map_server,
+    milli_reader,
     sensor_watch,
     temperature_message,
     temperature_publisher,
     temperature_subscriber,
 )
-from autograder.recording import INFO, Recording, WARN
+from autograder.judging.causes import ended, lifecycle
+from autograder.recording import ERROR, INFO, Recording, WARN
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stdout': ''})
 
@@ -147,3 +150,109 @@ def test_seed_in_the_callback_is_told(line, cause_id):
 
     found = why(temperature_publisher.readings_are_plausible, warming([20.5] * 10, code))
     assert found.cause_id == cause_id
+
+
+class TestCausesOfBlindPrograms:
+    """Mistakes that only programs showed whose authors knew nothing of the exams."""
+
+    @pytest.mark.parametrize(
+        ('numbers', 'values', 'names', 'check', 'cause_id'),
+        [
+            (
+                (1500, -1500, 2500),
+                (1.5, -0.5, 2.5),
+                ('a', 'b', 'c'),
+                milli_reader.divides_by_a_thousand,
+                'wrong_below_zero',
+            ),
+            (
+                (1, 2, 3),
+                (0.001, 0.002, 0.003),
+                ('a', 'unknown', 'c'),
+                milli_reader.names_unit_and_sensor,
+                'fills_empty',
+            ),
+        ],
+    )
+    def test_reader_is_told_which_of_its_messages_are_wrong(
+        self, numbers, values, names, check, cause_id
+    ):
+        """Below zero, or without a description."""
+        facts = milli_reader.build(numbers, ('a', '' if 'unknown' in names else 'b', 'c')).facts
+        events = [
+            {'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place in range(3)
+        ]
+        for place, (value, name) in enumerate(zip(values, names)):
+            data = {'temperature_value': value, 'sensor_id': name, 'unit': 'Celsius'}
+            topic = milli_reader.TARGET
+            events.append({'event': 'message', 'topic': topic, 'after_input': place, 'data': data})
+
+        assert why(check, Run({}, Recording({}, (*events, *ENDS)), facts)).cause_id == cause_id
+
+    def test_temperature_that_is_no_number_is_no_formula(self):
+        """Some readings are NaN, on purpose."""
+        readings = [
+            {
+                'event': 'message',
+                'topic': temperature_publisher.TOPIC,
+                'data': {'temperature_value': value},
+            }
+            for value in (20.0, 21.0, 'nan', 22.0)
+        ]
+        run = Run({}, Recording({}, (*readings, *ENDS)), temperature_publisher.exam.facts)
+
+        assert why(temperature_publisher.readings_are_plausible, run).cause_id == 'not_finite'
+
+    def test_beacon_that_is_silent_the_second_time_only(self):
+        """What on_deactivate() stops, nobody starts again."""
+        topic = '/beacon_signal'
+        beats = [
+            {'event': 'message', 'topic': topic, 'clock_ns': round((0.5 + at) * 1e9), 'data': {}}
+            for at in range(4)
+        ]
+        marks = [
+            {'event': 'mark', 'name': name, 'clock_ns': round(at * 1e9)}
+            for name, at in (('active', 0.0), ('paused', 4.05), ('active again', 6.0))
+        ]
+        run = Run({}, Recording({}, (marks[0], *beats, *marks[1:], *ENDS)), beacon.exam.facts)
+
+        assert why(beacon.publishes_while_active, run).cause_id == 'mute_again'
+
+    def test_transition_that_is_refused_the_second_time_only(self):
+        """Its callback is right as long as nothing is left from before."""
+        code = 'def on_configure(self, state):\n    return self.done\n'
+
+        found = lifecycle.why_refused(Run({'n.py': code}, Recording({}, ENDS)), 'configure', True)
+
+        assert found.cause_id == 'refused_again'
+
+    def test_second_refusal_alone_is_missing(self):
+        """A flag: the callback for the event is there, and logs."""
+        line = {'event': 'log', 'name': 'sensor_watch', 'after_input': None, 'clock_ns': 1}
+        offer = {'event': 'offered', 'matched': False, 'refused': ['DEADLINE'], 'clock_ns': 1}
+        end = {
+            'topic': '/distance',
+            'kind': 'subscription',
+            'node': sensor_watch.NODE,
+            'type': sensor_watch.TYPE,
+            'qos': {},
+        }
+        events = (
+            graph([sensor_watch.NODE], [end]),
+            {'event': 'mark', 'name': 'weak', 'clock_ns': 0},
+            {**offer, 'publisher': 'weak'},
+            {**line, 'level': ERROR, 'text': 'DEADLINE'},
+            {'event': 'mark', 'name': 'weak again', 'clock_ns': 2},
+            {**offer, 'publisher': 'weak again', 'clock_ns': 2},
+        )
+        run = Run({}, Recording({}, (*events, *ENDS)), sensor_watch.exam.facts)
+
+        assert why(sensor_watch.names_the_policy, run).cause_id == 'first_refusal_only'
+
+    def test_node_that_runs_and_is_not_seen(self):
+        """Its class is there, and nothing explains why no node appears."""
+        code = "class N(Node):\n    def __init__(self):\n        super().__init__('n')\n"
+
+        found = ended.why_no_node(Run({'n.py': code}, Recording({}, ENDS)), '/n')
+
+        assert found.cause_id == 'no_node'

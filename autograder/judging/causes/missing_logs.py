@@ -96,7 +96,7 @@ def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | N
 
     :param found: those that came; where they were logged tells which call it is
     """
-    lines = {one.get('line') for one in found} - {None}
+    lines = {int(one['line']) for one in found if one.get('line')}
     name = leaves_out(run.files, _names(level), lines)
     if not name:
         return None
