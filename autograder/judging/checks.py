@@ -24,7 +24,6 @@ from autograder.judging.causes.ended import (
     why_no_node,
     why_silent,
 )
-from autograder.judging.causes.missing_logs import LEVELS, why_left_out, why_not_logged
 from autograder.judging.causes.redaction import own_words
 from autograder.recording import Event
 
@@ -260,29 +259,6 @@ def own_logs(run: Run, node: str, level: int | None = None) -> list[Event]:
         for entry in run.recording.logs(level=level)
         if entry['name'] == logger or entry['name'].startswith(f'{logger}.')
     ]
-
-
-def require_log(
-    run: Run, found: Sequence[Event], level: int, count: int | None, when: str
-) -> None:
-    """
-    Fail unless there are so many lines of a level among some log entries.
-
-    :param found: log entries of the moment in question, see :func:`own_logs`
-    :param count: None for at least one
-    :param when: such as ``after a message of 31 °C``
-    """
-    lines = [entry for entry in found if entry['level'] == level]
-    if len(lines) == count or (count is None and lines):
-        return
-    amount = 'at least one' if count is None else count_of(count)
-    fewer = len(lines) < (count or 1)
-    why = why_left_out(run, level) if fewer else None
-    raise Failed(
-        expected=f'{amount} {LEVELS[level]} line{"" if count in (None, 1) else "s"} {when}',
-        observed=f'{count_of(len(lines))} {LEVELS[level]} line{"" if len(lines) == 1 else "s"}',
-        why=why if lines else why_not_logged(run, found, level),
-    )
 
 
 def count_of(number: int) -> str:

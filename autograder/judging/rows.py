@@ -57,10 +57,11 @@ def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, .
     Return the values that came on a topic after each input, those after a burst in order.
 
     :param fields: see :func:`publishes`; without one, their only field
-    :returns: None in place of an input that was not sent
+    :returns: None in place of an input that was not sent; a value is None if its message was too
+        large to be recorded
     """
     asked: Specification = run.facts[ask]
-    messages = [one for one in run.recording.messages(topic) if 'data' in one]
+    messages = run.recording.messages(topic)
     found = [
         None if row is None else tuple(_value(one, fields) for one in row)
         for row in rows(run, messages, len(asked.inputs), asked.burst)
@@ -73,7 +74,9 @@ def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, .
 def _value(message: Event, fields: Sequence[str]) -> Any:
     if len(fields) > 1:
         return tuple(field_of(message, one) for one in fields)
-    return field_of(message, fields[0]) if fields else next(iter(message['data'].values()))
+    if fields:
+        return field_of(message, fields[0])
+    return next(iter(message.get('data', {}).values()), None)
 
 
 def require_one_for_one(

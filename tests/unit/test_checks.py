@@ -171,24 +171,6 @@ class TestLogs:
 
         assert [one['text'] for one in checks.own_logs(run, '/lab/a')] == ['mine', 'child']
 
-    def test_exact_count_is_asked(self):
-        """One line too many is as wrong as one too few."""
-        entries = [log('a'), log('b')]
-        checks.require_log(run_of(), entries, WARN, 2, 'after 31 °C')
-
-        with pytest.raises(Failed) as failed:
-            checks.require_log(run_of(), entries, WARN, 1, 'after 31 °C')
-
-        assert failed.value.expected == '1 WARN line after 31 °C'
-        assert failed.value.observed == '2 WARN lines'
-
-    def test_line_of_another_level_is_the_cause(self):
-        """What came instead is told."""
-        with pytest.raises(Failed) as failed:
-            checks.require_log(run_of(), [log('hot', level=40)], WARN, None, 'after 31 °C')
-
-        assert failed.value.why.text == 'A line at level ERROR comes instead.'
-
 
 class TestAnswers:
     """What services answer."""

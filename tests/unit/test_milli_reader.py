@@ -125,3 +125,22 @@ def test_each_wrong_value_has_a_cause_of_its_own(values, cause):
 
     assert failed.value.why is not None
     assert failed.value.why.cause_id == cause
+
+
+def test_message_that_was_too_large_to_be_recorded_is_an_answer_too_many():
+    """It counts, and nothing that is not there is looked at."""
+    end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
+    graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}
+    large = {'event': 'message', 'topic': TARGET, 'after_input': 0, 'clock_ns': 0}
+    right = [
+        {**large, 'after_input': place, 'data': {'temperature_value': value}}
+        for place, value in enumerate((1.234, 5.678))
+    ]
+    with pytest.raises(Failed) as failed:
+        answers_one_for_one(run_of([graph, *SENT, large, *right]))
+    alone = run_of([graph, *SENT, large])
+    stamps_with_its_own_clock(alone)
+    with pytest.raises(Failed):
+        divides_by_a_thousand(alone)
+
+    assert failed.value.why.cause_id == 'several_answers'

@@ -145,6 +145,7 @@ def _why_near(asked: Specification, came: Sequence[tuple[Any, ...] | None]) -> C
         (float(value), due)
         for values, row in zip(came, asked.answers)
         for value, due in zip(values or (), row)
+        if value is not None
     ]
     factors = {f'{1000 * due / value:.9g}' for value, due in pairs if value}
     if len(factors) == 1 and all(value or not due for value, due in pairs):
@@ -168,11 +169,11 @@ def names_unit_and_sensor(run: Run) -> None:
     asked: Specification = run.facts['names']
     came = published(run, 'names', TARGET, 'sensor_id')
     for place in asked.wrong(came)[:1]:
-        other = next((one for one in came[place] or () if one not in asked.answers[place]), '')
+        others = (one for one in came[place] or () if one and one not in asked.answers[place])
         unnamed = all('' in asked.answers[one] for one in asked.wrong(came))
         raise Failed(
             expected='the description of the Num in sensor_id',
-            observed=own_words(run, other, 'another text')[:60],
+            observed=own_words(run, next(others, ''), 'another text')[:60],
             why=asked.cause(came, place) or (FILLS_EMPTY if unnamed else OTHER_NAME),
         )
 
@@ -182,7 +183,7 @@ def stamps_with_its_own_clock(run: Run) -> None:
     asked: Specification = run.facts['values']
     found = rows(run, run.recording.messages(TARGET), len(asked.inputs), asked.burst)
     sent = [one['clock_ns'] for one in run.recording.of('input')]
-    pairs = ((one, at) for row, at in zip(found, sent) for one in row or ())
+    pairs = ((one, at) for row, at in zip(found, sent) for one in row or () if 'data' in one)
     require_stamps(run, pairs, CLOCK)
 
 
