@@ -1,7 +1,8 @@
 """
 Enforce the limits of a run: processor time, memory, files, output, and standing still.
 
-Real time has no limit of its own: a busy machine makes a run longer and changes nothing in it.
+Real time costs no points: a busy machine makes a run longer and changes nothing in it.  After
+ten minutes the machine counts as too busy, and the submission is for review.
 """
 
 from __future__ import annotations

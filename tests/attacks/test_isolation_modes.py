@@ -198,7 +198,7 @@ def test_hidden_exams_are_never_run_without_isolation():
     """What keeps nothing hidden gets nothing hidden."""
     exam = catalog.load('harbour', hidden=True)
 
-    with pytest.raises(SandboxUnavailable, match='never run with isolation none'):
+    with pytest.raises(SandboxUnavailable, match='never runs with isolation none'):
         examine(exam, {'harbour.py': ''}, sandbox=choose.plain())
 
 

@@ -149,13 +149,14 @@ def says_that_settings_are_wrong(course: Layout) -> None:
     config = course.root / 'nbgrader_config.py'
     text = config.read_text(encoding='utf-8')
     for line, said in {
-        'c.LateSubmissionPlugin.penalty_method = zero': 'got NameError',
+        'c.LateSubmissionPlugin.penalty_method = zero': 'NameError: ',
         "c.CourseDirectory.db_url = 'postgres://u@localhost/g'": 'this is not the address of',
         "c.CourseDirectory.db_url = 'gradebook.db'": 'this is not the address of',
         "c.CourseDirectory.db_url = 'postgresql://u@localhost:port/g'": 'is not the address of',
     }.items():
         config.write_text(f'{text}\n{line}\n', encoding='utf-8')
-        assert said in refused(course)
+        why = refused(course)
+        assert said in why, why
         assert due_dates(course).problem.startswith(
             'due dates unknown, because the gradebook cannot be read'
         )

@@ -19,7 +19,7 @@ from autograder.runs import observe
 from autograder.runs.observe import HERE
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.confined import Confined, Limits, Probe, Program
-from autograder.sandboxes.probes import start_probe
+from autograder.sandboxes.probes import START, start_probe
 from autograder.sandboxes.sandbox import Sandbox
 from autograder.sandboxes.sandbox_trial import try_out
 
@@ -129,7 +129,7 @@ def start_instead(monkeypatch, *command: str) -> None:
     whole = Sandbox.command
 
     def changed(sandbox: Sandbox, program: Program, limits: Limits) -> list[str]:
-        if '/grader/probe.py' in program.argv:
+        if START in program.argv:
             return whole(sandbox, program, limits)
         env, library, place, *_ = program.argv
         return [env, library, place, *command]

@@ -127,7 +127,7 @@ def test_stub_in_a_constructor_is_shown_without_frames_of_roslab(kernel):
     shown = '\n'.join(outputs.error['traceback'])
 
     assert outputs.error['ename'] == 'NotImplementedError'
-    assert 'start(Mine) made no node' in shown
+    assert 'start(Mine) created no node' in shown
     assert re.search(r'Cell In\[\d+\], line 3, in __init__', shown)
     assert 'Replace that line' in shown
     assert 'session.py' not in shown

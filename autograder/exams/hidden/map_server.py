@@ -1,4 +1,4 @@
-"""Lesson 05, part 4, as it is graded: with surveys nobody can know."""
+"""Lesson 05, part 4, as it is graded: with secret surveys."""
 
 from __future__ import annotations
 

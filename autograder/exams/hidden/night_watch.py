@@ -1,4 +1,4 @@
-"""Lesson 01, second exercise, as it is graded: longer, and in a namespace that nobody can know."""
+"""Lesson 01, second exercise, as it is graded: longer, and in a secret namespace."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 03, part 4, as it is graded: numbers nobody can know, two NaN, and a burst."""
+"""Lesson 03, part 4, as it is graded: with secret numbers, two NaN, and a burst."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 05, part 5, as it is graded: with distances nobody can know."""
+"""Lesson 05, part 5, as it is graded: with secret distances."""
 
 from __future__ import annotations
 

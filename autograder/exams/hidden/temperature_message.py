@@ -1,4 +1,4 @@
-"""Lesson 07, part 1, as it is graded: with readings nobody can know."""
+"""Lesson 07, part 1, as it is graded: with secret readings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 07, part 3, as it is graded: every edge, a burst, and readings nobody can know."""
+"""Lesson 07, part 3, as it is graded: with every edge, a burst, and secret readings."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ import math
 import random
 
 from autograder.exam.inputs import generator
-from autograder.exams.readings import Reading
+from autograder.exams.readings import Reading, THRESHOLD_C
 from autograder.exams.visible.temperature_subscriber import build
 
 UNKNOWN = 'a reading in an unknown unit'
 
 
 def edges(draw: random.Random) -> list[Reading]:
-    """Return the readings in Celsius at and beside the threshold, in an order nobody can know."""
+    """Return the readings in Celsius at and beside the threshold, in a secret order."""
     readings = [
-        Reading(30.0, 'a reading of exactly 30.0 °C'),
-        Reading(30.01, 'a reading just above 30 °C'),
-        Reading(30.004, 'a reading of 30.004 °C'),
-        Reading(29.99, 'a reading just below 30 °C'),
+        Reading(THRESHOLD_C, f'a reading of exactly {THRESHOLD_C} °C'),
+        Reading(THRESHOLD_C + 0.01, f'a reading just above {THRESHOLD_C:g} °C'),
+        Reading(THRESHOLD_C + 0.004, f'a reading of {THRESHOLD_C + 0.004:.3f} °C'),
+        Reading(THRESHOLD_C - 0.01, f'a reading just below {THRESHOLD_C:g} °C'),
         Reading(0.0, 'a reading of 0 °C'),
         Reading(round(draw.uniform(-60.0, -31.0), 2), 'a reading far below zero'),
     ]
@@ -27,7 +27,7 @@ def edges(draw: random.Random) -> list[Reading]:
 
 
 def fahrenheit(draw: random.Random) -> list[Reading]:
-    """Return readings on both sides of the threshold, in an order nobody can know."""
+    """Return readings on both sides of the threshold, in a secret order."""
     readings = [
         Reading(round(draw.uniform(86.1, 86.4), 2), 'a warm reading in °F', 'Fahrenheit'),
         Reading(round(draw.uniform(85.5, 85.9), 2), 'a cool reading in °F', 'Fahrenheit'),
@@ -52,12 +52,16 @@ def odd(draw: random.Random) -> list[Reading]:
 
 def hot(draw: random.Random) -> Reading:
     """Return a reading in Celsius above the threshold."""
-    return Reading(round(draw.uniform(31.0, 80.0), 2), 'a reading above 30 °C')
+    return Reading(
+        round(draw.uniform(THRESHOLD_C + 1.0, 80.0), 2), f'a reading above {THRESHOLD_C:g} °C'
+    )
 
 
 def cool(draw: random.Random) -> Reading:
     """Return a reading in Celsius below the threshold."""
-    return Reading(round(draw.uniform(1.0, 29.0), 2), 'a reading below 30 °C')
+    return Reading(
+        round(draw.uniform(1.0, THRESHOLD_C - 1.0), 2), f'a reading below {THRESHOLD_C:g} °C'
+    )
 
 
 _draw = generator('temperature_subscriber', 'readings')

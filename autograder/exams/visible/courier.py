@@ -104,7 +104,7 @@ def _came_with_the_second(run: Run) -> bool:
 
 
 def _require_soon(run: Run, parcel: Event) -> None:
-    """Fail if the parcel came so late that nobody could have looked for who is there."""
+    """Fail if the parcel came so late that no usual timer explains it."""
     joined = run.recording.of('joined', listener='first')[0]
     late_s = (parcel['clock_ns'] - joined['clock_ns']) / SECOND
     if late_s > LATEST_S:

@@ -41,7 +41,7 @@ BEST_EFFORT = Cause(
 )
 ASKS_TOO_MUCH = Cause(
     'asks_too_much',
-    'Nobody can reach your subscription on survey: its profile requests more than an ordinary '
+    'No message reaches your subscription on survey: its profile requests more than an ordinary '
     'publisher offers.',
     "Subscribe with the plain number: create_subscription(String, 'survey', self.take, 10).",
 )

@@ -191,7 +191,7 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
     """
     Return the exam for some numbers.
 
-    :param numbers: thousandths of a degree; but for zero, none is a multiple of 1000
+    :param numbers: thousandths of a degree; none but zero is a multiple of 1000
     :param names: the description of each, those of the burst different
     :param burst: how many of them are sent at once at the end, at most five
     """

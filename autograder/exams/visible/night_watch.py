@@ -182,7 +182,7 @@ def _why_not_every_second(run: Run, found: Sequence[Event]) -> Cause | None:
 
 
 def _why_other_lines(run: Run) -> Cause | None:
-    """Explain seconds with another line than is due, with several, or with none."""
+    """Explain seconds with the wrong line, with several lines, or with none."""
     asked: Specification = run.facts['levels']
     rows = levels_by_second(watches(run))[: len(asked.inputs)]
     slip = next((asked.cause(rows, place) for place in asked.wrong(rows)[:1]), None)

@@ -78,7 +78,7 @@ def skips_equal(numbers: Sequence[float]) -> list[Means]:
 
 
 def forgets(numbers: Sequence[float]) -> list[Means]:
-    """Begin anew after each NaN."""
+    """Start again after each NaN."""
     found: list[Means] = []
     seen: list[float] = []
     for number in numbers:
@@ -196,7 +196,7 @@ SLIPS = (
     ),
     Slip(
         'forgets_at_nan',
-        'After NaN the mean begins anew, without the numbers before it.',
+        'After NaN the mean starts again, without the numbers before it.',
         'Leave the sum and the count as they are when NaN comes.',
         forgets,
     ),

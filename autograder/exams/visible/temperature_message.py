@@ -136,7 +136,7 @@ def _text(run: Run, name: str) -> str:
 
 
 def random_reading(draw: random.Random) -> dict[str, Any]:
-    """Return a message with values nobody can know; binary fractions travel exactly."""
+    """Return a message with secret values; binary fractions travel exactly."""
     return {
         'temperature_value': draw.randrange(-4000, 12500) / 64,
         'unit': ''.join(draw.choices('CFKcelsiu', k=7)),

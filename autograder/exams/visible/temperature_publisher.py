@@ -234,7 +234,7 @@ def _why_constant(run: Run) -> Cause:
     return Cause(
         'constant',
         'The value never changes.',
-        'Compute it anew in the callback, not once in __init__(), and from something that changes '
+        'Compute it in the callback, not once in __init__(), and from something that changes '
         'from call to call, such as self.elapsed.',
     )
 
