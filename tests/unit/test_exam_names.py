@@ -11,7 +11,7 @@ import pytest
 from autograder import judging
 from autograder.errors import ExamInvalid, GraderError
 from autograder.exam import catalog
-from autograder.exam.exam import Exam, Run
+from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.names import Names
 from autograder.exam.scenario import Call, Feed, Join, Offer, Scenario, set_parameter
 from autograder.judging.checks import require_messages
@@ -217,12 +217,27 @@ def test_bare_require_messages_takes_what_came_on_the_topic():
     """As many as are asked for."""
     exam = rover()
     event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
-    heard = Recording({}, (event, event))
-    run = Run({}, heard, exam.facts)
+    end = {
+        'topic': '/qqqqqq/cmd_vel',
+        'kind': 'publisher',
+        'node': '/qqqqqq/rover',
+        'type': 'geometry_msgs/msg/Twist',
+    }
+    seen = {'event': 'graph', 'nodes': ['/qqqqqq/rover'], 'endpoints': [end]}
+    run = Run({}, Recording({}, (seen, event, event)), exam.facts)
 
     assert len(require_messages(run, topic='/qqqqqq/cmd_vel', least=2)) == 2
     (check,) = judge(exam, run)
     assert check.points == 1
+
+
+def test_message_of_a_publisher_that_was_never_seen_is_no_evidence():
+    """A program that ends at once is heard by chance."""
+    event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
+    run = Run({}, Recording({}, (event, event)), rover().facts)
+
+    with pytest.raises(Failed):
+        require_messages(run, topic='/qqqqqq/cmd_vel')
 
 
 @pytest.mark.parametrize('topic', ['', '/cmd_val'])
