@@ -191,12 +191,7 @@ def leaving_out(rule: Rule, key: Callable[[Any], Any] = lambda one: one) -> tupl
 
     each_one = 'Publish for each message, without a look at'
     return (
-        Slip(
-            'no_answer',
-            NO_ANSWER.text,
-            NO_ANSWER.try_this,
-            unless(lambda one, before: True),
-        ),
+        Slip.of(NO_ANSWER, unless(lambda one, before: True)),
         Slip(
             'skips_equal',
             'A message that is equal to the one before it is not answered.',

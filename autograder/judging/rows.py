@@ -103,16 +103,16 @@ def require_one_for_one(
                 expected=f'{count_of(due)} message{"" if due == 1 else "s"} on {topic} '
                 f'after input {place + 1}',
                 observed=f'{count or "none"}',
-                why=why_silent(run)
-                or asked.cause(came, place)
-                or why_other_number(asked, came, place),
+                why=why_silent(run) or why_other_answer(asked, came, place),
             )
 
 
-def why_other_number(
+def why_other_answer(
     asked: Specification, came: Sequence[tuple[Any, ...] | None], place: int
 ) -> Cause | None:
-    """Explain a number of messages that is not right, by where else it is not; None if it is."""
+    """Explain a wrong answer by a slip, or a wrong number of messages by where else it is."""
+    if slip := asked.cause(came, place):
+        return slip
     more = len(came[place] or ()) - len(asked.answers[place])
     if more >= 0:
         return SEVERAL_ANSWERS if more else None

@@ -21,6 +21,15 @@ from autograder.recording import ERROR, INFO, Recording, WARN
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stdout': ''})
 
 
+WATCHED = {
+    'topic': '/distance',
+    'kind': 'subscription',
+    'node': sensor_watch.NODE,
+    'type': sensor_watch.TYPE,
+    'qos': {},
+}
+
+
 def graph(nodes, endpoints=()):
     """Return what was seen in the graph."""
     return {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': list(endpoints)}
@@ -99,20 +108,13 @@ def test_warning_of_silence_does_not_come_instead_of_a_distance(
     level, text, printed, code, cause_id
 ):
     """It is right, whatever is wrong with the line that shows the number."""
-    end = {
-        'topic': '/distance',
-        'kind': 'subscription',
-        'node': sensor_watch.NODE,
-        'type': sensor_watch.TYPE,
-        'qos': {},
-    }
     line = {'event': 'log', 'name': 'sensor_watch', 'after_input': 0, 'clock_ns': None}
     silence = {**line, 'level': WARN, 'text': 'No distance in time (1 misses)'}
     logged = [{**line, 'level': level, 'text': text}] if level else []
     sent = {'event': 'input', 'index': 0, 'data': {'data': 1.25}}
     output = f'[WARN] [sensor_watch]: {silence["text"]}\n{printed}'
     ends = (ENDS[0], {**ENDS[1], 'stdout': output})
-    events = (graph([sensor_watch.NODE], [end]), sent, *logged, silence, *ends)
+    events = (graph([sensor_watch.NODE], [WATCHED]), sent, *logged, silence, *ends)
     run = Run({'n.py': code}, Recording({}, events), {'distances': [1.25]})
 
     assert why(sensor_watch.logs_each_distance, run).cause_id == cause_id
@@ -230,15 +232,8 @@ class TestCausesOfBlindPrograms:
         """A flag: the callback for the event is there, and logs."""
         line = {'event': 'log', 'name': 'sensor_watch', 'after_input': None, 'clock_ns': 1}
         offer = {'event': 'offered', 'matched': False, 'refused': ['DEADLINE'], 'clock_ns': 1}
-        end = {
-            'topic': '/distance',
-            'kind': 'subscription',
-            'node': sensor_watch.NODE,
-            'type': sensor_watch.TYPE,
-            'qos': {},
-        }
         events = (
-            graph([sensor_watch.NODE], [end]),
+            graph([sensor_watch.NODE], [WATCHED]),
             {'event': 'mark', 'name': 'weak', 'clock_ns': 0},
             {**offer, 'publisher': 'weak'},
             {**line, 'level': ERROR, 'text': 'DEADLINE'},

@@ -168,9 +168,10 @@ def names_unit_and_sensor(run: Run) -> None:
     require_field(run, run.recording.messages(TARGET), 'unit', 'Celsius')
     asked: Specification = run.facts['names']
     came = published(run, 'names', TARGET, 'sensor_id')
-    for place in asked.wrong(came)[:1]:
+    wrong = asked.wrong(came)
+    for place in wrong[:1]:
         others = (one for one in came[place] or () if one and one not in asked.answers[place])
-        unnamed = all('' in asked.answers[one] for one in asked.wrong(came))
+        unnamed = all('' in asked.answers[one] for one in wrong)
         raise Failed(
             expected='the description of the Num in sensor_id',
             observed=own_words(run, next(others, ''), 'another text')[:60],

@@ -23,7 +23,7 @@ from autograder.judging.rows import (
     published,
     require_one_for_one,
     require_values,
-    why_other_number,
+    why_other_answer,
 )
 
 NODE = '/running_mean'
@@ -254,15 +254,8 @@ def ignores_nan(run: Run) -> None:
     raise Failed(
         expected=f'{due} right means after the first NaN',
         observed=how_many if found[-1] is not None else 'a node that does not go on',
-        why=why_silent(run) or _why_wrong(asked, found, wrong[:1]),
+        why=why_silent(run) or (why_other_answer(asked, found, wrong[0]) if wrong else None),
     )
-
-
-def _why_wrong(
-    asked: Specification, found: Sequence[Means | None], wrong: Sequence[int]
-) -> Cause | None:
-    causes = (asked.cause(found, one) or why_other_number(asked, found, one) for one in wrong)
-    return next(causes, None)
 
 
 def build(singles: Sequence[float], burst: Sequence[float] = ()) -> Exam:

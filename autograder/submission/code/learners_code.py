@@ -16,6 +16,7 @@ import tokenize
 
 from autograder.submission.code.python_text import NotPythonError, parsed
 
+_DEFS = (ast.FunctionDef, ast.AsyncFunctionDef)
 SHORT_S = 0.1
 """A pause [s] that nobody notices."""
 
@@ -78,15 +79,12 @@ class Code:
     @cached_property
     def names(self) -> frozenset[str]:
         """Return the names and attributes that are used, and the functions that are defined."""
-        defs = (ast.FunctionDef, ast.AsyncFunctionDef)
-        found = (node.name if isinstance(node, defs) else last_name(node) for node in self.nodes)
-        return frozenset(found) - {''}
+        return (frozenset(map(last_name, self.nodes)) | set(self.functions)) - {''}
 
     @cached_property
     def functions(self) -> Mapping[str, ast.FunctionDef | ast.AsyncFunctionDef]:
         """Return the functions and methods that are defined, by name."""
-        defs = (ast.FunctionDef, ast.AsyncFunctionDef)
-        return {node.name: node for node in self.nodes if isinstance(node, defs)}
+        return {node.name: node for node in self.nodes if isinstance(node, _DEFS)}
 
     def makes(self, name: str) -> bool:
         """Return whether a name is defined, gets a value, or stands in quotes, for setattr()."""
@@ -322,9 +320,7 @@ def bodies_of_callbacks(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
     A callback is a lambda or a function of the file that is handed to something but a thread.
     """
     functions: dict[str, ast.AST] = {
-        node.name: node
-        for node in ast.walk(tree)
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+        node.name: node for node in ast.walk(tree) if isinstance(node, _DEFS)
     }
     handed = (
         given
