@@ -30,8 +30,8 @@ LATEST_S = 2.05  # a node that looks around every two seconds is not late yet [s
 EXERCISE = 'Exercise 2: the courier who waits'
 LATE = Cause(
     'delivers_late',
-    'Somebody is connected, and the parcel comes seconds later: your node looks too seldom, or '
-    'waits for something else.',
+    'A subscription is connected, and the parcel comes seconds later: your node does not look '
+    'often enough, or waits for something else.',
     'Look every tenth of a second: self.create_timer(0.1, ...).',
 )
 REMEMBER = 'Remember that it was delivered: cancel the timer, or set a flag and look at it.'

@@ -259,7 +259,7 @@ def _why_level(
     return Cause(
         'warns_too_often',
         f'{place + 1} cannot be divided by {EVERY}, and yet watch {place + 1} is a warning.',
-        'Warn if number % 5 == 0, with the number that stands in the line.',
+        'Warn if number % 5 == 0, with the number in the line.',
     )
 
 

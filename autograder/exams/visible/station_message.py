@@ -97,7 +97,7 @@ def _why_constant(name: str, found: Mapping[str, tuple[str, str]], text: str) ->
         slip = f'{name} has the type {kind[:40]}.'
         return Cause('constant_type', slip, f'A state is a small number: {right}')
     if kind:
-        more = '' if whole(value) is not None else ', which is no whole number'
+        more = '' if whole(value) is not None else ', which is not a whole number'
         return Cause(
             'constant_value', f'{name} has the value {value[:20]}{more}.', f'Write: {right}'
         )
@@ -161,10 +161,10 @@ def _why_default(defaults: Mapping[str, str], lines: Sequence[str]) -> Cause:
         advice = f'Only temperature has a default. {right}'
         return Cause('other_default', f'{slip}{defaults[others[0]][:40]}', advice)
     if value := defaults.get('temperature', ''):
-        more = '' if number(value) is not None else ', which is no number'
+        more = '' if number(value) is not None else ', which is not a number'
         return Cause('default_value', f'The default of temperature is {value[:40]}{more}.', right)
     slip = 'temperature has no default, so a new message says 0.0.'
-    return Cause('no_default', slip, f'A default stands behind the name, without =. {right}')
+    return Cause('no_default', slip, f'A default comes after the name, without =. {right}')
 
 
 def declares_its_dependencies(run: Run) -> None:

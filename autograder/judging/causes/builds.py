@@ -95,7 +95,7 @@ Write the same name in both files: small letters, digits and underscores.
 
 comma
 The target name "[^",]{0,200},[^"]{0,200}" is reserved|the passed file '[^']{0,200},' doesn
-A comma stands among the names.
+There is a comma between the names.
 Between the names in parentheses stand spaces and no commas:
   rosidl_generate_interfaces(${{PROJECT_NAME}} "msg/Name.msg" ...).
 
@@ -117,7 +117,7 @@ Add find_package(ament_cmake REQUIRED) after project(...).
 unknown_command|#{number}
 CMakeLists\.txt:(?P<number>\d+) \(\w+\): Unknown CMake command "(?P<command>\w+)"
 CMake does not know {command}().
-Check the spelling, and that the find_package(...) it comes from stands above it.
+Check the spelling, and that the find_package(...) it comes from is above it.
 
 missing_find_package|{dependency}
 the passed dependency '(?P<dependency>\w+)' has not been found before using
@@ -152,7 +152,7 @@ Name the file behind the target, as in "msg/Name.msg".
 
 ament_package_first|ament_package
 rosidl_generate_interfaces\(\) must be called before ament_package\(\)
-ament_package() stands above rosidl_generate_interfaces().
+ament_package() is above rosidl_generate_interfaces().
 Move ament_package() to the last line.
 
 cmake_syntax|#{number}

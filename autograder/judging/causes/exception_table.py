@@ -43,7 +43,7 @@ Is there a value of a type that does not belong there, such as 0.3 for a Duratio
 indentation
 ^((?:Indentation|Tab)Error.*)
 The spaces at the beginning of a line are not right{where}: \1
-Indent by four spaces a level: what belongs to a def, an if or a class stands further right than
+Indent by four spaces a level: what belongs to a def, an if or a class is indented further than
   it.
 
 notebook_line
@@ -55,7 +55,7 @@ The cell of a node is a Python file: take that line out, and run it in a cell of
 syntax
 ^(SyntaxError.*)
 Python cannot read the file{where}: \1
-Mend that line; often a bracket, a colon or a quote is missing in the line above.
+Correct that line; often a bracket, a colon or a quote is missing in the line above.
 
 ros_1
 No module named '((?:rospy|roscpp|rosbag|roslib)\b[\w.]{0,80})'
@@ -173,7 +173,7 @@ Call self.declare_parameter('$parameter', ...) in __init__(), with the same spel
 
 parameter_type
 ^InvalidParameterTypeException\b
-A parameter gets a value of another type than its default has{where}.
+A parameter gets a value whose type differs from that of its default{where}.
 Give the default the type of the table: 1.0 is a float, 1 a whole number.
 
 no_depth
@@ -195,7 +195,7 @@ In ROS 2 it is the third argument: create_publisher($type, '$topic', 10). In
 
 argument_order
 rclpy_resolve_name\(\): incompatible
-The name of the topic is no text{where}.
+The name of the topic is not a string{where}.
 First the type, then the name: create_publisher($type, '$topic', 10).
 
 argument_order
@@ -215,7 +215,7 @@ Say which node: rclpy.spin(node).
 
 spins_no_node
 '(?:\w+)' object has no attribute '(?:executor|subscriptions)'\n.*spin
-What spin() gets is no node{place}.
+The argument of spin() is not a node{place}.
 Make the node first and pass it on: node = MyNode(), then rclpy.spin(node). Its class begins with
   class MyNode(Node).
 
