@@ -56,6 +56,8 @@ class _Later(types.ModuleType):
     def __init__(self, spec: ModuleSpec) -> None:
         super().__init__(spec.name)
         self.__spec__ = spec
+        # For each log line, rclpy looks through the files of all modules.
+        self.__file__ = spec.origin
         self._loading = threading.RLock()
 
     def __getattr__(self, name: str) -> Any:

@@ -17,6 +17,7 @@ from contextlib import suppress
 import gc
 import importlib
 import importlib.util
+import inspect
 from pathlib import Path
 import sys
 import types
@@ -26,6 +27,8 @@ from lean_start import lean  # type: ignore[import-not-found]
 from steady_rclpy import steady  # type: ignore[import-not-found]
 
 NO_PACKAGE = ('test', 'tests', 'launch', 'config')
+OF_EVERY_NODE = ('rcl_interfaces', 'type_description_interfaces', 'rosgraph_msgs')
+"""Packages of messages that a node itself loads."""
 
 
 def outside_definitions(tree: ast.AST) -> Iterator[ast.AST]:
@@ -54,15 +57,34 @@ def join_packages(folder: Path) -> list[Path]:
     return packages
 
 
+def load_what_nodes_need() -> None:
+    """
+    Load what every node loads, while the probe is still at its own start.
+
+    Modules of rclpy itself are not among them: that would hide a forgotten import.
+    """
+    # What rclpy does with threads and processes of its own is over when the gate opens, so the
+    # program's first line runs at the very instant of the release.
+    import rclpy  # noqa: F401
+    from rosidl_generator_py import import_type_support
+
+    for package in OF_EVERY_NODE:
+        for kind in ('msg', 'srv'):
+            with suppress(ImportError):
+                importlib.import_module(f'{package}.{kind}')
+    for package in (*OF_EVERY_NODE, 'std_msgs'):
+        import_type_support(package)  # libraries alone
+    importlib.import_module('concurrent.futures')
+    # The first log line looks for the file of each module, and keeps what it finds.
+    inspect.getmodule(inspect.currentframe())
+
+
 def main() -> None:
     """Run the file that the command line names."""
     gc.disable()  # all that is loaded here stays
     lean()
     steady()
-    # What loading it does with threads and processes of its own is over when the gate opens, so
-    # the program's first line runs at the very instant of the release.
-    import rclpy  # noqa: F401
-
+    load_what_nodes_need()
     gc.freeze()
     gc.enable()
     gate.wait()
