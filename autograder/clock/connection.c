@@ -120,6 +120,9 @@ void begin_again_in_child(int socket)
     connect_to_driver(socket);
 }
 
+/* Join the clock later than at the start: the fork of a process that is not on it, for example. */
+EXPORT void join_virtual_clock(int socket) { connect_to_driver(socket); }
+
 __attribute__((constructor)) static void begin(void)
 {
     const char *socket = getenv("VIRTUAL_CLOCK");

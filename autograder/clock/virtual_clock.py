@@ -88,6 +88,18 @@ class VirtualClock:
         return int(_PAGE.unpack_from(self.page)[2])
 
 
+def built() -> tuple[str, str]:
+    """
+    Return the paths of the driver and of the library.
+
+    :raises SandboxUnavailable: if the set-up has not built them
+    """
+    folder = Path(sys.prefix).resolve() / FOLDER  # a sandbox does not see a link to it
+    if not (folder / 'driver').is_file():
+        raise SandboxUnavailable('The virtual clock is not built.', 'Try: make prepare')
+    return str(folder / 'driver'), str(folder / 'clock.so')
+
+
 @contextmanager
 def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator[VirtualClock]:
     """
@@ -97,9 +109,7 @@ def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator
     :param system_time_ns: what CLOCK_REALTIME shows at the start [ns]
     :raises SandboxUnavailable: if the set-up has not built it
     """
-    folder = Path(sys.prefix).resolve() / FOLDER  # a sandbox does not see a link to it
-    if not (folder / 'driver').is_file():
-        raise SandboxUnavailable('The virtual clock is not built.', 'Try: make prepare')
+    driver_file, library = built()
     pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(places)]
     for _, theirs in pairs:
         # Before a process can say its first word: the driver learns from it which process it is.
@@ -110,7 +120,7 @@ def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator
         page = mmap.mmap(page_fd, _PAGE.size, prot=mmap.PROT_READ)
         ends = [theirs.fileno() for _, theirs in pairs]
         driver = subprocess.Popen(
-            [str(folder / 'driver'), *map(str, (system_time_ns, page_fd, *ends))],
+            [driver_file, *map(str, (system_time_ns, page_fd, *ends))],
             pass_fds=(page_fd, *ends),
             env={},
         )
@@ -122,7 +132,7 @@ def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator
         os.close(page_fd)
         for _, theirs in pairs:
             theirs.close()
-    clock = VirtualClock(driver, tuple(ours for ours, _ in pairs), str(folder / 'clock.so'), page)
+    clock = VirtualClock(driver, tuple(ours for ours, _ in pairs), library, page)
     try:
         yield clock
     finally:

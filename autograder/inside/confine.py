@@ -105,11 +105,15 @@ def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
     by_number(RESTRICT_SELF, ctypes.c_int(ruleset), ctypes.c_uint(0))
 
 
-def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
-    """Confine this process and become the program."""
-    os.setsid()
+def give_up(rules: dict[str, Any]) -> None:
+    """
+    Give up all rights of this process except those that the rules leave.
+
+    :param rules: as above; without ``read``, files stay as they are
+    :raises OSError: if the kernel refuses
+    """
     descriptors = {}
-    for path in (*rules['read'], *rules['list'], *rules['write']):
+    for path in (*rules.get('read', ()), *rules.get('list', ()), *rules.get('write', ())):
         if os.path.exists(path):
             descriptors[path] = os.open(path, os.O_PATH | os.O_CLOEXEC)
     with open(rules['filter'], 'rb') as file:
@@ -122,11 +126,18 @@ def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
         os.setresuid(rules['uid'], rules['uid'], rules['uid'])
     prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))
     prctl(PR_SET_NO_NEW_PRIVS, 1)
-    restrict(rules, descriptors)
+    if 'read' in rules:
+        restrict(rules, descriptors)
     prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, ctypes.c_char_p(filter_calls))
     kept = [2, *sorted(rules['inherited']), 1024]
     for below, above in pairwise(kept):
         os.closerange(below + 1, above)
+
+
+def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
+    """Confine this process and become the program."""
+    os.setsid()
+    give_up(rules)
     os.execvp(command[0], command)
 
 

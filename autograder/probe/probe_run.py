@@ -69,8 +69,9 @@ class Probe:
         self.over_ns: int | None = None
         self.input: int | None = None
         self.context = Context()
-        # Only our own command line counts, and we have none.
-        rclpy.init(args=[], context=self.context)
+        # A probe may write no files.
+        options = ['--ros-args', '--disable-external-lib-logs']
+        rclpy.init(args=options, context=self.context)
         self.node = Node(
             scenario['name'],
             context=self.context,

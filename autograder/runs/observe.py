@@ -135,7 +135,7 @@ def observe(
         program = replace(program, argv=(*placed, *program.argv))
         student = sandbox.start(program, limits, home, (clock.places[STUDENT].fileno(),))
         try:
-            watched = _Watched(student, limits, scenario, sandbox, home, clock)
+            watched = _Watched(student, limits, scenario, sandbox, clock)
             watched.exam, watched.told = exam_name, told
             events = watched.run()
         finally:
@@ -153,13 +153,12 @@ class _Watched:
         limits: Limits,
         scenario: Mapping[str, Any],
         sandbox: Sandbox,
-        home: Path,
         clock: VirtualClock,
     ) -> None:
         self.student = student
         self.clock = clock
         place = clock.places[PROBE].fileno()
-        self.probe = start_probe(sandbox, student, home, clock.command(PROBE), (place,))
+        self.probe = start_probe(sandbox, student, place)
         clock.begin()
         others = self.probe.pid, clock.driver.pid
         builds = scenario['program'] != 'node'
@@ -195,10 +194,10 @@ class _Watched:
         if not self.events or self.events[-1]['event'] != 'end':
             if self.killed and not self.ready_s:
                 raise ProbeFailed(f'The probe was not ready in time: {self.killed}.')
-            if not self.killed and self.ready_s and self.probe.process.returncode in BROKEN:
+            if not self.killed and self.ready_s and self.probe.returncode in BROKEN:
                 self.killed = 'probe_broken'
             if not self.killed:
-                code, said = self.probe.process.returncode, said or 'no word'
+                code, said = self.probe.returncode, said or 'no word'
                 raise ProbeFailed(
                     f'exam {self.exam}: the probe broke off with code {code}: {said}.',
                     _NO_TYPE if 'ModuleNotFoundError' in said else '',

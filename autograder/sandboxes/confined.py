@@ -38,15 +38,15 @@ class Limits:
     inodes: int = 20_000
     output: int = 8 << 20
 
-    def argv(self, others: int = 0) -> list[str]:
+    def of_process(self, others: int = 0) -> dict[str, int]:
         """
-        Return the limits that the kernel enforces, as the prlimit prefix of a command.
+        Return the limits that the kernel enforces, by the names of setrlimit(2) in small letters.
 
         The watchdog enforces limits on sums over processes.
 
         :param others: processes and threads that the same uid has already: they count
         """
-        limits = {
+        return {
             'nproc': self.processes + others,
             'as': 2 * self.memory,
             'fsize': self.folder,
@@ -54,7 +54,11 @@ class Limits:
             'nofile': 256,
             'cpu': self.cpu_s + 5,  # the watchdog, which sums, comes first
         }
-        return ['prlimit', *(f'--{name}={value}' for name, value in limits.items()), '--']
+
+    def argv(self, others: int = 0) -> list[str]:
+        """Return these limits as the prlimit prefix of a command."""
+        limits = self.of_process(others).items()
+        return ['prlimit', *(f'--{name}={value}' for name, value in limits), '--']
 
 
 @dataclass(frozen=True)
@@ -176,37 +180,6 @@ class Confined:
             count += found.f_files - found.f_ffree
             size += (found.f_blocks - found.f_bfree) * found.f_frsize
         return count, size
-
-
-class Probe:
-    """
-    A started probe.
-
-    :param process: its outermost one, with pipes for the scenario, for events and for last words
-    """
-
-    def __init__(self, process: subprocess.Popen[bytes]) -> None:
-        """Take the pipes."""
-        assert process.stdin
-        assert process.stdout
-        assert process.stderr
-        self.process, self.pid = process, process.pid
-        self.stdin, self.stdout, self.stderr = process.stdin, process.stdout, process.stderr
-
-    def kill(self) -> None:
-        """End it; one whose sandbox is just being set up may outlive its launcher."""
-        with suppress(BrokenPipeError):
-            self.stdin.close()  # without a scenario it ends by itself
-        end_group(self.process)
-
-    def end(self) -> str:
-        """End the probe and return its last output."""
-        self.kill()
-        said = self.stderr.read().decode(errors='replace').strip()
-        self.process.wait()
-        self.stdout.close()
-        self.stderr.close()
-        return (said.splitlines() or [''])[-1]
 
 
 def end_group(process: subprocess.Popen[bytes]) -> None:

@@ -95,7 +95,7 @@ class Sandbox:
         program: Program,
         limits: Limits,
         descriptors: Sequence[str],
-        network: bool = True,
+        capabilities: Sequence[str] = (),
     ) -> list[str]:
         """
         Return bubblewrap's options for a program.
@@ -103,13 +103,12 @@ class Sandbox:
         They go through a pipe, because a program inside the sandbox can read the command line.
 
         :param descriptors: ``--info-fd N`` and the like
-        :param network: whether it gets a network of its own, or stays where it is started
+        :param capabilities: what root keeps beside those that it needs to give up its rights
         """
         argv = ['--unshare-ipc', '--unshare-pid', '--unshare-uts', '--unshare-cgroup-try']
-        argv += ['--unshare-net'] if network else []
-        argv += ['--cap-drop', 'ALL']
+        argv += ['--unshare-net', '--cap-drop', 'ALL']
         if self.facts.root:
-            for capability in ('CAP_SETUID', 'CAP_SETGID', 'CAP_SETPCAP'):  # to be given up
+            for capability in ('CAP_SETUID', 'CAP_SETGID', 'CAP_SETPCAP', *capabilities):
                 argv += ['--cap-add', capability]
         else:
             argv += ['--unshare-user', '--disable-userns']
@@ -222,7 +221,7 @@ class Sandbox:
         self, program: Program, limits: Limits, home: Path, inherited: Sequence[int]
     ) -> Confined:
         claimed = landlock.claim_free_domain()
-        argv, variables = self.outside(program, limits, home, claimed.domain)
+        argv, variables = self.outside(program, home, claimed.domain, limits)
         if self.facts.landlock:
             argv = [*self.behind_landlock(program, home, inherited), *argv]
         gate, theirs = socket.socketpair()
@@ -236,7 +235,7 @@ class Sandbox:
         return confined
 
     def outside(
-        self, program: Program, limits: Limits, home: Path, domain: int
+        self, program: Program, home: Path, domain: int, limits: Limits | None = None
     ) -> tuple[list[str], dict[str, str]]:
         """Return a program's command line with limits, and its variables, in host paths."""
         inside = {guest: host for host, guest in program.binds.items()}
@@ -244,10 +243,14 @@ class Sandbox:
             name: _outside(value, inside)
             for name, value in self.variables(program, str(home), domain).items()
         }
-        prefix = limits.argv(0 if self.facts.root else landlock.threads_of_user())
-        prefix = ['setpriv', '--pdeathsig', 'KILL', '--', *prefix]  # ends with its grader
+        prefix = ['setpriv', '--pdeathsig', 'KILL', '--']  # ends with its grader
+        prefix += limits.argv(self.processes()) if limits else []
         argv = [*prefix, *(_outside(word, inside) for word in program.argv)]
         return argv, {**variables, 'TMPDIR': str(home)}
+
+    def processes(self) -> int:
+        """Return how many processes and threads a run's own uid has already."""
+        return 0 if self.facts.root else landlock.threads_of_user()
 
     def behind_landlock(
         self, program: Program, home: Path, inherited: Sequence[int] = ()
@@ -257,21 +260,23 @@ class Sandbox:
 
         :param inherited: descriptors that stay open
         """
-        uid = throw_away_uid() if self.facts.root else 0
-        if uid:
-            os.chown(home, uid, uid)
-        read, names = landlock.readable(self.ros, program.course_messages)
-        rules = {
-            'uid': uid,
-            'read': [*read, *program.binds, str(HERE / 'fastdds.xml')],
-            'list': names,
-            'write': [str(home), *landlock.DEVICES],
-            'filter': str(landlock.filter_file()),
-            'inherited': list(inherited),
-        }
+        rules = {**self.landlock_rules(program, str(home)), 'inherited': list(inherited)}
+        if rules['uid']:
+            os.chown(home, rules['uid'], rules['uid'])
         launcher = str(HERE / 'inside' / 'confine.py')
         # Not -I: Python has to find what is next to the launcher.
         return [self.ros.python, '-E', '-s', '-S', launcher, json.dumps(rules)]
+
+    def landlock_rules(self, program: Program, *write: str) -> dict[str, Any]:
+        """Return what is left to a program behind Landlock, for ``inside/confine.py``."""
+        read, names = landlock.readable(self.ros, program.course_messages)
+        return {
+            'uid': throw_away_uid() if self.facts.root else 0,
+            'read': [*read, *program.binds, str(HERE / 'fastdds.xml')],
+            'list': names,
+            'write': [*write, *landlock.DEVICES],
+            'filter': str(landlock.filter_file()),
+        }
 
 
 def throw_away_uid() -> int:

@@ -40,8 +40,10 @@ def test_a_probe_ends_at_whatever_moment_it_is_killed(tmp_path: Path, turn: int)
         Program((sandbox.ros.python, '-c', 'import sys; sys.stdin.read()')), Limits(), home
     )
     try:
-        probe = start_probe(sandbox, student, home, {}, ())
-        probe.kill()
+        ours, theirs = socket.socketpair()
+        with ours, theirs:
+            probe = start_probe(sandbox, student, theirs.fileno())
+            probe.kill()
         said = probe.stdout.read()
         words = probe.end()
     finally:
@@ -49,4 +51,4 @@ def test_a_probe_ends_at_whatever_moment_it_is_killed(tmp_path: Path, turn: int)
 
     assert said == b''
     assert words == ''
-    assert probe.process.returncode == -signal.SIGKILL
+    assert probe.returncode == -signal.SIGKILL

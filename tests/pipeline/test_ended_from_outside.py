@@ -18,8 +18,7 @@ from autograder.recording import Event
 from autograder.results import ExamResult
 from autograder.runs import observe
 from autograder.sandboxes.choose import strongest
-from autograder.sandboxes.confined import Probe
-from autograder.sandboxes.probes import start_probe
+from autograder.sandboxes.probes import Probe, start_probe
 
 pytestmark = [pytest.mark.pipeline, pytest.mark.ros]
 
