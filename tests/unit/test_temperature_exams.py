@@ -85,7 +85,7 @@ class TestRhythm:
             (every(0.05), 'wrong_rate', 'far more messages; first difference in second 2'),
             ([one for one in every(1.0) for _ in 'ab'], 'several_at_once', '20 messages'),
             (every(1.0, 2.9), '', '8 messages; first difference in second 1'),
-            (every(1.0, until_s=6.5), '', '8 messages; first difference in second 9'),
+            (every(1.0, until_s=6.5), 'stops', '8 messages; first difference in second 9'),
         ],
     )
     def test_other_rhythm_is_explained(self, moments_s, cause_id, observed):
