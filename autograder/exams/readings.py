@@ -9,15 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 import math
-import re
 from typing import Any
 
 from autograder.exam.exam import Run
+from autograder.judging.numbers import shows
 from autograder.judging.rows import Row, rows
 from autograder.recording import Event, INFO, WARN
 
 THRESHOLD_C = 30.0
-NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
 
 
 @dataclass(frozen=True)
@@ -125,13 +124,7 @@ def times_shown(reading: Reading, logs: Sequence[Event], level: int | None) -> i
     """
     wanted = [value for value in (reading.value, reading.celsius) if value is not None]
     texts = [str(entry['text']) for entry in logs if level is None or entry['level'] == level]
-    return sum(_has_one_of(wanted, text) for text in texts)
-
-
-def _has_one_of(wanted: Sequence[float], text: str) -> bool:
-    numbers = [float(found.replace(',', '.')) for found in NUMBER.findall(text)]
-    # Half of the last place of one decimal, and a little.
-    return any(abs(number - value) <= 0.051 for number in numbers for value in wanted)
+    return sum(shows(text, *wanted) for text in texts)
 
 
 def each_shown_twice(groups: Sequence[Sent]) -> bool:

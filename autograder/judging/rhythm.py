@@ -24,6 +24,7 @@ def require_period(
     during_s: float,
     what: str = 'message',
     explain: Callable[[], Cause | None] = lambda: None,
+    when: str = '',
 ) -> None:
     """
     Fail unless messages or log lines come once a period, by whatever clock, to the end of a phase.
@@ -34,6 +35,7 @@ def require_period(
     :param during_s: length of the phase [s]
     :param what: what came, in the singular
     :param explain: what the exam knows of other rhythms; it is asked before their gaps are
+    :param when: the phase in words, to be put behind what is expected
     """
     seconds = [one['clock_ns'] / SECOND for one in found]
     gaps = [later - earlier for earlier, later in pairwise(seconds)]
@@ -44,7 +46,7 @@ def require_period(
     sleeps = why_it_sleeps(run) if more <= 1.5 else None
     rhythm = sleeps or why_other_rhythm(found, period_s, during_s, what)
     raise Failed(
-        expected=f'one {what} every {period_s:g} s for {during_s:g} s',
+        expected=f'one {what} every {period_s:g} s for {during_s:g} s{when}',
         observed=_rhythm(what, len(seconds), gaps, during_s / period_s),
         why=why_it_ended(run) or explain() or rhythm or why_silent(run),
         at=round(odd[0] * SECOND) if odd else None,
@@ -88,8 +90,8 @@ def why_other_rhythm(
         return Cause(
             'wrong_rate',
             f'Your node sends one {what} every {mean_s:.2g} s.',
-            f'The first argument of create_timer() is the period in seconds: {float(period_s)}. Each '
-            f'call of its callback has one {what}, and nothing else in the program waits.',
+            f'The first argument of create_timer() is the period in seconds: {float(period_s)}. '
+            f'Each call of its callback has one {what}, and nothing else in the program waits.',
         )
     if steady and len(found) < due - 1.5:
         return Cause(

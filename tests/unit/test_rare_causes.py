@@ -216,7 +216,10 @@ class TestCausesOfBlindPrograms:
             {'event': 'mark', 'name': name, 'clock_ns': round(at * 1e9)}
             for name, at in (('active', 0.0), ('paused', 4.05), ('active again', 6.0))
         ]
-        run = Run({}, Recording({}, (marks[0], *beats, *marks[1:], *ENDS)), beacon.exam.facts)
+        end = {'topic': topic, 'kind': 'publisher', 'node': '/beacon', 'type': beacon.TYPE}
+        seen = graph(['/beacon'], [end])
+        events = (seen, marks[0], *beats, *marks[1:], *ENDS)
+        run = Run({}, Recording({}, events), beacon.exam.facts)
 
         assert why(beacon.publishes_while_active, run).cause_id == 'mute_again'
 

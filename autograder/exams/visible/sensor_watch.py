@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile
-import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Scenario
@@ -31,6 +30,7 @@ from autograder.judging.checks import (
     SECOND,
 )
 from autograder.judging.claims import node
+from autograder.judging.numbers import numbers_in
 from autograder.recording import ERROR, Event, INFO, Recording, WARN
 from autograder.results import shortened
 
@@ -80,11 +80,6 @@ ONE_LINE = Cause(
 LAZY = {'weak': 'a', 'weak again': 'another'}
 """Publishers that offer too little, each in a phase of its name."""
 EXERCISE = 'Exercise 2: a listener that notices silence'
-
-
-def numbers_in(text: str) -> list[float]:
-    """Return the numbers in a text."""
-    return [float(number) for number in re.findall(r'\d{1,9}(?:\.\d{1,9})?', text)]
 
 
 def warnings_before_silence(run: Run) -> list[Event]:

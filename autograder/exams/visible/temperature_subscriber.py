@@ -230,8 +230,8 @@ def _require_warnings(run: Run, picked: Callable[[Sent], bool], shared: bool = F
         run.facts['warnings'],
         followed(run),
         places,
-        lambda place: _why_no_warning(run, groups[place]),
         celsius,
+        lambda place: _why_no_warning(run, groups[place]),
         shared,
     )
 
