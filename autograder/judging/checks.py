@@ -26,7 +26,7 @@ from autograder.judging.causes.ended import (
     why_silent,
 )
 from autograder.judging.causes.redaction import own_words
-from autograder.recording import Event
+from autograder.recording import Event, LEVELS
 
 SECOND = 1_000_000_000
 
@@ -269,6 +269,11 @@ def own_logs(run: Run, node: str, level: int | None = None) -> list[Event]:
 def count_of(number: int) -> str:
     """Return a count in words for a sentence."""
     return str(number) if number else 'no'
+
+
+def lines(count: int, level: int) -> str:
+    """Return how many lines of a level there are, in words for a sentence."""
+    return f'{count_of(count)} {LEVELS[level]} line{"" if count == 1 else "s"}'
 
 
 def require_answers(

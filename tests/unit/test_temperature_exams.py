@@ -211,7 +211,7 @@ def heard(readings, answer, code='', secret=False, printed=''):
             for level, text in answer(reading)
         ]
     asked = Specification(readings, subscriber.warns(), subscriber.SLIPS)
-    facts = {'singles': tuple(readings), 'burst': (), 'secret': secret, 'warnings': asked}
+    facts = {'secret': secret, 'warnings': asked}
     ends = (ENDS[0], {**ENDS[1], 'stdout': printed})
     return Run({'temp_subscriber.py': code}, Recording({}, (*events, *ends)), facts)
 

@@ -14,16 +14,11 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.exams.visible.harbour import WATCH, watched_lines
-from autograder.judging.causes.missing_logs import (
-    LEVELS,
-    why_left_out,
-    why_no_line,
-    why_not_logged,
-)
+from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
 from autograder.judging.checks import own_logs, require_node, SECOND
 from autograder.judging.numbers import whole_numbers_in, why_not_numbered
 from autograder.judging.rhythm import GRAIN_S, require_period
-from autograder.recording import Event, INFO, WARN
+from autograder.recording import Event, INFO, LEVELS, WARN
 from autograder.results import shortened
 
 EVERY = 5
