@@ -42,6 +42,8 @@ PLUMBING = ('/rosout', '/parameter_events', '/clock', '/transition_event')
 WARN = 30
 INFO = 20
 ERROR = 40
+LEVELS = {10: 'DEBUG', INFO: 'INFO', WARN: 'WARN', ERROR: 'ERROR', 50: 'FATAL'}
+"""Levels of log lines by their number (rcl_interfaces/msg/Log)."""
 
 
 @dataclass(frozen=True)

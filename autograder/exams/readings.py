@@ -9,15 +9,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 import math
-import re
 from typing import Any
 
 from autograder.exam.exam import Run
+from autograder.exam.specification import Specification
+from autograder.judging.numbers import shows
 from autograder.judging.rows import Row, rows
-from autograder.recording import Event, INFO, WARN
+from autograder.recording import INFO, WARN
 
 THRESHOLD_C = 30.0
-NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,10 @@ class Reading:
         """Tell whether it is no proper temperature."""
         return self.celsius is None or math.isnan(self.celsius)
 
+    def is_in(self, text: str) -> bool:
+        """Return whether a text shows the value, raw or converted, however rounded."""
+        return shows(text, self.value, self.value if self.celsius is None else self.celsius)
+
     def message(self, number: int) -> dict[str, Any]:
         """Return the fields that are sent."""
         value: float | str = str(self.value) if math.isnan(self.value) else self.value
@@ -66,12 +70,16 @@ class Sent:
     """
     Readings that go together, and the log lines that followed them.
 
-    :param sent: False if the run ended before; then nothing followed
+    :param row: None if the run ended before
     """
 
-    readings: tuple[Reading, ...]
-    logs: tuple[Event, ...]
-    sent: bool = True
+    readings: Sequence[Reading]
+    row: Row | None
+
+    @property
+    def logs(self) -> Row:
+        """Return the lines that followed."""
+        return self.row or []
 
     def count(self, level: int) -> int:
         """Return how many lines have a level."""
@@ -86,74 +94,33 @@ class Sent:
         """Return whether all are proper readings in a unit."""
         return all(one.unit == unit and not one.odd for one in self.readings)
 
+    def showing(self, reading: Reading, level: int = INFO) -> int:
+        """Return how many lines of a level show a reading's value."""
+        return sum(reading.is_in(one['text']) for one in self.logs if one['level'] == level)
 
-def followed(run: Run) -> list[Row | None]:
-    """Return the log lines after each reading, those after the burst as one row."""
-    singles, burst = len(run.facts['singles']), len(run.facts['burst'])
-    return rows(run, run.recording.logs(), singles + burst, burst)
+    @property
+    def right(self) -> bool:
+        """
+        Return whether readings in known units are logged and warned about as they should be.
+
+        Where they are not, that is told, and an ERROR in its place is not told again.
+        """
+        shown = all(not one.odd and self.showing(one) for one in self.readings)
+        return shown and self.count(WARN) == self.due
 
 
 def sent(run: Run) -> list[Sent]:
     """Pair every reading of the exam, sent or not, with what was logged after it."""
-    singles: Sequence[Reading] = run.facts['singles']
-    burst: Sequence[Reading] = run.facts['burst']
-    groups = [*((one,) for one in singles), *([tuple(burst)] if burst else [])]
-    return [
-        Sent(group, tuple(row or ()), row is not None) for group, row in zip(groups, followed(run))
-    ]
-
-
-def cool_groups(run: Run) -> list[Sent]:
-    """Return the groups of proper readings in Celsius that deserve no warning."""
-    return [group for group in sent(run) if group.all_in('Celsius') and not group.due]
-
-
-def shown_in(reading: Reading, logs: Sequence[Event], level: int | None) -> bool:
-    """
-    Tell whether a line shows the reading's value, raw or converted, however rounded.
-
-    :param level: of the lines that count, None for any
-    """
-    return times_shown(reading, logs, level) > 0
-
-
-def times_shown(reading: Reading, logs: Sequence[Event], level: int | None) -> int:
-    """
-    Return how many lines show the reading's value, see :func:`shown_in`.
-
-    :param level: of the lines that count, None for any
-    """
-    wanted = [value for value in (reading.value, reading.celsius) if value is not None]
-    texts = [str(entry['text']) for entry in logs if level is None or entry['level'] == level]
-    return sum(_has_one_of(wanted, text) for text in texts)
-
-
-def _has_one_of(wanted: Sequence[float], text: str) -> bool:
-    numbers = [float(found.replace(',', '.')) for found in NUMBER.findall(text)]
-    # Half of the last place of one decimal, and a little.
-    return any(abs(number - value) <= 0.051 for number in numbers for value in wanted)
+    asked: Specification = run.facts['warnings']
+    found = rows(run, run.recording.logs(), len(asked.inputs), asked.burst)
+    return [Sent(asked.row(place), row) for place, row in enumerate(found)]
 
 
 def each_shown_twice(groups: Sequence[Sent]) -> bool:
     """
-    Tell whether every plain reading is in more than one INFO line.
+    Return whether every plain reading is in more than one INFO line.
 
     Another line now and then, a highest value so far or a conversion, may show one again.
     """
-    plain = [
-        (group.readings[0], group.logs)
-        for group in groups
-        if len(group.readings) == 1 and group.all_in('Celsius')
-    ]
-    return bool(plain) and all(times_shown(reading, logs, INFO) > 1 for reading, logs in plain)
-
-
-def is_right(group: Sent) -> bool:
-    """
-    Tell whether readings in known units are logged and warned about as they should be.
-
-    Where they are not, that is told, and an ERROR in its place is not told again.
-    """
-    return group.count(WARN) == group.due and all(
-        not one.odd and shown_in(one, group.logs, INFO) for one in group.readings
-    )
+    plain = [one for one in groups if len(one.readings) == 1 and one.all_in('Celsius')]
+    return bool(plain) and all(one.showing(one.readings[0]) > 1 for one in plain)

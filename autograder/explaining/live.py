@@ -12,8 +12,7 @@ import json
 from typing import Any
 
 from autograder.explaining.feedback import printable
-from autograder.judging.causes.missing_logs import LEVELS
-from autograder.recording import Event
+from autograder.recording import Event, LEVELS
 from autograder.results import shortened
 
 WIDEST = 110

@@ -18,10 +18,9 @@ from typing import Any
 
 from autograder.exam.exam import Check, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
-from autograder.judging.causes.missing_logs import LEVELS
 from autograder.judging.causes.redaction import namespace_of
 from autograder.judging.deviation import deviation
-from autograder.recording import Event
+from autograder.recording import Event, LEVELS
 from autograder.results import CheckResult, Verdict
 
 MOST_TIMES = 400

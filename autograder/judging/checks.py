@@ -13,19 +13,20 @@ full.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from autograder.errors import ExamInvalid
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.judging.causes.ended import (
+    died_in_vain,
     why_no_endpoint,
     why_no_message,
     why_no_node,
     why_silent,
 )
 from autograder.judging.causes.redaction import own_words
-from autograder.recording import Event
+from autograder.recording import Event, LEVELS
 
 SECOND = 1_000_000_000
 
@@ -204,10 +205,13 @@ def _own_value(run: Run, value: Any) -> str:
 
 
 def field_of(message: Event, field: str) -> Any:
-    """Return a field of a message; None for one too large to be recorded."""
+    """Return a field of a message, in a list by its number; None if it was not recorded."""
     value: Any = message.get('data')
     for name in field.split('.'):
-        value = value.get(name) if isinstance(value, Mapping) else None
+        if isinstance(value, list) and name.isdigit():
+            value = value[int(name)] if int(name) < len(value) else None
+        else:
+            value = value.get(name) if isinstance(value, Mapping) else None
     return value
 
 
@@ -267,8 +271,19 @@ def count_of(number: int) -> str:
     return str(number) if number else 'no'
 
 
+def lines(count: int, level: int) -> str:
+    """Return how many lines of a level there are, in words for a sentence."""
+    return f'{count_of(count)} {LEVELS[level]} line{"" if count == 1 else "s"}'
+
+
 def require_answers(
-    run: Run, service: str, wanted: Sequence[Mapping[str, Any]], what: str
+    run: Run,
+    service: str,
+    wanted: Sequence[Mapping[str, Any]],
+    what: str,
+    phase: str = '',
+    explain: Callable[[int], Cause | None] = lambda place: None,
+    secret: bool = False,
 ) -> None:
     """
     Fail unless the calls of a service were answered as wanted, one after the other.
@@ -276,29 +291,39 @@ def require_answers(
     :param service: full name
     :param wanted: for each call, the fields that must be equal; an empty mapping takes any
     :param what: the calls in words, such as ``the transitions configure and activate``
+    :param phase: of the run, whose calls count; by default all
+    :param explain: what the exam knows of another answer, by its place
+    :param secret: whether the answers may show inputs of a hidden exam
     """
-    answers = run.recording.answers(service)
+    answers = (run.recording.phase(phase) if phase else run.recording).answers(service)
     for number, fields in enumerate(wanted):
         answer = answers[number] if number < len(answers) else {'event': 'no_answer'}
         if answer['event'] == 'no_answer':
-            why = why_silent(run)
-            if not why and answer.get('reason') == 'no_service':
-                why = Cause(
-                    'no_service',
-                    f'There is no service {service}.',
-                    'Is it the right class of node, with the right name?',
-                )
             raise Failed(
-                expected=f'an answer to {what}', observed=f'none to number {number + 1}', why=why
+                expected=f'an answer to {what}',
+                observed=f'none to number {number + 1}',
+                why=why_silent(run) or _why_no_service(run, service, answer),
             )
         got = {name: field_of(answer, name) for name in fields}
         if got != dict(fields):
+            due = 'what is due' if secret else _shown(fields)
             raise Failed(
-                expected=f'{what}: {_shown(fields)} to number {number + 1}',
-                observed=_shown(got),
-                why=why_silent(run),
+                expected=f'{what}: {due} to number {number + 1}',
+                observed='another answer' if secret else _shown(got),
+                why=explain(number) or why_silent(run),
             )
 
 
+def _why_no_service(run: Run, service: str, answer: Event) -> Cause | None:
+    if answer.get('reason') != 'no_service' or died_in_vain(run):
+        return None
+    return Cause(
+        'no_service',
+        f'There is no service {service}.',
+        'Is it the right class of node, with the right name?',
+    )
+
+
 def _shown(fields: Mapping[str, Any]) -> str:
-    return ', '.join(f'{name} {value!r}' for name, value in fields.items())[:300]
+    texts = (f'{name.rpartition(".")[2]} {value!r}' for name, value in fields.items())
+    return ', '.join(texts)[:300]

@@ -16,12 +16,13 @@ for each input, or for a burst of them.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import zip_longest
 from typing import Any
 
-from autograder.exam.exam import Failed, Run
+from autograder.exam.exam import Run
 from autograder.exam.specification import Specification
-from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import (
+    field_of,
     own_logs,
     require_answers,
     require_endpoint,
@@ -39,9 +40,7 @@ from autograder.judging.rows import (
     require_values,
     require_warnings,
     rows,
-    shown_values,
 )
-from autograder.recording import WARN
 
 Judge = Callable[[Run], None]
 
@@ -203,10 +202,7 @@ def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Ju
     def judge(run: Run) -> None:
         asked: Specification = run.facts[ask]
         found = rows(run, own_logs(run, logger), len(asked.inputs), asked.burst)
-        places = range(len(found))
-        require_warnings(
-            run, asked, found, places, lambda place: why_not_logged(run, found[place] or [], WARN)
-        )
+        require_warnings(run, asked, found, range(len(found)))
 
     return judge
 
@@ -223,20 +219,18 @@ def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judg
     @claim(check or f'answers_{base}', sentence or f'It answers each call of {base}.')
     def judge(run: Run) -> None:
         asked: Specification = run.facts[ask]
-        came = [one.get('data') for one in run.recording.answers(service)]
-        came += [None] * (len(asked.inputs) - len(came))
-        for place, due in enumerate(asked.answers):
-            data = came[place]
-            if data is None:
-                require_answers(run, service, asked.answers, f'the calls of {base}')
-            elif any(data.get(name) != value for name, value in due.items()):
-                seen = [one and {name: one.get(name) for name in due} for one in came]
-                raise Failed(
-                    expected=f'{shown_values(run, list(due.items()))} in answer {place + 1}',
-                    observed=shown_values(
-                        run, list((seen[place] or {}).items()), 'another answer'
-                    ),
-                    why=asked.cause(seen, place),
-                )
+        calls = zip_longest(asked.answers, run.recording.answers(service), fillvalue={})
+        came = [
+            {name: field_of(one, name) for name in due} if 'data' in one else None
+            for due, one in calls
+        ]
+        require_answers(
+            run,
+            service,
+            asked.answers,
+            f'the calls of {base}',
+            explain=lambda place: asked.cause(came[: len(asked.answers)], place),
+            secret=run.secret,
+        )
 
     return judge

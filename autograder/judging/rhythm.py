@@ -24,6 +24,7 @@ def require_period(
     during_s: float,
     what: str = 'message',
     explain: Callable[[], Cause | None] = lambda: None,
+    when: str = '',
 ) -> None:
     """
     Fail unless messages or log lines come once a period, by whatever clock, to the end of a phase.
@@ -34,6 +35,7 @@ def require_period(
     :param during_s: length of the phase [s]
     :param what: what came, in the singular
     :param explain: what the exam knows of other rhythms; it is asked before their gaps are
+    :param when: the phase in words, to be put behind what is expected
     """
     seconds = [one['clock_ns'] / SECOND for one in found]
     gaps = [later - earlier for earlier, later in pairwise(seconds)]
@@ -44,7 +46,7 @@ def require_period(
     sleeps = why_it_sleeps(run) if more <= 1.5 else None
     rhythm = sleeps or why_other_rhythm(found, period_s, during_s, what)
     raise Failed(
-        expected=f'one {what} every {period_s:g} s for {during_s:g} s',
+        expected=f'one {what} every {period_s:g} s for {during_s:g} s{when}',
         observed=_rhythm(what, len(seconds), gaps, during_s / period_s),
         why=why_it_ended(run) or explain() or rhythm or why_silent(run),
         at=round(odd[0] * SECOND) if odd else None,
@@ -63,25 +65,33 @@ def _rhythm(what: str, count: int, gaps: Sequence[float], due: float) -> str:
 
 
 def why_other_rhythm(
-    found: Sequence[Event], period_s: float, during_s: float, what: str = 'message'
+    found: Sequence[Event],
+    period_s: float,
+    during_s: float,
+    what: str = 'message',
+    rate: float = 1.0,
+    grain_s: float = GRAIN_S,
 ) -> Cause | None:
     """
     Explain messages or log lines that come in another rhythm, if the gaps between them show why.
 
-    The parameters are those of :func:`require_period`.
+    The other parameters are those of :func:`require_period`.
+
+    :param rate: seconds a virtual second, of the clock that the rhythm is measured on
+    :param grain_s: how far a gap may be from the mean of an even rhythm [s]
     """
-    gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND for one, two in pairwise(found)]
+    gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND * rate for one, two in pairwise(found)]
     due = during_s / period_s
     if len(found) > due + 1.5 and 0.0 in gaps:
         return _why_several(found, what)
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
-    steady = len(gaps) > 1 and all(abs(gap - mean_s) <= GRAIN_S for gap in gaps)
+    steady = len(gaps) > 1 and all(abs(gap - mean_s) <= grain_s for gap in gaps)
     if steady and abs(mean_s - period_s) > GRAIN_S:
         return Cause(
             'wrong_rate',
             f'Your node sends one {what} every {mean_s:.2g} s.',
-            f'The first argument of create_timer() is the period in seconds, {period_s:g}. Each '
-            f'call of its callback has one {what}, and nothing else in the program waits.',
+            f'The first argument of create_timer() is the period in seconds: {float(period_s)}. '
+            f'Each call of its callback has one {what}, and nothing else in the program waits.',
         )
     if steady and len(found) < due - 1.5:
         return Cause(
@@ -90,7 +100,11 @@ def why_other_rhythm(
             'Is a timer cancelled, or what it sends used up? It goes on until the program ends.',
         )
     periods = [gap / period_s for gap in gaps]
-    if periods and not steady and all(one > 0.5 and _is_whole(one) for one in periods):
+    whole = (
+        abs(one - round(one)) * period_s <= max(grain_s, GRAIN_S * one * period_s)
+        for one in periods
+    )
+    if periods and not steady and min(periods) > 0.5 and all(whole):
         return Cause(
             'some_missing',
             f'Your {what}s keep the rhythm of {period_s:g} s, but some are missing.',
@@ -98,10 +112,6 @@ def why_other_rhythm(
             'before it?',
         )
     return None
-
-
-def _is_whole(periods: float) -> bool:
-    return abs(periods - round(periods)) <= GRAIN_S * max(1.0, periods)
 
 
 def _why_several(found: Sequence[Event], what: str) -> Cause:

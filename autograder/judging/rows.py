@@ -23,6 +23,7 @@ from autograder.exam.slips import (
 )
 from autograder.exam.specification import in_order, Specification
 from autograder.judging.causes.ended import why_silent
+from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import count_of, field_of, require_endpoint
 from autograder.recording import Event, WARN
 
@@ -170,8 +171,8 @@ def require_warnings(
     asked: Specification,
     followed: Sequence[Row | None],
     places: Collection[int],
-    why_missing: Callable[[int], Cause | None],
     part: Collection[int] = (),
+    why_missing: Callable[[int], Cause | None] | None = None,
     shared: bool = False,
 ) -> None:
     """
@@ -180,8 +181,8 @@ def require_warnings(
     :param asked: what is due; its inputs have ``kind``, words for what they try
     :param followed: log lines after each input, see :func:`rows`
     :param places: of the inputs that the check is about
-    :param why_missing: explains a warning that did not come, None if only its rule does
     :param part: places on which one mistake may explain all, see ``Specification.cause``
+    :param why_missing: explains a warning that did not come, by default by where else it is
     :param shared: see :func:`share`
     """
     came = warnings_after(followed)
@@ -193,6 +194,7 @@ def require_warnings(
     short = count < due
     repeats = any((one or 0) > len(asked.row(row)) for row, one in enumerate(came))
     other = MISSED_WARNING if short else REPEATED if repeats else FALSE_ALARM
+    elsewhere = why_missing or (lambda one: why_not_logged(run, followed[one] or [], WARN))
     due_lines = f'{count_of(due)} WARN line{"" if due == 1 else "s"}'
     raise Failed(
         expected=f'{due_lines} after {_what(asked.row(place))}',
@@ -200,7 +202,7 @@ def require_warnings(
         if came[place] is None
         else f'{count_of(count)} WARN line{"" if count == 1 else "s"}',
         why=why_silent(run)
-        or (why_missing(place) if short else None)
+        or (elsewhere(place) if short else None)
         or asked.cause(came, place, part)
         or other,
         share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,

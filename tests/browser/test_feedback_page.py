@@ -72,7 +72,7 @@ def failing(name: str) -> CheckResult:
         2,
         expected='10 messages in 10 s',
         observed=EVIL + LONG,
-        cause='Your node publishes about 0.5 times a second.',
+        cause='Your node sends one message every 2 s.',
         try_this='create_timer(1.0, self.tick)',
         read='Part 2: Names',
     )

@@ -9,8 +9,7 @@ from typing import Any
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Advance, Call, Feed
-from autograder.judging.causes.redaction import namespace_of
-from autograder.judging.causes.tracebacks import PUBLIC
+from autograder.judging.causes.redaction import namespace_of, PUBLIC
 from autograder.results import CheckResult
 
 NAMES = catalog.names()

@@ -123,7 +123,7 @@ def test_what_a_transition_callback_returns_is_told(kind, cause):
     """Without return and with something else are different slips."""
     error = f"AttributeError: '{kind}' object has no attribute 'to_label'"
 
-    found = causes.why_no_verdict(run(exit=1, stderr=traceback(7, error)))
+    found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
 
     assert found is not None
     assert found.cause_id == cause

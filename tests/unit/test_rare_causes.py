@@ -64,10 +64,9 @@ def test_burst_of_which_a_part_is_lost_is_told_apart():
     """Readings one by one are logged, and of those at once only some."""
     burst = (Reading(31.0, 'one at once'), Reading(32.0, 'another at once'))
     line = {'event': 'log', 'name': 'temperature_subscriber', 'level': 20, 'text': '31.0'}
-    facts = {'singles': (), 'burst': burst}
-    run = Run({}, Recording({}, (graph(['/n']), line, *ENDS)), facts)
+    run = Run({}, Recording({}, (graph(['/n']), line, *ENDS)), {})
 
-    found = temperature_subscriber._why_not_logged(run, burst[1], Sent(burst, (line,)))
+    found = temperature_subscriber._why_not_logged(run, burst[1], Sent(burst, [line]))
 
     assert found is not None
     assert found.cause_id == 'burst_is_cut'
@@ -216,7 +215,10 @@ class TestCausesOfBlindPrograms:
             {'event': 'mark', 'name': name, 'clock_ns': round(at * 1e9)}
             for name, at in (('active', 0.0), ('paused', 4.05), ('active again', 6.0))
         ]
-        run = Run({}, Recording({}, (marks[0], *beats, *marks[1:], *ENDS)), beacon.exam.facts)
+        end = {'topic': topic, 'kind': 'publisher', 'node': '/beacon', 'type': beacon.TYPE}
+        seen = graph(['/beacon'], [end])
+        events = (seen, marks[0], *beats, *marks[1:], *ENDS)
+        run = Run({}, Recording({}, events), beacon.exam.facts)
 
         assert why(beacon.publishes_while_active, run).cause_id == 'mute_again'
 

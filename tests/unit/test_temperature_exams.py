@@ -85,7 +85,7 @@ class TestRhythm:
             (every(0.05), 'wrong_rate', 'far more messages; first difference in second 2'),
             ([one for one in every(1.0) for _ in 'ab'], 'several_at_once', '20 messages'),
             (every(1.0, 2.9), '', '8 messages; first difference in second 1'),
-            (every(1.0, until_s=6.5), '', '8 messages; first difference in second 9'),
+            (every(1.0, until_s=6.5), 'stops', '8 messages; first difference in second 9'),
         ],
     )
     def test_other_rhythm_is_explained(self, moments_s, cause_id, observed):
@@ -211,7 +211,7 @@ def heard(readings, answer, code='', secret=False, printed=''):
             for level, text in answer(reading)
         ]
     asked = Specification(readings, subscriber.warns(), subscriber.SLIPS)
-    facts = {'singles': tuple(readings), 'burst': (), 'secret': secret, 'warnings': asked}
+    facts = {'secret': secret, 'warnings': asked}
     ends = (ENDS[0], {**ENDS[1], 'stdout': printed})
     return Run({'temp_subscriber.py': code}, Recording({}, (*events, *ends)), facts)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.managed_pressure import build, Inputs
+from autograder.exams.visible.managed_pressure import build
 
 _draw = generator('managed_pressure', 'limits and pressures')
 # Rounded to any digit or cut off, a pressure just above it is not above it.
@@ -35,17 +35,15 @@ _again = _high()
 # Rounded, it is another number.
 _refused = round(-_draw.randint(0, 4) - _draw.choice((0.35, 0.45, 0.55, 0.65)), 2)
 exam = build(
-    Inputs(
-        refused=(-1.0, 0.0, _refused),
-        limits=(_first, _second),
-        highest=round(_draw.uniform(40.0, 90.0), 2),
-        pressures={
-            'accepted': (9.5, 1.5),
-            # The same value again, and another one: each is above by itself.
-            'active': (*_edges, _again, _again, _high(), _between()),
-            'paused': (9.75, 20.5),
-            'still': (_high(), _between()),
-            'again': (_between(), _second, _high()),
-        },
-    )
+    refused=(-1.0, 0.0, _refused),
+    limits=(_first, _second),
+    highest=round(_draw.uniform(40.0, 90.0), 2),
+    pressures={
+        'accepted': (9.5, 1.5),
+        # The same value again, and another one: each is above by itself.
+        'active': (*_edges, _again, _again, _high(), _between()),
+        'paused': (9.75, 20.5),
+        'still': (_high(), _between()),
+        'again': (_between(), _second, _high()),
+    },
 )

@@ -9,8 +9,6 @@ starts from nothing.  The namespace is chosen on the command line.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import (
     Advance,
@@ -24,18 +22,9 @@ from autograder.exam.scenario import (
     Step,
     transition,
 )
-from autograder.judging.causes.ended import why_no_endpoint, why_no_verdict
-from autograder.judging.causes.lifecycle import (
-    why_ended,
-    why_mute,
-    why_no_publisher,
-    why_refused,
-)
-from autograder.judging.checks import (
-    require_answers,
-    require_endpoint,
-    require_partner,
-)
+from autograder.judging.causes.ended import why_no_message, why_silent
+from autograder.judging.causes.lifecycle import why_refused
+from autograder.judging.checks import require_answers, require_endpoint, require_partner
 from autograder.judging.claims import node
 from autograder.judging.rhythm import require_period
 from autograder.recording import Event
@@ -72,6 +61,16 @@ STAYS_ON = Cause(
     'If you write on_deactivate(), end it with return super().on_deactivate(state). The publisher '
     'comes from self.create_lifecycle_publisher().',
 )
+NOT_MANAGED = Cause(
+    'not_managed',
+    'The publisher does not follow the state of the node.',
+    'Use self.create_lifecycle_publisher(), not self.create_publisher().',
+)
+TOO_EARLY = Cause(
+    'published_too_early',
+    'The publisher is created with the node.',
+    'Move create_lifecycle_publisher() from __init__() to on_configure().',
+)
 TOO_LATE = Cause(
     'too_late',
     'The publisher is created later than in on_configure().',
@@ -102,79 +101,55 @@ def publishers(run: Run, when: str) -> list[Event]:
 
 def is_managed(run: Run) -> None:
     """It is a lifecycle node, and it waits unconfigured."""
-    service = f'{node_of(run)}/get_state'
     wanted = {'current_state.label': 'unconfigured'}
-    try:
-        require_answers(run, service, [wanted], 'the question for its state')
-    except Failed as failed:
-        if any('data' in answer for answer in run.recording.answers(service)):
-            failed.why = ACTS_ALONE
-        raise
+    service, what = f'{node_of(run)}/get_state', 'the question for its state'
+    require_answers(run, service, [wanted], what, explain=lambda place: ACTS_ALONE)
 
 
 def creates_its_publisher(run: Run) -> None:
     """Configuring it creates the publisher on beacon_signal, and nothing creates it before."""
-    first = next(iter(_changes(run)), {})
-    if (first.get('data') != {'success': True}) and not publishers(run, 'configured'):
-        expected = 'a publisher on beacon_signal after it was configured'
-        raise Failed(expected=expected, observed='none', why=_why_no_transition(run))
-    if not run.recording.endpoints('publisher'):
-        raise Failed(
-            expected='a publisher on beacon_signal after it was configured',
-            observed='no publisher of yours at all',
-            why=why_ended(run) or why_no_publisher(run, 'beacon_signal'),
-        )
+    if not publishers(run, 'configured'):
+        _require_transitions(run, 1)
     require_partner(require_endpoint(run, 'publisher', topic_of(run), TYPE))
     if publishers(run, 'fresh'):
         raise Failed(
             expected='no publisher on beacon_signal before it is configured',
             observed='one',
-            why=Cause(
-                'published_too_early',
-                'The publisher is created with the node.',
-                'Move create_lifecycle_publisher() from __init__() to on_configure().',
-            ),
+            why=TOO_EARLY,
         )
     if not publishers(run, 'configured'):
         raise Failed(
             expected='a publisher on beacon_signal after it was configured',
             observed='none yet',
-            why=why_ended(run) or TOO_LATE,
+            why=why_silent(run) or TOO_LATE,
         )
 
 
 def takes_every_transition(run: Run) -> None:
     """It takes every transition that it is asked for, twice around."""
-    wanted = [{'success': True}] * len(ASKED)
-    try:
-        what = 'the transitions configure, activate, deactivate and cleanup'
-        require_answers(run, f'{node_of(run)}/change_state', wanted, what)
-    except Failed as failed:
-        failed.why = _why_no_transition(run) or failed.why
-        raise
+    _require_transitions(run, len(ASKED))
 
 
-def _why_no_transition(run: Run) -> Cause | None:
-    if why := why_no_verdict(run):
-        return why
-    for place, (name, answer) in enumerate(zip(ASKED, _changes(run), strict=False)):
-        if answer.get('data') == {'success': False}:
-            return why_refused(run, name, again=name in ASKED[:place])
-    return why_ended(run)
-
-
-def _changes(run: Run) -> Sequence[Event]:
-    return run.recording.answers(f'{node_of(run)}/change_state')
+def _require_transitions(run: Run, count: int) -> None:
+    """Fail unless the first transitions that it is asked for succeed."""
+    require_answers(
+        run,
+        f'{node_of(run)}/change_state',
+        [{'success': True}] * count,
+        'the transitions configure, activate, deactivate and cleanup',
+        explain=lambda place: why_refused(run, ASKED[place], again=ASKED[place] in ASKED[:place]),
+    )
 
 
 def publishes_while_active(run: Run) -> None:
     """Active, it publishes once a second."""
     for phase in ACTIVE:
         if not run.recording.phase(phase).messages(topic_of(run)):
+            require_endpoint(run, 'publisher', topic_of(run), TYPE)
             raise Failed(
                 expected='messages on beacon_signal while it is active',
                 observed='none',
-                why=MUTE_AGAIN if phase != ACTIVE[0] and not why_ended(run) else _why_off(run),
+                why=why_silent(run) or (MUTE_AGAIN if phase != ACTIVE[0] else why_no_message(run)),
             )
         _require_beat(run, phase, TIMER_LEFT if phase != ACTIVE[0] else None)
 
@@ -186,22 +161,9 @@ def _require_beat(run: Run, phase: str, why_more: Cause | None) -> None:
     :param why_more: explains more messages than are due; None if their rhythm does
     """
     found, active_s = run.recording.phase(phase).messages(topic_of(run)), run.facts['active_s']
-    try:
-        require_period(run, found, 1.0, active_s)
-    except Failed as failed:
-        failed.expected += f' while it is {phase}'
-        if why_more and len(found) > active_s + 1:
-            failed.why = why_more
-        raise
-
-
-def _why_off(run: Run) -> Cause | None:
-    ends = run.recording.endpoints('publisher', topic_of(run))
-    if not run.recording.endpoints('publisher'):
-        return why_ended(run) or why_no_publisher(run, 'beacon_signal')
-    if not any(end['type'] == TYPE for end in ends):
-        return why_no_endpoint(run, 'publisher', topic_of(run), TYPE)
-    return why_mute(run)
+    more = why_more if len(found) > active_s + 1 else None
+    when = f' while it is {phase}'
+    require_period(run, found, 1.0, active_s, explain=lambda: more, when=when)
 
 
 def is_silent_otherwise(run: Run) -> None:
@@ -212,15 +174,8 @@ def is_silent_otherwise(run: Run) -> None:
             raise Failed(
                 expected='no message while it is not active',
                 observed=f'{len(found)} while it was {phase}',
-                why=STAYS_ON
-                if phase == 'paused'
-                else Cause(
-                    'not_managed',
-                    'The publisher does not follow the state of the node.',
-                    'Use self.create_lifecycle_publisher(), not self.create_publisher().',
-                ),
+                why=STAYS_ON if phase == 'paused' else NOT_MANAGED,
             )
-
     kept = run.recording.messages(topic_of(run), 'latecomer')
     if kept:
         raise Failed(
@@ -246,7 +201,7 @@ def cleans_up(run: Run) -> None:
         raise Failed(
             expected='one publisher after it was configured again',
             observed=str(again) if again else 'none',
-            why=why_ended(run) or (None if publishers(run, 'configured') else TOO_LATE),
+            why=why_silent(run) or (None if publishers(run, 'configured') else TOO_LATE),
         )
     _require_beat(run, 'active after cleanup', NOT_CLEANED)
 

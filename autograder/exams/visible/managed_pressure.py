@@ -12,11 +12,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
+from itertools import groupby, zip_longest
 import math
 import operator
-import re
-from typing import Any
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import (
@@ -36,50 +34,28 @@ from autograder.exam.slips import above_limit, Compare, with_memory
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.lifecycle import (
-    died_in_vain,
     ERROR_NOT_FAILURE,
     NO_PARAMETER,
     READ_ONCE,
     SILENT_REFUSAL,
     why_accepted,
-    why_ended,
     why_refused,
-    without_its_end,
     WRONG_DEFAULT,
 )
 from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import field_of, own_logs, require_answers
 from autograder.judging.claims import node
-from autograder.judging.rows import require_warnings, warnings_after
-from autograder.recording import ERROR, Event, Recording, WARN
+from autograder.judging.numbers import numbers_in, shows
+from autograder.judging.rows import require_warnings, Row, warnings_after
+from autograder.recording import ERROR, WARN
 
 NODE, TOPIC = '/pressure_monitor', '/pressure'
 TYPE = 'std_msgs/msg/Float64'
 EXERCISE = 'Exercise 2: a monitor that refuses nonsense'
 EVENTS = f'{NODE}/transition_event'
 EVENT_TYPE = 'lifecycle_msgs/msg/TransitionEvent'
-CHANGE = f'{NODE}/change_state'
+CHANGE, SETTING = f'{NODE}/change_state', f'{NODE}/set_parameters'
 ANSWER_S = 3.0  # after each input: a thread may look every two seconds for what has come
-NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
-
-
-@dataclass(frozen=True)
-class Inputs:
-    """
-    The numbers of one exam.
-
-    :param refused: limits that make no sense, the first one the parameter's default [bar]
-    :param limits: of the first and of the second configuration [bar]
-    :param highest: one more limit that makes sense, at the end [bar]
-    :param pressures: by phase: ``accepted`` and ``paused``, in which the node is not active,
-        ``active`` under the first limit, ``still`` after the parameter was set, and ``again``
-        under the second limit [bar]
-    """
-
-    refused: Sequence[float]
-    limits: tuple[float, float]
-    highest: float
-    pressures: Mapping[str, Sequence[float]]
 
 
 @dataclass(frozen=True)
@@ -111,20 +87,19 @@ class Pressure:
 
 
 INACTIVE = ('accepted', 'paused')
+"""The phases with pressures in which the node is not active."""
+SET_AGAIN = ('still', 'again')
+"""The phases with pressures in which the parameter has its second value."""
 
 
-def pressures_of(numbers: Inputs) -> list[Pressure]:
-    """Return all pressures in the order in which they are sent."""
-    first, second = numbers.limits
+def pressures_of(
+    pressures: Mapping[str, Sequence[float]], limits: tuple[float, float]
+) -> list[Pressure]:
+    """Return all pressures in the order in which they are sent, see :func:`build`."""
+    first = limits[0]
     return [
-        Pressure(
-            value,
-            phase,
-            second if phase == 'again' else first,
-            second if phase in ('still', 'again') else first,
-            first,
-        )
-        for phase, values in numbers.pressures.items()
+        Pressure(value, phase, limits[phase == 'again'], limits[phase in SET_AGAIN], first)
+        for phase, values in pressures.items()
         for value in values
     ]
 
@@ -150,6 +125,16 @@ STILL_REFUSES = Cause(
     'on_configure() returns FAILURE for a limit above zero as well.',
     "FAILURE only unless self.get_parameter('limit').value > 0.0, and no except around it that "
     'hides another mistake.',
+)
+TOLD_AGAIN = Cause(
+    'repeated_log',
+    'One refusal gives more than one ERROR line.',
+    'Say it once, in one line with the limit in it.',
+)
+NO_LIMIT = Cause(
+    'no_value',
+    'There is an ERROR line, but the limit is not in it.',
+    "Put it into the text: f'limit {limit} is not above zero'.",
 )
 SLIPS = (
     Slip(
@@ -204,24 +189,12 @@ SLIPS = (
 )
 
 
-def inputs(run: Run) -> Inputs:
-    """Return the numbers of this exam."""
-    found: Inputs = run.facts['inputs']
-    return found
-
-
 def refuses_a_senseless_limit(run: Run) -> None:
     """Configuring fails, with FAILURE, while the limit is not above zero."""
-    part = run.recording.phase('refused')
-    tries = len(inputs(run).refused)
+    wanted = [{'success': False}] * len(run.facts['refused'])
     what = 'configure with a limit that is not above zero'
-    try:
-        _require(run, 'refused', CHANGE, [{'success': False}] * tries, what)
-    except Failed as failed:
-        answers = [one['data'] for one in part.answers(CHANGE) if 'data' in one]
-        failed.why = why_accepted(run, any(one['success'] for one in answers)) or failed.why
-        raise
-    for event in part.messages(EVENTS):
+    require_answers(run, CHANGE, wanted, what, 'refused', lambda place: why_accepted(run))
+    for event in run.recording.phase('refused').messages(EVENTS):
         if field_of(event, 'goal_state.label') == 'errorprocessing':
             raise Failed(
                 expected='FAILURE: back to unconfigured, ready for another try',
@@ -229,97 +202,55 @@ def refuses_a_senseless_limit(run: Run) -> None:
                 why=ERROR_NOT_FAILURE,
             )
     states = [{'current_state.label': 'unconfigured'}]
-    _require(run, 'refused', f'{NODE}/get_state', states, 'the question for its state')
-
-
-def _require(
-    run: Run, phase: str, service: str, wanted: Sequence[Mapping[str, Any]], what: str
-) -> None:
-    """Fail unless the calls of one phase were answered as wanted; the whole run says why not."""
-    part = run.during(phase)
-    try:
-        require_answers(part, service, wanted, what)
-    except Failed as failed:
-        failed.why = why_ended(run) or (None if died_in_vain(run) else failed.why)
-        raise
+    require_answers(run, f'{NODE}/get_state', states, 'the question for its state', 'refused')
 
 
 def tells_why(run: Run) -> None:
     """Each refusal is one ERROR line with the limit in it."""
-    refused = inputs(run).refused
-    found = own_logs(run.during('refused'), NODE, ERROR)
-    if len(found) == len(refused) and all(map(_shows, found, refused)):
-        return
-    raise Failed(
-        expected=f'{len(refused)} refused, each with one ERROR line that shows the limit',
-        observed=f'{len(found) or "no"} ERROR line{"" if len(found) == 1 else "s"}',
-        why=_why_untold(run, found, refused),
-    )
+    refused = run.facts['refused']
+    found = [str(line['text']) for line in own_logs(run.during('refused'), NODE, ERROR)]
+    if len(found) != len(refused) or not all(map(shows, found, refused)):
+        raise Failed(
+            expected=f'{len(refused)} refused, each with one ERROR line that shows the limit',
+            observed=f'{len(found) or "no"} ERROR line{"" if len(found) == 1 else "s"}',
+            why=_why_untold(run, found, refused),
+        )
 
 
-def _why_untold(run: Run, found: Sequence[Event], refused: Sequence[float]) -> Cause | None:
-    answers = run.recording.phase('refused').answers(f'{NODE}/set_parameters')
-    results = [result for one in answers if 'data' in one for result in one['data']['results']]
-    if not all(result['successful'] for result in results):
+def _why_untold(run: Run, found: Sequence[str], refused: Sequence[float]) -> Cause | None:
+    part = run.recording.phase('refused')
+    if not all(field_of(one, 'results.0.successful') for one in part.answers(SETTING)):
         return NO_PARAMETER
     if not found:
-        logs = run.recording.phase('refused').logs()
-        return why_not_logged(without_its_end(run), logs, ERROR) or SILENT_REFUSAL
-    if len(found) > len(refused):
-        return Cause(
-            'repeated_log',
-            'One refusal gives more than one ERROR line.',
-            'Say it once, in one line with the limit in it.',
-        )
-    if len(found) < len(refused):
-        return SILENT_REFUSAL
-    if all(_shows(entry, refused[0]) for entry in found):
+        return why_not_logged(run, part.logs(), ERROR) or SILENT_REFUSAL
+    if len(found) != len(refused):
+        return SILENT_REFUSAL if len(found) < len(refused) else TOLD_AGAIN
+    if all(shows(text, refused[0]) for text in found):
         return READ_ONCE
-    if all(map(_shows, found[1:], refused[1:])) and NUMBER.search(found[0]['text']):
+    if all(map(shows, found[1:], refused[1:])) and numbers_in(found[0]):
         return WRONG_DEFAULT
-    return Cause(
-        'no_value',
-        'There is an ERROR line, but the limit is not in it.',
-        "Put it into the text: f'limit {limit} is not above zero'.",
-    )
-
-
-def _shows(entry: Event, limit: float) -> bool:
-    return any(
-        abs(float(text.replace(',', '.')) - limit) <= 0.051
-        for text in NUMBER.findall(entry['text'])
-    )
+    return NO_LIMIT
 
 
 def recovers(run: Run) -> None:
     """With a sensible limit it configures and activates after all."""
-    part = run.recording.phase('accepted')
-    setting = f'{NODE}/set_parameters'
-    wanted = [{'results': [{'successful': True, 'reason': ''}]}]
-    try:
-        _require(run, 'accepted', setting, wanted, 'setting the parameter limit')
-    except Failed as failed:
-        if any('data' in answer for answer in part.answers(setting)):
-            failed.observed, failed.why = 'the node refuses', NO_PARAMETER
-        raise
-    try:
-        _require(run, 'accepted', CHANGE, [{'success': True}], 'configure')
-    except Failed as failed:
-        if any('data' in answer for answer in part.answers(CHANGE)):
-            failed.why = _why_still_refused(run, part)
-        raise
-    _require(run, 'active', CHANGE, [{'success': True}], 'activate')
+    taken, done = {'results.0.successful': True}, {'success': True}
+    what = 'setting the parameter limit'
+    require_answers(run, SETTING, [taken], what, 'accepted', lambda place: NO_PARAMETER)
+    why = _why_still_refused
+    require_answers(run, CHANGE, [done], 'configure', 'accepted', lambda place: why(run))
+    require_answers(run, CHANGE, [done], 'activate', 'active')
 
 
-def _why_still_refused(run: Run, part: Recording) -> Cause:
+def _why_still_refused(run: Run) -> Cause:
     """Explain that a limit above zero is refused, too."""
-    states = [field_of(event, 'goal_state.label') for event in part.messages(EVENTS)]
-    if 'errorprocessing' in states:
+    part = run.during('accepted')
+    states = part.recording.messages(EVENTS)
+    if any(field_of(one, 'goal_state.label') == 'errorprocessing' for one in states):
         return why_refused(run, 'configure')
-    told = own_logs(run.during('accepted'), NODE, ERROR)
-    if any(_shows(entry, limit) for entry in told for limit in inputs(run).refused):
-        return READ_ONCE
-    return STILL_REFUSES
+    told = own_logs(part, NODE, ERROR)
+    again = any(shows(line['text'], *run.facts['refused']) for line in told)
+    return READ_ONCE if again else STILL_REFUSES
 
 
 def warns_above_the_limit(run: Run) -> None:
@@ -329,33 +260,27 @@ def warns_above_the_limit(run: Run) -> None:
 
 def ignores_while_not_active(run: Run) -> None:
     """Inactive, it warns of nothing, however high the pressure."""
-    for phase in ('accepted', 'paused'):
-        found = own_logs(run.during(phase), NODE, WARN)
-        if found:
-            asked: Specification = run.facts['warnings']
-            came = warnings_after(_followed(run))
-            quiet = [place for place, one in enumerate(asked.inputs) if not one.active]
-            place = next(iter(asked.wrong(came, quiet)), quiet[0])
-            raise Failed(
-                expected='no WARN line while it is inactive',
-                observed=f'{len(found)}',
-                why=asked.cause(came, place, quiet) or NOT_MANAGED,
-            )
+    found = [line for phase in INACTIVE for line in own_logs(run.during(phase), NODE, WARN)]
+    if found:
+        asked, came = run.facts['warnings'], warnings_after(_followed(run))
+        quiet = [place for place, one in enumerate(asked.inputs) if not one.active]
+        causes = (asked.cause(came, place, quiet) for place in asked.wrong(came, quiet)[:1])
+        raise Failed(
+            expected='no WARN line while it is inactive',
+            observed=f'{len(found)}',
+            why=next(causes, None) or NOT_MANAGED,
+        )
 
 
 def takes_the_new_limit(run: Run) -> None:
     """Configured again, it watches the new limit, and not before."""
-    _require(run, 'still', CHANGE, [{'success': True}] * 2, 'activate and deactivate')
+    done = [{'success': True}] * 3
+    require_answers(run, CHANGE, done[:2], 'activate and deactivate', 'still')
     _require_warnings(run, 'still')
-    wanted = [{'success': True}] * 3
-    _require(run, 'again', CHANGE, wanted, 'cleanup, configure and activate')
+    require_answers(run, CHANGE, done, 'cleanup, configure and activate', 'again')
     _require_warnings(run, 'again')
-    wanted = [{'success': True}] * 3
-    try:
-        _require(run, 'highest', CHANGE, wanted, 'deactivate, cleanup and configure')
-    except Failed as failed:
-        failed.why = failed.why or STILL_REFUSES
-        raise
+    what = 'deactivate, cleanup and configure'
+    require_answers(run, CHANGE, done, what, 'highest', lambda place: STILL_REFUSES)
 
 
 def _require_warnings(run: Run, phase: str) -> None:
@@ -367,43 +292,45 @@ def _require_warnings(run: Run, phase: str) -> None:
             observed='nobody listens',
             why=why_silent(run) or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
         )
-    asked: Specification = run.facts['warnings']
+    asked, found = run.facts['warnings'], _followed(run)
     places = [place for place, one in enumerate(asked.inputs) if one.phase == phase]
-    found = _followed(run)
-    require_warnings(
-        run,
-        asked,
-        found,
-        places,
-        lambda place: why_not_logged(run, found[place] or [], WARN),
-        places,
-    )
+    require_warnings(run, asked, found, places, places)
 
 
-def _followed(run: Run) -> list[list[Event] | None]:
+def _followed(run: Run) -> list[Row | None]:
     """Return the node's lines after each pressure, None where it was not sent."""
-    found: list[list[Event] | None] = []
-    for phase, pressures in inputs(run).pressures.items():
-        part = run.recording.phase(phase)
-        lines = own_logs(Run(run.files, part, run.facts), NODE)
-        for _, sent in zip_longest(pressures, part.of('input')):
+    found: list[Row | None] = []
+    for phase, pressures in groupby(run.facts['warnings'].inputs, lambda one: one.phase):
+        part = run.during(phase)
+        lines = own_logs(part, NODE)
+        for _, sent in zip_longest(pressures, part.recording.of('input')):
             after = [one for one in lines if sent and one['after_input'] == sent['index']]
             found.append(after if sent else None)
     return found
 
 
-def build(numbers: Inputs) -> Exam:
+def build(
+    refused: Sequence[float],
+    limits: tuple[float, float],
+    highest: float,
+    pressures: Mapping[str, Sequence[float]],
+) -> Exam:
     """
     Return the exam for some numbers.
 
-    :param numbers: what is sent and set
+    :param refused: limits that make no sense, the first one the parameter's default [bar]
+    :param limits: of the first and of the second configuration [bar]
+    :param highest: one more limit that makes sense, at the end [bar]
+    :param pressures: by phase: ``accepted`` and ``paused``, in which the node is not active,
+        ``active`` under the first limit, ``still`` after the parameter was set, and ``again``
+        under the second limit [bar]
     """
     configure = transition(NODE, 'configure')
     activate, deactivate = transition(NODE, 'activate'), transition(NODE, 'deactivate')
-    first, second = numbers.limits
-    feeds = {phase: _feed(values) for phase, values in numbers.pressures.items()}
+    first, second = limits
+    feeds = {phase: _feed(values) for phase, values in pressures.items()}
     steps: list[Step] = [Mark('refused')]
-    for number, limit in enumerate(numbers.refused):
+    for number, limit in enumerate(refused):
         if number:
             steps.append(_limit(limit))
         steps += [configure, Advance(ANSWER_S)]
@@ -415,7 +342,7 @@ def build(numbers: Inputs) -> Exam:
     steps += [Mark('still'), _limit(second), activate, feeds['still'], deactivate]
     steps += [Mark('again'), transition(NODE, 'cleanup'), _limit(second), configure, activate]
     steps += [feeds['again'], Mark('highest'), deactivate, transition(NODE, 'cleanup')]
-    steps += [_limit(numbers.highest), configure]
+    steps += [_limit(highest), configure]
     exam = Exam(
         'managed_pressure',
         title='The managed pressure monitor',
@@ -429,8 +356,8 @@ def build(numbers: Inputs) -> Exam:
             steps=steps,
         ),
         read='Part 3: When a transition goes wrong',
-        facts={'inputs': numbers},
-        asks={'warnings': Specification(pressures_of(numbers), warns(), SLIPS)},
+        facts={'refused': refused},
+        asks={'warnings': Specification(pressures_of(pressures, limits), warns(), SLIPS)},
     )
     exam.check(points=1, read=EXERCISE)(node(NODE))
     exam.check(points=2, needs=['starts_its_node'])(refuses_a_senseless_limit)
@@ -452,16 +379,14 @@ def _feed(pressures: Sequence[float]) -> Feed:
 
 
 exam = build(
-    Inputs(
-        refused=(-1.0,),
-        limits=(2.5, 6.0),
-        highest=30.0,
-        pressures={
-            'accepted': (3.0,),
-            'active': (2.4, 2.5, 2.6, 9.0, 1.0),
-            'paused': (8.0,),
-            'still': (4.0, 9.0),
-            'again': (5.0, 7.0),
-        },
-    )
+    refused=(-1.0,),
+    limits=(2.5, 6.0),
+    highest=30.0,
+    pressures={
+        'accepted': (3.0,),
+        'active': (2.4, 2.5, 2.6, 9.0, 1.0),
+        'paused': (8.0,),
+        'still': (4.0, 9.0),
+        'again': (5.0, 7.0),
+    },
 )

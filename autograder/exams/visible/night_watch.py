@@ -9,22 +9,16 @@ namespace in the code.
 from __future__ import annotations
 
 from collections.abc import Sequence
-import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.exams.visible.harbour import WATCH, watched_lines
-from autograder.judging.causes.missing_logs import (
-    LEVELS,
-    why_left_out,
-    why_no_line,
-    why_not_logged,
-)
+from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
 from autograder.judging.checks import own_logs, require_node, SECOND
-from autograder.judging.counting import why_not_numbered
+from autograder.judging.numbers import whole_numbers_in, why_not_numbered
 from autograder.judging.rhythm import GRAIN_S, require_period
-from autograder.recording import Event, INFO, WARN
+from autograder.recording import Event, INFO, LEVELS, WARN
 from autograder.results import shortened
 
 EVERY = 5
@@ -139,13 +133,10 @@ def watches(run: Run) -> list[Event]:
     """Return the lines that are counted: the first watches may come when the program starts."""
     said, found = own_logs(run, node_of(run)), reports(run)
     until_first = said[: len(said) - len(found) + 1]
-    ones = [place for place, entry in enumerate(until_first) if 1 in numbers_in(entry['text'])]
+    ones = [
+        place for place, entry in enumerate(until_first) if 1 in whole_numbers_in(entry['text'])
+    ]
     return said[ones[-1] :] if ones else found
-
-
-def numbers_in(text: str) -> list[int]:
-    """Return the numbers in a line; 003 is 3, and digits of any script are digits."""
-    return [int(digits) for digits in re.findall(r'\d{1,9}', text)]
 
 
 def levels_by_second(found: Sequence[Event]) -> list[Levels]:
@@ -194,18 +185,18 @@ def _why_other_lines(run: Run) -> Cause | None:
 
 
 def _has_a_fifth(text: str) -> bool:
-    return any(number and number % EVERY == 0 for number in numbers_in(text))
+    return any(number and number % EVERY == 0 for number in whole_numbers_in(text))
 
 
 def _has_another(text: str) -> bool:
-    return any(number % EVERY for number in numbers_in(text))
+    return any(number % EVERY for number in whole_numbers_in(text))
 
 
 def lines_are_numbered(run: Run) -> None:
     """The lines carry the number of the watch: 1, 2, 3, and so on."""
     texts = [str(entry['text']) for entry in _enough(run)]
     for place, text in enumerate(texts):
-        if place + 1 not in numbers_in(text):
+        if place + 1 not in whole_numbers_in(text):
             raise Failed(
                 expected=f'the number {place + 1} in line {place + 1}',
                 observed=repr(shortened(text)),
@@ -236,7 +227,7 @@ def every_fifth_is_a_warning(run: Run) -> None:
 def _why_level(
     asked: Specification, found: Sequence[Event], came: Sequence[Levels], place: int
 ) -> Cause | None:
-    numbers = [numbers_in(entry['text']) for entry in found]
+    numbers = [whole_numbers_in(entry['text']) for entry in found]
     if any(place + 1 not in one for place, one in enumerate(numbers)) and all(
         (entry['level'] == WARN) == any(number % EVERY == 0 for number in seen)
         for entry, seen in zip(found, numbers)

@@ -16,13 +16,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile
-import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Scenario
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
-from autograder.judging.causes.redaction import without_numbers
+from autograder.judging.causes.redaction import quoted
 from autograder.judging.checks import (
     count_of,
     own_logs,
@@ -31,6 +30,7 @@ from autograder.judging.checks import (
     SECOND,
 )
 from autograder.judging.claims import node
+from autograder.judging.numbers import numbers_in
 from autograder.recording import ERROR, Event, INFO, Recording, WARN
 from autograder.results import shortened
 
@@ -82,11 +82,6 @@ LAZY = {'weak': 'a', 'weak again': 'another'}
 EXERCISE = 'Exercise 2: a listener that notices silence'
 
 
-def numbers_in(text: str) -> list[float]:
-    """Return the numbers in a text."""
-    return [float(number) for number in re.findall(r'\d{1,9}(?:\.\d{1,9})?', text)]
-
-
 def warnings_before_silence(run: Run) -> list[Event]:
     """Return the WARN lines of the time in which no deadline is missed."""
     until = ('mark', 'silence')
@@ -129,9 +124,7 @@ def logs_each_distance(run: Run) -> None:
             raise Failed(
                 expected=f'one INFO line with {shown}',
                 observed=f'{len(found) or "no"} such line{"" if len(found) == 1 else "s"}',
-                why=TWICE
-                if found
-                else why_silent(run) or without_numbers(run, _why_not_shown(run, index)),
+                why=TWICE if found else why_silent(run) or _why_not_shown(run, index),
             )
 
 
@@ -143,7 +136,7 @@ def _why_not_shown(run: Run, index: int) -> Cause | None:
     if other:
         return Cause(
             'number_not_shown',
-            f'The INFO line is {shortened(other)!r}: the number is not in it, or it is rounded.',
+            f"The INFO line is '{quoted(run, other)}': the number is not in it, or it is rounded.",
             "Log the number as it came: self.get_logger().info(f'{message.data} m').",
         )
     distance = run.facts['distances'][index]

@@ -17,7 +17,7 @@ from autograder.exam.scenario import Advance, Scenario
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import require_messages, require_qos, SECOND
 from autograder.judging.claims import node
-from autograder.judging.counting import why_not_numbered
+from autograder.judging.numbers import why_not_numbered
 from autograder.judging.rhythm import require_period
 from autograder.recording import Event
 from autograder.results import shortened

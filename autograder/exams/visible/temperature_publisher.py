@@ -13,6 +13,7 @@ a different rate from system time.  The wrong clock shows in the rhythm and in t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 import math
 
@@ -22,7 +23,7 @@ from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.checks import require_field, require_messages, require_qos, SECOND
 from autograder.judging.claims import node
-from autograder.judging.rhythm import GRAIN_S, is_flood
+from autograder.judging.rhythm import GRAIN_S, is_flood, why_other_rhythm
 from autograder.judging.stamps import require_stamps
 from autograder.recording import Event
 from autograder.submission.code.code_places import seed_in_callback
@@ -89,8 +90,8 @@ def publishes_once_per_second(run: Run) -> None:
     """It publishes exactly once per second, measured on the ROS clock."""
     seconds = int(run.facts['seconds'])
     minute = run.recording.phase('minute')
-    found = [event['clock_ns'] for event in minute.messages(TOPIC)]
-    right, wrong_ns = _seconds_in_rhythm(run, found)
+    found = minute.messages(TOPIC)
+    right, wrong_ns = _seconds_in_rhythm(run, [event['clock_ns'] for event in found])
     if wrong_ns is None:
         return
     many = 'far more' if is_flood(len(found), seconds) else len(found)
@@ -130,49 +131,23 @@ def _seconds_in_rhythm(run: Run, found: list[int]) -> tuple[int, int | None]:
     return len(found), end_ns if due_ns + step_ns < clock.at(end_ns) else None
 
 
-def _why_wrong_rhythm(run: Run, found: list[int]) -> Cause | None:
-    """
-    Explain messages in another rhythm.
-
-    :param found: virtual times of the messages [ns]
-    """
+def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
+    """Explain messages in another rhythm, if it is not that of another clock by their gaps."""
     if why := why_silent(run):
         return why
-    gaps = [later - earlier for earlier, later in pairwise(found)]
+    gaps = [later['clock_ns'] - earlier['clock_ns'] for earlier, later in pairwise(found)]
     if gaps and all(abs(gap / SECOND - 1.0) <= GRAIN_S for gap in gaps):
         return OTHER_CLOCK
     code = Code(run.files)
     if 'spin_once' in code.calls and 'create_timer' not in code.names:
         return PACED_BY_SPIN_ONCE
-    if 0 in gaps:
-        return Cause(
-            'several_at_once',
-            'Several messages come at the same moment.',
-            'Publish once in the callback of the timer, and make one timer only.',
-        )
-    if sleeps := why_it_sleeps(run):
+    if 0 not in gaps and (sleeps := why_it_sleeps(run)):
         return sleeps
     clock: RosClock = run.facts['clock']
-    ros = [gap / SECOND * clock.rate for gap in gaps]
-    if len(set(map(round, ros))) > 1 and all(
-        round(one) > 0 and abs(one - round(one)) <= clock.step_s for one in ros
-    ):
-        return Cause(
-            'some_missing',
-            'Your messages keep the rhythm of a second, but some are missing.',
-            'Each call of the callback publishes: is there an if or a return before it?',
-        )
-    # From the first message to the last: a late beginning or an early end is not a wrong rate.
-    rate = len(gaps) * SECOND / clock.rate / sum(gaps) if gaps else 0.0
-    if abs(rate - 1.0) > 0.01:
-        # A timer that is shorter than a clock step fires once a step.
-        often = 'far more than once' if is_flood(rate, 1.0) else f'about {rate:.2g} times'
-        return Cause(
-            'wrong_rate',
-            f'Your node publishes {often} a second.',
-            'The first argument of create_timer() is the period in seconds: 1.0.',
-        )
-    return None
+    # A late beginning is no early end: only what comes after the first message can be missing.
+    late_ns = found[0]['clock_ns'] - _begin_ns(run) if found else 0
+    during_s = run.facts['seconds'] - late_ns / SECOND * clock.rate
+    return why_other_rhythm(found, 1.0, during_s, rate=clock.rate, grain_s=clock.step_s)
 
 
 def names_the_unit(run: Run) -> None:

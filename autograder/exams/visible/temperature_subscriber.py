@@ -18,48 +18,84 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, Scenario
 from autograder.exam.slips import above_limit, Compare, NO_WARNING, of_nan, REPEATED, with_memory
 from autograder.exam.specification import each, Rule, Slip, Specification
-from autograder.exams.reading_errors import (
-    BURST_IS_CUT,
-    LOGGED_TWICE,
-    NEEDLESS_ERROR,
-    NO_ERROR,
-    NO_VALUE,
-    NOT_LOGGED,
-    ONE_LINE,
-    refuses_fahrenheit,
-    UNKNOWN_UNIT,
-    why_fahrenheit_is_refused,
-    why_refused,
-)
-from autograder.exams.readings import (
-    cool_groups,
-    each_shown_twice,
-    followed,
-    is_right,
-    Reading,
-    Sent,
-    sent,
-    shown_in,
-    THRESHOLD_C,
-)
-from autograder.judging.causes.ended import why_silent
+from autograder.exams.readings import each_shown_twice, Reading, Sent, sent, THRESHOLD_C
+from autograder.judging.causes.ended import close_name, why_silent
+from autograder.judging.causes.logged_errors import why_error_logged, why_exception_logged
 from autograder.judging.causes.missing_logs import (
-    LEVELS,
     why_dropped,
     why_elsewhere,
     why_left_out,
+    why_not_logged,
     why_other_logger,
     why_printed,
 )
 from autograder.judging.causes.not_answering import nobody_answers
+from autograder.judging.checks import lines
 from autograder.judging.claims import hears, node
-from autograder.judging.rows import require_warnings, share
+from autograder.judging.rows import require_warnings, share, warnings_after
 from autograder.recording import ERROR, INFO, WARN
+from autograder.submission.code.learners_code import texts_in
 
 NODE = '/temperature_subscriber'
 TOPIC = '/temperature_topic'
 TYPE = 'temp_monitor_pkg/msg/Temperature'
 EXERCISE = 'Exercise 3: the subscriber node'
+
+
+NO_UNIT = Cause(
+    'unit_text',
+    'Readings in Celsius are answered with an ERROR, as if nobody knew their unit.',
+    "Compare with the whole words, letter by letter: msg.unit == 'Celsius', 'Fahrenheit'.",
+)
+ONE_LINE = Cause(
+    'several_errors',
+    'One reading in an unknown unit gives more than one ERROR line.',
+    'Put all there is to say into one line, call self.get_logger().error(...) in one place, and '
+    'subscribe once.',
+)
+NEEDLESS_ERROR = Cause(
+    'needless_error',
+    'A reading in a known unit is logged and judged as it should be, and gives an ERROR line too.',
+    'ERROR is for a unit that you do not know: take that self.get_logger().error(...) out.',
+)
+LOGGED_TWICE = Cause(
+    'logged_twice',
+    'Each reading is in more than one INFO line with its value.',
+    'Call self.get_logger().info(...) with the value once in the callback, and subscribe once.',
+)
+NOT_LOGGED = Cause(
+    'not_logged',
+    'A reading is sent to your node, and no INFO line follows it.',
+    'Call self.get_logger().info(...) first in the callback: before any if and any return.',
+)
+NO_VALUE = Cause(
+    'no_value',
+    'There is an INFO line, but the value of the reading is not in it, or only without its '
+    'decimals.',
+    "Put msg.temperature_value into the text: f'{msg.temperature_value:.2f}'.",
+)
+NO_ERROR = Cause(
+    'no_error',
+    'A reading in an unknown unit gives no ERROR line.',
+    'For any unit that you do not know: self.get_logger().error(...), return.',
+)
+UNKNOWN_UNIT = Cause(
+    'unknown_unit',
+    'A number without a known unit cannot be compared with 30 °C.',
+    'For any unit that you do not know: self.get_logger().error(...), return.',
+)
+BURST_IS_CUT = Cause(
+    'burst_is_cut',
+    'Readings that come one by one are answered, and of those that come at once only some.',
+    'Is the depth of your subscription 10? If it is, your callback keeps only the newest: log and '
+    'compare in the callback itself.',
+)
+FAHRENHEIT_REFUSED = Cause(
+    'fahrenheit_refused',
+    'Readings in Fahrenheit are answered with an ERROR, as if their unit were unknown.',
+    "Add a branch for the whole word, letter by letter: if msg.unit == 'Fahrenheit', celsius = "
+    '(value - 32) / 1.8.',
+)
 
 
 def warns(
@@ -138,53 +174,40 @@ SLIPS = (
 def logs_every_reading(run: Run) -> None:
     """It logs every reading in one INFO line with its value, through the node's logger."""
     groups = sent(run)
-    proper = [
-        (reading, group) for group in groups for reading in group.readings if not reading.odd
-    ]
-    missing = [pair for pair in proper if not shown_in(pair[0], pair[1].logs, INFO)]
-    if not missing:
-        if each_shown_twice(groups):
-            raise Failed(
-                expected='one INFO line with the value for each reading',
-                observed='more than one such line for each of them',
-                why=LOGGED_TWICE,
-            )
-        return
+    proper = [(one, group) for group in groups for one in group.readings if not one.odd]
+    missing = [(reading, group) for reading, group in proper if not group.showing(reading)]
     found = len(proper) - len(missing)
-    raise Failed(
-        expected=f'{len(proper)} readings sent, each in one INFO line with its value',
-        observed=f'{found} of them; missing: {missing[0][0].kind}',
-        why=_why_not_logged(run, *missing[0]),
-        share=share(run, followed(run), found, len(proper)),
-    )
+    if missing:
+        raise Failed(
+            expected=f'{len(proper)} readings sent, each in one INFO line with its value',
+            observed=f'{found} of them; missing: {missing[0][0].kind}',
+            why=_why_not_logged(run, *missing[0]),
+            share=share(run, [one.row for one in groups], found, len(proper)),
+        )
+    if each_shown_twice(groups):
+        raise Failed(
+            expected='one INFO line with the value for each reading',
+            observed='more than one such line for each of them',
+            why=LOGGED_TWICE,
+        )
 
 
 def _why_not_logged(run: Run, reading: Reading, group: Sent) -> Cause | None:
     # With an INFO line after it, the line is not elsewhere: it lacks the value, or a burst is cut.
-    if why := why_silent(run) if group.count(INFO) else _why_all_elsewhere(run, [reading]):
+    elsewhere = None if group.count(INFO) else why_elsewhere(run, INFO, reading.is_in)
+    if why := why_silent(run) or elsewhere:
         return why
-    if not group.sent:
+    if group.row is None:
         return None
     if len(group.readings) > 1:
         return BURST_IS_CUT
-    if refuses_fahrenheit(run, group):
-        return why_fahrenheit_is_refused(run, group)
-    if not group.count(INFO) and (refused := why_refused(run, [group])):
-        return refused
-    levels = [entry['level'] for entry in group.logs if shown_in(reading, [entry], None)]
-    if levels:
-        return Cause(
-            'wrong_level',
-            f'That reading is logged at level {LEVELS.get(levels[0], levels[0])} only.',
-            'Log every reading with self.get_logger().info(...), the warm ones too.',
-        )
-    return NO_VALUE if group.count(INFO) else why_dropped(run, INFO) or NOT_LOGGED
-
-
-def _why_all_elsewhere(run: Run, readings: Sequence[Reading]) -> Cause | None:
-    """Explain INFO lines of readings that come on standard output only, or not at all."""
-    return why_elsewhere(
-        run, INFO, lambda text: any(shown_in(one, [{'text': text}], None) for one in readings)
+    if group.count(INFO):
+        return NO_VALUE
+    return (
+        _why_unit_refused(run, group)
+        or why_not_logged(run, group.row, INFO, reading.is_in)
+        or _why_other_error(run, [group])
+        or NOT_LOGGED
     )
 
 
@@ -193,18 +216,24 @@ def warns_when_too_hot(run: Run) -> None:
     _require_warnings(run, lambda group: group.all_in('Celsius') and group.due > 0, shared=True)
 
 
+def _is_cool(group: Sent) -> bool:
+    """Return whether all are proper readings in Celsius that deserve no warning."""
+    return group.all_in('Celsius') and not group.due
+
+
 def stays_quiet_otherwise(run: Run) -> None:
     """It logs no warning for any other reading: 30.0 °C exactly is not above 30 °C."""
-    groups = cool_groups(run)
-    _require_warnings(run, groups.__contains__)
-    handled = [group for group in groups if group.logs]
-    if len(handled) < len(groups):
+    _require_warnings(run, _is_cool)
+    groups = sent(run)
+    cool = [group for group in groups if _is_cool(group)]
+    handled = [group for group in cool if group.logs]
+    if len(handled) < len(cool):
         raise Failed(
             expected='INFO lines for cool readings and no warning',
-            observed=f'{len(handled)} of {len(groups)} cool readings were handled: silence alone '
+            observed=f'{len(handled)} of {len(cool)} cool readings were handled: silence alone '
             'proves nothing',
             why=_why_deaf(run),
-            share=share(run, followed(run), len(handled), len(groups)),
+            share=share(run, [one.row for one in groups], len(handled), len(cool)),
         )
     _can_warn(run)
 
@@ -223,36 +252,29 @@ def _require_warnings(run: Run, picked: Callable[[Sent], bool], shared: bool = F
     :param shared: whether what is right earns a part of the points
     """
     groups = sent(run)
-    places = [place for place, group in enumerate(groups) if picked(group)]
-    celsius = [place for place, group in enumerate(groups) if group.all_in('Celsius')]
     require_warnings(
         run,
         run.facts['warnings'],
-        followed(run),
-        places,
+        [group.row for group in groups],
+        [place for place, group in enumerate(groups) if picked(group)],
+        [place for place, group in enumerate(groups) if group.all_in('Celsius')],
         lambda place: _why_no_warning(run, groups[place]),
-        celsius,
         shared,
     )
 
 
 def _why_no_warning(run: Run, group: Sent) -> Cause | None:
     """Explain a warning that is due and that comes in another form, or nowhere at all."""
-    if refuses_fahrenheit(run, group):
-        return why_fahrenheit_is_refused(run, group)
-    if len(group.readings) > 1 and not all(
-        shown_in(one, group.logs, INFO) for one in group.readings
-    ):
+    if why := _why_unit_refused(run, group):
+        return why
+    if len(group.readings) > 1 and not all(map(group.showing, group.readings)):
         return BURST_IS_CUT
-    levels = {entry['level'] for entry in group.logs} - {INFO, WARN}
-    if ERROR in levels and (refused := why_refused(run, cool_groups(run))):
-        return refused
-    if levels:
-        return Cause(
-            'wrong_level',
-            f'A line at level {LEVELS.get(min(levels), min(levels))} comes instead.',
-            'Use self.get_logger().warning(...).',
-        )
+    others = [line for line in group.logs if line['level'] not in (INFO, WARN)]
+    cool = [one for one in sent(run) if _is_cool(one)]
+    if group.count(ERROR) and (why := _why_other_error(run, cool)):
+        return why
+    if others:
+        return why_not_logged(run, others, WARN)
     return None if run.recording.logs(level=WARN) else _why_never(run)
 
 
@@ -263,9 +285,42 @@ def _why_never(run: Run) -> Cause | None:
     return (
         why_other_logger(run, WARN)
         or (printed if 'WARN' not in logged else None)
-        or why_refused(run, cool_groups(run))
+        or _why_other_error(run, [one for one in sent(run) if _is_cool(one)])
         or why_dropped(run, WARN)
     )
+
+
+def _why_other_error(run: Run, groups: Sequence[Sent]) -> Cause | None:
+    """
+    Explain the ERROR line that answers a proper reading, None if it only has the wrong level.
+
+    :param groups: of readings that deserve no ERROR
+    """
+    found = [(group, line) for group in groups for line in group.logs if line['level'] == ERROR]
+    if not found or (why := why_exception_logged(run, [found[0][1]])):
+        return why if found else None
+    text, reading = str(found[0][1]['text']), found[0][0].readings[0]
+    if 'unit' in text.lower():
+        return NO_UNIT
+    if reading.is_in(text):
+        return None
+    return NO_UNIT if reading.unit.lower() in text.lower() else why_error_logged(run, text)
+
+
+def _why_unit_refused(run: Run, group: Sent) -> Cause | None:
+    """Explain an ERROR line that answers a reading in Fahrenheit, where Celsius is understood."""
+    # A program that warns at the wrong level has ERROR lines for warm readings in Celsius too.
+    celsius = [one for one in sent(run) if one.readings[0].unit == 'Celsius']
+    refused = group.readings[0].unit == 'Fahrenheit' and group.count(ERROR)
+    if not refused or any(one.count(ERROR) for one in celsius):
+        return None
+    if why := why_exception_logged(run, group.logs):
+        return why
+    written = close_name('Fahrenheit', texts_in(run.files))
+    if written in ('', 'Fahrenheit'):
+        return FAHRENHEIT_REFUSED
+    hint = f"Your code has '{written}'; the unit is 'Fahrenheit', letter by letter."
+    return replace(FAHRENHEIT_REFUSED, try_this=hint)
 
 
 def _can_warn(run: Run) -> None:
@@ -280,40 +335,38 @@ def _can_warn(run: Run) -> None:
 
 def reports_an_unknown_unit(run: Run) -> None:
     """An unknown unit gives one ERROR line, a known unit none; no warning, and it goes on."""
-    groups = [group for group in sent(run) if group.readings[0].celsius is None]
-    for group in groups:
+    groups = sent(run)
+    unknown = [group for group in groups if group.readings[0].celsius is None]
+    for group in unknown:
         if group.count(WARN) or group.count(ERROR) != 1:
             raise Failed(
                 expected='1 ERROR line and no WARN line after a reading in an unknown unit',
-                observed=f'{_lines(group.count(ERROR), "ERROR")}, '
-                f'{_lines(group.count(WARN), "WARN")}',
+                observed=f'{lines(group.count(ERROR), ERROR)}, {lines(group.count(WARN), WARN)}',
                 why=_why_unknown_unit(run, group),
             )
-    right = [group for group in sent(run) if is_right(group)]
     # A node that takes a unit for an unknown one is told so where its warnings are missing.
-    known = {one.unit for group in right for one in group.readings if one.hot}
-    for group in right:
-        if group.count(ERROR) and group.readings[0].unit in known:
+    known = {one.unit for group in groups if group.right for one in group.readings if one.hot}
+    for group in groups:
+        if group.right and group.count(ERROR) and group.readings[0].unit in known:
             raise Failed(
                 expected=f'no ERROR line after {group.readings[0].kind}',
-                observed=_lines(group.count(ERROR), 'ERROR'),
+                observed=lines(group.count(ERROR), ERROR),
                 why=NEEDLESS_ERROR,
             )
-    _goes_on(run, groups.__contains__)
+    _goes_on(run, unknown.__contains__)
 
 
 def _why_unknown_unit(run: Run, group: Sent) -> Cause | None:
     if group.count(ERROR) and not group.count(WARN):
         return ONE_LINE
-    if sent(run)[-1].count(WARN) > len(sent(run)[-1].readings):
-        return REPEATED
-    asked: Specification = run.facts['warnings']
     groups = sent(run)
-    came = [one.count(WARN) if one.sent else None for one in groups]
+    if groups[-1].count(WARN) > len(groups[-1].readings):
+        return REPEATED
     if why := why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR):
         return why
     if group.count(WARN):
-        return asked.cause(came, groups.index(group)) or UNKNOWN_UNIT
+        came = warnings_after([one.row for one in groups])
+        return run.facts['warnings'].cause(came, groups.index(group)) or UNKNOWN_UNIT
     return why_left_out(run, ERROR, run.recording.logs(level=ERROR)) or NO_ERROR
 
 
@@ -331,23 +384,22 @@ def _is_nan(group: Sent) -> bool:
 def _goes_on(run: Run, picked: Callable[[Sent], bool]) -> None:
     """Fail unless the odd reading was sent and a later, proper one was still handled."""
     last = sent(run)[-1]
-    if last.logs and not nobody_answers(run) and not picked(last):
-        return
-    raise Failed(
-        expected='a node that goes on after every reading',
-        observed='no sign of life afterwards',
-        why=_why_deaf(run),
-    )
+    if not last.logs or nobody_answers(run) or picked(last):
+        raise Failed(
+            expected='a node that goes on after every reading',
+            observed='no sign of life afterwards',
+            why=_why_deaf(run),
+        )
 
 
 def _why_deaf(run: Run) -> Cause | None:
     """Explain a node that does not log what it is sent."""
-    everything = [one for group in sent(run) for one in group.readings if not one.odd]
-    return _why_all_elsewhere(run, everything) or why_dropped(run, INFO) or NOT_LOGGED
-
-
-def _lines(count: int, level: str) -> str:
-    return f'{count or "no"} {level} line{"" if count == 1 else "s"}'
+    proper = [one for group in sent(run) for one in group.readings if not one.odd]
+    return (
+        why_elsewhere(run, INFO, lambda text: any(one.is_in(text) for one in proper))
+        or why_dropped(run, INFO)
+        or NOT_LOGGED
+    )
 
 
 def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
@@ -369,7 +421,6 @@ def build(singles: Sequence[Reading], burst: Sequence[Reading] = ()) -> Exam:
         part=3,
         scenario=Scenario(file='temp_subscriber.py', feed={TOPIC: TYPE}, steps=tuple(steps)),
         read='Part 3: The subscriber',
-        facts={'singles': tuple(singles), 'burst': tuple(burst)},
         asks={'warnings': Specification((*singles, *burst), warns(), SLIPS, len(burst))},
     )
     exam.check(points=1, read=EXERCISE)(node(NODE))

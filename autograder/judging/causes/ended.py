@@ -18,6 +18,7 @@ from autograder.judging.causes.tracebacks import traceback_of
 from autograder.submission.code.learners_code import Code, texts_in
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
+_IN_VAIN = 'Failed to trigger lifecycle state machine transition'
 _CALLS_BACK = {'create_timer', 'create_subscription', 'create_service', 'create_rate'}
 
 LONG_S = 50.0
@@ -62,6 +63,10 @@ def why_it_ended(run: Run) -> Cause | None:
         what, why = LIMITS[killed]
         what = OF_A_PACKAGE.get(killed, what) if package else what
         return Cause(killed, f'The program was ended: {what}.', f'Look for {why}.')
+    if no_verdict := why_no_verdict(run):
+        return no_verdict
+    if died_in_vain(run):
+        return None
     trace = traceback_of(run)
     if trace is not None and recording.process.get('exit') is not None:
         return exception_cause(trace)
@@ -90,6 +95,15 @@ def why_it_ended(run: Run) -> Cause | None:
     if code is not None:
         return Cause('died', f'The program died with exit code {code}.', 'Run it in a terminal.')
     return None
+
+
+def died_in_vain(run: Run) -> bool:
+    """
+    Return whether the program died of a transition that its state does not allow.
+
+    That is the consequence of an earlier refusal, and explains nothing.
+    """
+    return _IN_VAIN in str(run.recording.process.get('stderr', ''))
 
 
 def _why_over(run: Run, code: Code) -> Cause:
@@ -242,8 +256,36 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
         return ended
     if not recording.nodes:
         return why_no_node(run, '/?')
+    if kind == 'publisher' and _is_managed(run):
+        base, name = topic.rpartition('/')[2], type_name.rpartition('/')[2]
+        return why_no_configure(Code(run.files)) or Cause(
+            'no_endpoint',
+            'Your on_configure() creates no publisher.',
+            f"In on_configure(): self.create_lifecycle_publisher({name}, '{base}', 10).",
+        )
     return Cause(
         'no_endpoint', f'Your node creates no {kind}.', f'Call self.{create}() in __init__().'
+    )
+
+
+def _is_managed(run: Run) -> bool:
+    """Return whether the program has a lifecycle node, by what its code says."""
+    return 'LifecycleNode' in Code(run.files).names
+
+
+def why_no_configure(code: Code) -> Cause | None:
+    """Explain a lifecycle node without on_configure(), with the method that is meant to be it."""
+    if code.makes('on_configure'):
+        return None
+    near = close_name('on_configure', code.functions)
+    text = f'Nobody calls your {near}(); did you mean on_configure()? rclpy calls the method of '
+    return Cause(
+        'method_name',
+        f'{text}exactly this name.'
+        if near
+        else 'There is no method on_configure() in your code; rclpy calls the one of exactly this '
+        'name.',
+        'Write: def on_configure(self, state):',
     )
 
 
@@ -297,6 +339,8 @@ def why_no_verdict(run: Run) -> Cause | None:
 def why_silent(run: Run) -> Cause | None:
     """Explain a node whose endpoints are right and from which nothing comes."""
     ended = why_it_ended(run)
+    if not ended and died_in_vain(run):
+        return None
     if ended and ended.cause_id not in LIMITS:
         return ended
     # What has ended a thread explains more than the limit that the rest of the program passed.
@@ -359,6 +403,8 @@ def why_no_message(run: Run) -> Cause:
             'Your code never calls publish().',
             'Call self.publisher.publish(message) in the callback.',
         )
+    if _is_managed(run):
+        return _why_not_active(code)
     if code.names and not _CALLS_BACK & code.names:
         return Cause(
             'no_timer',
@@ -371,6 +417,28 @@ def why_no_message(run: Run) -> Cause:
         'never called, or it returns too early.',
         'Which method does the timer or the subscription call? Put a log line first into it, '
         'start the node, and look at logs().',
+    )
+
+
+def _why_not_active(code: Code) -> Cause:
+    """Explain an active lifecycle node that has its publisher and sends nothing."""
+    if 'on_activate' in code.functions and 'on_activate' not in code.calls:
+        return Cause(
+            'stays_off',
+            'Your on_activate() replaces the inherited one, which switches the publishers on.',
+            'End it with return super().on_activate(state).',
+        )
+    if 'create_timer' not in code.names:
+        return Cause(
+            'no_timer',
+            'Your code creates no timer, so nothing calls the method that publishes.',
+            'In on_configure(): self.create_timer(1.0, self.callback).',
+        )
+    return Cause(
+        'stays_off',
+        'The node is active, but its publisher or its timer is not.',
+        'Does the timer run, and does its callback publish? Log a line in it. An on_activate() of '
+        'your own ends with return super().on_activate(state).',
     )
 
 

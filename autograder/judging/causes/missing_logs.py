@@ -12,11 +12,11 @@ import re
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.ended import why_silent
-from autograder.recording import Event, INFO
+from autograder.judging.causes.logged_errors import why_exception_logged
+from autograder.recording import Event, INFO, LEVELS
 from autograder.submission.code.code_places import leaves_out, logs_with_python
 from autograder.submission.code.learners_code import calls, Code
 
-LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
 CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
 Belongs = Callable[[str], bool]
 """Tells by the text of a line whether it is the one that is missing."""
@@ -44,6 +44,8 @@ def why_not_logged(
     if why := why_silent(run) or why_other_logger(run, level, _needed(run, belongs)):
         return why
     instead = [one for one in found if belongs is None or belongs(str(one['text']))]
+    if why := why_exception_logged(run, found):
+        return why
     if instead:
         other = LEVELS.get(instead[0]['level'], instead[0]['level'])
         return Cause(

@@ -14,13 +14,16 @@ from dataclasses import replace
 import re
 from typing import Any
 
-from autograder.exam.exam import Cause, Run
+from autograder.exam.exam import Run
 from autograder.exam.scenario import Scenario
 from autograder.recording import Event
 from autograder.results import CheckResult
 
 _OPTION = '__ns:='
 _NUMBER = re.compile(r'\d+(?:[.,]\d+)?')
+MOST_QUOTED = 120
+PUBLIC = ('Celsius', 'Fahrenheit', 'temp_sensor_01', 'nan', '30')
+"""Parts of inputs that every lesson shows; an error that names one gives nothing away."""
 
 
 def namespace_of(scenario: Scenario) -> str:
@@ -68,11 +71,14 @@ def own_words(run: Run, text: str, instead: str) -> str:
     return instead
 
 
-def without_numbers(run: Run, why: Cause | None) -> Cause | None:
-    """Return a cause that quotes a log line, without numbers in it that may be inputs."""
-    if why is None or not run.secret:
-        return why
-    return replace(why, text=_NUMBER.sub('…', why.text))
+def quoted(run: Run, text: str) -> str:
+    """Return what a node has logged, without the numbers and names that a hidden exam has sent."""
+    text = ' '.join(text.split())
+    if run.secret:
+        for word in {one for one in drawn_values(run) if isinstance(one, str)} - {*PUBLIC, ''}:
+            text = re.sub(re.escape(word), '…', text, flags=re.IGNORECASE)
+        text = _NUMBER.sub('…', text)
+    return text if len(text) <= MOST_QUOTED else f'{text[:MOST_QUOTED]}…'
 
 
 def drawn_values(run: Run) -> Iterator[Any]:

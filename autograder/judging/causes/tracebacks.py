@@ -14,7 +14,7 @@ import re
 
 from autograder.exam.exam import Run
 from autograder.exam.names import Names
-from autograder.judging.causes.redaction import drawn_values
+from autograder.judging.causes.redaction import drawn_values, PUBLIC
 from autograder.submission.code.learners_code import without_texts
 
 _HEAD = 'Traceback (most recent call last)'
@@ -30,9 +30,6 @@ _PATH = re.compile(r' \((?:/[^()\n]*|unknown location)\)')
 
 LONGEST = 400
 """Characters of a line of code that are read; to search in longer ones costs time."""
-
-PUBLIC = ('Celsius', 'Fahrenheit', 'temp_sensor_01', 'nan', '30')
-"""Parts of inputs that every lesson shows; an error that names one gives nothing away."""
 
 
 @dataclass(frozen=True)

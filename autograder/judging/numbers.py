@@ -1,4 +1,4 @@
-"""Why texts are not numbered 1, 2, 3 and so on."""
+"""Numbers in what a node says: which there are, and why they are not 1, 2, 3 and so on."""
 
 from __future__ import annotations
 
@@ -8,6 +8,24 @@ import re
 from autograder.exam.exam import Cause
 
 COUNT_IN = 'Make self.count once, in __init__(), as 0, and add 1 in the callback, once.'
+_NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
+GRAIN = 0.051
+"""How far a number may be from the value that it shows: it may be rounded to one decimal."""
+
+
+def numbers_in(text: str) -> list[float]:
+    """Return the numbers in a text, with their signs; a comma may stand before the decimals."""
+    return [float(found.replace(',', '.')) for found in _NUMBER.findall(text)]
+
+
+def whole_numbers_in(text: str) -> list[int]:
+    """Return the digits in a text as numbers; 003 is 3, and digits of any script are digits."""
+    return [int(digits) for digits in re.findall(r'\d{1,9}', text)]
+
+
+def shows(text: str, *values: float) -> bool:
+    """Return whether a text shows one of some values, however rounded."""
+    return any(abs(one - value) <= GRAIN for one in numbers_in(text) for value in values)
 
 
 def why_not_numbered(texts: Sequence[str], place: int, first: int = 1) -> Cause | None:
@@ -25,13 +43,13 @@ def why_not_numbered(texts: Sequence[str], place: int, first: int = 1) -> Cause 
             'The text has braces in it: they are filled in only if an f stands before the quotes.',
             "Write an f before the quotes, as in f'number {self.count}'.",
         )
-    numbers = [int(digits) for digits in re.findall(r'\d{1,9}', text)]
+    numbers = whole_numbers_in(text)
     if not numbers:
         return Cause('no_number', 'There is no number in the text.', "As in f'... {self.count}'.")
     if len(set(texts)) == 1:
         return Cause('never_counts', 'The number is the same in every text.', COUNT_IN)
     if place:
-        before = {int(digits) for one in texts[:place] for digits in re.findall(r'\d{1,9}', one)}
+        before = {number for one in texts[:place] for number in whole_numbers_in(one)}
         if before & set(numbers) and text != texts[place - 1]:
             again = f'The count goes back after {place} texts.'
             return Cause('begins_again', again, COUNT_IN)
