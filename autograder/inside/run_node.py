@@ -66,7 +66,7 @@ def load_what_nodes_need() -> None:
     # What rclpy does with threads and processes of its own is over when the gate opens, so the
     # program's first line runs at the very instant of the release.
     import rclpy  # noqa: F401
-    from rosidl_generator_py import import_type_support
+    from rosidl_generator_py import import_type_support  # type: ignore[import-untyped]
 
     for package in OF_EVERY_NODE:
         for kind in ('msg', 'srv'):

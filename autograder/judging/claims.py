@@ -219,7 +219,8 @@ def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judg
     @claim(check or f'answers_{base}', sentence or f'It answers each call of {base}.')
     def judge(run: Run) -> None:
         asked: Specification = run.facts[ask]
-        calls = zip_longest(asked.answers, run.recording.answers(service), fillvalue={})
+        nothing: dict[str, Any] = {}
+        calls = zip_longest(asked.answers, run.recording.answers(service), fillvalue=nothing)
         came = [
             {name: field_of(one, name) for name in due} if 'data' in one else None
             for due, one in calls
