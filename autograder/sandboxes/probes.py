@@ -151,11 +151,7 @@ class ForkServer:
         # A user namespace first: it gives the right to enter the other.
         namespaces = [fd for _, fd in sorted(student.namespaces.items(), reverse=True)]
         try:
-            self._order(student, [*theirs, place, *namespaces])
-        finally:
-            for pipe in theirs:
-                os.close(pipe)
-        try:
+            self._order(student, theirs, [place, *namespaces])
             said, pid = self._answer()
             if said == BORN:
                 return Probe(self, pid, ours)
@@ -167,16 +163,20 @@ class ForkServer:
                 os.close(pipe)
             raise
 
-    def _order(self, student: Confined, files: Sequence[int]) -> None:
+    def _order(self, student: Confined, pipes: Sequence[int], others: Sequence[int]) -> None:
+        """Order a probe, which takes over the ends of its pipes."""
         order = {
             'variables': self._variables(student.domain),
             'limits': LIMITS.of_process(self.sandbox.processes()),
             'rules': self._rules(),
         }
         try:
-            socket.send_fds(self.channel, [json.dumps(order).encode()], files)
+            socket.send_fds(self.channel, [json.dumps(order).encode()], [*pipes, *others])
         except OSError as error:
             raise ProbeFailed(f'The fork server of the probes has ended: {error}.') from error
+        finally:
+            for pipe in pipes:
+                os.close(pipe)
 
     def _rules(self) -> dict[str, Any] | None:
         """Return the rules of a probe, None if it keeps its rights."""

@@ -303,14 +303,12 @@ def start_bwrap(
     options: Sequence[str],
     command: Sequence[str],
     fds: Sequence[int],
-    enter: Sequence[str] = (),
     **pipes: Any,
 ) -> subprocess.Popen[bytes]:
     """
     Start bubblewrap with its options in a pipe.
 
     :param fds: descriptors it inherits
-    :param enter: command before it, which enters namespaces
     :param pipes: what is to be different from :data:`PIPES`
     """
     listed, writing = os.pipe()
@@ -318,7 +316,7 @@ def start_bwrap(
         # Some 8 KB; a pipe takes 64 KB without a reader.
         os.write(writing, b'\0'.join(option.encode() for option in options) + b'\0')
         os.close(writing)
-        argv = [*enter, 'bwrap', '--args', str(listed), '--', *command]
+        argv = ['bwrap', '--args', str(listed), '--', *command]
         return subprocess.Popen(argv, pass_fds=(*fds, listed), env=BARE, **{**PIPES, **pipes})
     finally:
         os.close(listed)
