@@ -14,7 +14,7 @@ GRAIN = 0.051
 
 
 def numbers_in(text: str) -> list[float]:
-    """Return the numbers in a text, with their signs; a comma may stand before the decimals."""
+    """Return the numbers in a text, with their signs; the decimal separator may be a comma."""
     return [float(found.replace(',', '.')) for found in _NUMBER.findall(text)]
 
 

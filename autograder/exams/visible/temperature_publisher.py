@@ -132,7 +132,7 @@ def _seconds_in_rhythm(run: Run, found: list[int]) -> tuple[int, int | None]:
 
 
 def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
-    """Explain messages in another rhythm, if it is not that of another clock by their gaps."""
+    """Explain a wrong rhythm, unless the gaps show that it is the rhythm of another clock."""
     if why := why_silent(run):
         return why
     gaps = [later['clock_ns'] - earlier['clock_ns'] for earlier, later in pairwise(found)]
@@ -144,7 +144,7 @@ def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
     if 0 not in gaps and (sleeps := why_it_sleeps(run)):
         return sleeps
     clock: RosClock = run.facts['clock']
-    # A late beginning is no early end: only what comes after the first message can be missing.
+    # Counted from the first message, so that a late beginning does not look like an early end.
     late_ns = found[0]['clock_ns'] - _begin_ns(run) if found else 0
     during_s = run.facts['seconds'] - late_ns / SECOND * clock.rate
     return why_other_rhythm(found, 1.0, during_s, rate=clock.rate, grain_s=clock.step_s)

@@ -45,5 +45,5 @@ def why_error_logged(run: Run, text: str) -> Cause:
         'logged_error',
         f"Your node logs this error: '{quoted(run, text)}'.",
         'If an except logs it, take try and except out for a moment: the traceback names the '
-        'line. If not, which condition leads this reading to that line?',
+        'line. If not, which condition leads to that line?',
     )
