@@ -40,7 +40,7 @@ COMMANDS = {
         'rejudge:options',
         'judge stored recordings again with the edited exam; runs no program',
     ),
-    'forget': ('forget:options', 'list what the course has of a student; --yes removes it'),
+    'forget': ('forget:options', 'list all data about a student; --yes removes it'),
     'explain': ('explain:options', 'show the evidence behind a verdict'),
     'report': ('stats:report_options', 'write the statistics page of a class again'),
     'stats': ('stats:options', 'print statistics of the last grading: marks, checks, causes'),
@@ -49,7 +49,7 @@ COMMANDS = {
     'new-course': ('authoring:new_course_options', 'create a new course in a separate folder'),
     'new-exam': ('authoring:new_exam_options', 'create an exercise: a lesson and its two exams'),
 }
-"""By name: the function in ``commands`` that describes its options, and its line of help."""
+"""Commands by name: the function in ``commands`` that describes the options, and the help text."""
 GOES_ON = {
     'grade': 'Finished runs are kept; run the same command again to continue.',
     'collect': 'Collected files are kept; run the same command again to continue.',

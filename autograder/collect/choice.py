@@ -28,7 +28,7 @@ from autograder.submission.ids import student_id
 from autograder.submission.tree import NotTakenInError, UnreadableError
 
 MOST_NOTEBOOKS = 50
-"""Of one hand-in; a clone of the course has a dozen."""
+"""Limit of notebooks in one delivery; a clone of the course has a dozen."""
 MOST_BYTES_EACH = 256 << 20
 NAMES_SHOWN = 3
 
@@ -115,7 +115,7 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
     if not students:
         return ''
     got = (
-        f'equally many cells of {ranked[1][0]} and {ranked[0][0]}'
+        f'as many cells of {ranked[1][0]} as of {ranked[0][0]}'
         if ranked
         else 'none of this course'
     )
@@ -308,11 +308,11 @@ def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
     for rival in chosen:
         if one.content == rival.assignment:
             same = one.piece.file.parts == rival.piece.file.parts
-            return 'an earlier one' if same else f'{path}: {rival.piece.file.path} was taken'
+            return 'an earlier one' if same else f'{path}: {rival.piece.file.path} counts'
     if one.content:
         return f'wrong assignment: {path} is {one.content}'
     if goal and one.named not in ('', goal):
-        return f'{path}: named like {one.named}, and it contains no cell of {goal}'
+        return f'{path}: named like {one.named}, but it contains no cell of {goal}'
     if chosen and not one.named:
         return f'{path}: it contains no cell of {goal or "this course"}'
     if goal or one.named:

@@ -17,7 +17,7 @@ from autograder.collect.owners import OwnerRule
 from environment.exchange import protect
 
 COPY_MODE = 0o755
-"""Of a collected folder; in the exchange it is writable for all."""
+"""Mode of a collected folder; in the exchange, every user can write to it."""
 
 
 class ReleaseProtected(ExchangeReleaseAssignment):

@@ -89,14 +89,14 @@ def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
     name = one.student[:60]
     if one.number and student in known.shared:
         return (
-            f'two people are called {name!r}: unpack, put an id into the names of their folders '
-            f'as in "{name} ID_{one.number}_assignsubmission_file", the same one every time, and '
-            f'look whose submitted/{student} is'
+            f'two people are called {name!r}: unpack the zip, add an id to the names of their '
+            f'folders as in "{name} ID_{one.number}_assignsubmission_file", always the same id, '
+            f'and find out whose submitted/{student} is'
         )
     if one.number and before != one.number:
         return (
-            f'not the previous {name!r}: number {one.number} in Moodle, then {before}; put an '
-            f'id into the name of the folder as in "{name} ID_{one.number}_assignsubmission_file'
+            f'perhaps another {name!r}: number {one.number} in Moodle, earlier {before}; add an '
+            f'id to the name of the folder as in "{name} ID_{one.number}_assignsubmission_file'
             '", or if the same people hand in twice in Moodle, delete _work/namesakes.json'
         )
     return ''

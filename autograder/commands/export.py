@@ -25,7 +25,7 @@ from autograder.sandboxes.isolation import MODES, WEAK
 
 Marked = Sequence[tuple[ClassResults, Sequence[Mark]]]
 Made = tuple[Mapping[Path, bytes | None], bool, str]
-"""Content by path, None to remove it; whether a score is missing; and what is to be said."""
+"""Content by path, None to remove the file; whether a score is missing; text to print."""
 
 
 def options(parser: argparse.ArgumentParser) -> None:

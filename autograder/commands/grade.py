@@ -48,7 +48,7 @@ from autograder.sandboxes.isolation import banner, not_protected, WEAK
 from autograder.submission.inbox import discover, students_in, without_notebooks
 
 AHEAD = 64
-"""Runs that a scheduler has before it needs them: workers that come later find something to do."""
+"""Runs that a scheduler gets ahead of need, so that workers that join later have work."""
 MAX_NAMED = 5
 
 

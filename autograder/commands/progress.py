@@ -28,7 +28,7 @@ from autograder.results import shortened
 
 NAME_CHARS = 30
 LINE_S = 5.0
-"""Time between two lines in a log."""
+"""Time between two lines in a log [s]."""
 
 
 @dataclass

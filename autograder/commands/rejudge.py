@@ -178,7 +178,7 @@ class Account:
 
 
 Known = dict[tuple[Any, ...], tuple[ExamResult | None, str]]
-"""Verdicts by exam, files and recording."""
+"""Verdicts that are already known, by exam, files and recording."""
 
 
 def rejudge_command(

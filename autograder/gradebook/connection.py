@@ -23,7 +23,7 @@ FILE_ADVICE = {
     'not a database': 'put a complete copy of the file in its place',
     'malformed': 'put a complete copy of the file in its place',
 }
-"""What to do about a gradebook file, by what SQLite says."""
+"""Advice about a gradebook file, by a part of SQLite's message."""
 
 
 class GradebookRefusedError(GraderError):

@@ -28,7 +28,7 @@ from autograder.layout import Layout
 from autograder.results import SubmissionResult
 
 MAX_LINES = 6
-"""Lines of nbgrader's that are repeated: three students with two lines each."""
+"""Lines of nbgrader's output that are repeated: two lines each for three students."""
 
 
 def generate(layout: Layout, assignment: str, release: Path, database: bool) -> None:

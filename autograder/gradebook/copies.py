@@ -23,7 +23,7 @@ from autograder.layout import Layout
 MAX_RECENT = 10
 MAX_DAYS = 10
 MAX_BYTES = 500_000_000
-"""All copies together; the newest stays, whatever its size."""
+"""Limit of all copies together; the newest copy is kept, whatever its size."""
 _NAME = '%Y-%m-%d_%H%M%SZ.db'
 _DAY_CHARS = len('2026-12-31')
 
@@ -70,8 +70,8 @@ def keep_copy(layout: Layout) -> Path | None:
             raise _damaged(layout, path, str(error)) from error
         raise GraderError(
             f'{path}: the gradebook cannot be copied: {error}. Nothing was entered.',
-            f'Try: free space for {copy.parent}, close what else writes to the gradebook, then '
-            'the same command again. Finished runs are kept.',
+            f'Try: free space for {copy.parent}, close other programs that write to the '
+            'gradebook, then run the same command again. Finished runs are kept.',
         ) from error
     _remove_old(copies(layout))
     return copy
@@ -124,7 +124,7 @@ def refuse_damaged(layout: Layout) -> None:
         nothing = not path.stat().st_size
         if not empty or not (_was_filled(layout) or (nothing and copies(layout))):
             return
-        got = 'an empty file' if nothing else 'it no longer has any submission'
+        got = 'an empty file' if nothing else 'it no longer has any submissions'
     raise _damaged(layout, path, got)
 
 

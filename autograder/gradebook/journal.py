@@ -29,7 +29,7 @@ from autograder.layout import Layout
 from autograder.submission.reading import read_file
 
 Rows = dict[str, dict[str, Any]]
-"""By student, what the gradebook shows, by cell."""
+"""The values that the gradebook shows, by student and by cell."""
 
 SHOWN = """
 select submitted_assignment.student_id, base_cell.name, grade.auto_score,

@@ -21,7 +21,7 @@ from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 
 TOGETHER = 10
-"""Submissions entered at once: what it takes to begin is then a tenth of the whole."""
+"""Submissions per entry: the time to begin an entry is then a tenth of the whole."""
 
 
 @dataclass

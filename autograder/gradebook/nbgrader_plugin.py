@@ -48,7 +48,7 @@ from autograder.submission.reading import read_file
 from autograder.submission.submission import open_submission
 
 NO_RESPONSE = 'No response.'  # what nbgrader itself says of an untouched answer
-LOST = 'What you wrote here could not be found in what was handed in; a note below says why.'
+LOST = 'Your answer here was not found in the submitted file; a note below says why.'
 _STUBS = {
     'node': f'# {UNSOLVED}\nraise NotImplementedError()',
     'rosmsg': f'# {UNSOLVED}',

@@ -9,7 +9,7 @@ import unicodedata
 from autograder.submission.inbox import is_letter, is_student_id, MAX_NAME_CHARS
 
 _DIGITS = 12
-"""Nobody tries so many names to get the id of somebody else: 16 to the power of this."""
+"""Digits of the digest: nobody can try 16**12 names to find one with a given digest."""
 _REPLACED = re.compile(rf'.*--[0-9a-f]{{{_DIGITS}}}')
 
 

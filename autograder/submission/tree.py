@@ -29,7 +29,7 @@ COLCON_MARK = 'COLCON_IGNORE'
 _CHUNK = 1 << 20
 _NOISE = 'made by a program'
 _UTF_8 = 0x800
-"""Set where a zip says that a name is UTF-8."""
+"""Flag of a zip entry whose name is UTF-8."""
 _COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError)
 

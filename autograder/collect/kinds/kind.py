@@ -30,8 +30,8 @@ SYSTEMS: Mapping[str, Any] = {
     EXCHANGE: exchange,
 }
 """
-What names things in a way of its own.  Each module says what its names are (``EXPECTED``), how
-many entries of a level are named so (``claims``), and what they are (``read``).
+Platforms that have their own form of names.  Each module describes the form (``EXPECTED``), counts
+the entries of a level that have it (``claims``), and reads them (``read``).
 """
 
 

@@ -14,7 +14,7 @@ from autograder.gradebook.connection import query
 from autograder.layout import Layout
 
 STAMP = 'timestamp.txt'
-"""nbgrader's file for the time of delivery, beside the notebook."""
+"""nbgrader's file with the time of delivery, next to the notebook."""
 _TIME = re.compile(
     r'(?P<day>\d{4}-\d\d-\d\d)[ T](?P<time>\d\d:\d\d(?::\d\d)?)(?:\.\d+)? ?(?P<zone>\S.*)?'
 )
