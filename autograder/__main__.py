@@ -97,10 +97,10 @@ def _nobody_reads() -> bool:
     """
     try:
         output = sys.stdout.fileno()
-    except (OSError, ValueError):  # no file of the system's
+    except (OSError, ValueError):  # not a file of the operating system
         return False
     looked_at = select.poll()
-    looked_at.register(output, 0)  # errors are always reported
+    looked_at.register(output, 0)  # poll() reports errors without being asked
     if not any(what & select.POLLERR for _, what in looked_at.poll(0)):
         return False
     os.dup2(os.open(os.devnull, os.O_WRONLY), output)
@@ -132,7 +132,7 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
 
     for name, (options, text) in COMMANDS.items():
         command = commands.add_parser(name, help=text)
-        if name in arguments:  # the modules of the others need not be imported
+        if name in arguments:  # the modules of other commands need not be imported
             resolve_name(f'autograder.commands.{options}')(command)
     return parser
 

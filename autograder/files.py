@@ -15,7 +15,7 @@ import uuid
 from autograder.errors import GraderError
 
 LONGEST_NAME = 150
-"""Bytes of a file name that :func:`safe_name` makes; systems take 255, endings included."""
+"""Bytes of a name from :func:`safe_name`; file systems allow 255, with the suffix."""
 DIGEST_CHARS = 16
 
 
@@ -45,7 +45,8 @@ def write_file(path: Path, data: bytes, force: bool = False, mode: int = 0o644) 
     :raises GraderError: if the file is there and is not to be replaced
     """
     refuse_existing([path], force)
-    keep(path, data, mode, lambda: refuse_existing([path], force))  # it may have come meanwhile
+    # Another program may have created it meanwhile.
+    keep(path, data, mode, lambda: refuse_existing([path], force))
 
 
 def json_bytes(data: Any) -> bytes:
@@ -88,7 +89,8 @@ def keep(
     try:
         descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
         with os.fdopen(descriptor, 'wb') as file:
-            fcntl.flock(file, fcntl.LOCK_EX)  # while its writer lives, no clean-up removes it
+            # Keeps the clean-up of another command from removing it.
+            fcntl.flock(file, fcntl.LOCK_EX)
             file.write(data)
             file.flush()
             os.fsync(descriptor)

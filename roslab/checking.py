@@ -74,7 +74,7 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
             ),
         )
     command = [sys.executable, '-m', 'autograder.commands.check', exam]
-    # In an empty folder: a file of the learner's beside the notebook must not replace a module.
+    # Run in an empty folder: a learner's file next to the notebook must not replace a module.
     with (
         tempfile.TemporaryDirectory(prefix='check-') as empty,
         ElapsedTime(f'Checking {exam}') as elapsed,

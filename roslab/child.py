@@ -55,7 +55,7 @@ def run(
     :raises OSError: if the command cannot be started
     """
     begin = time.monotonic()
-    # Interrupts only while waiting: a process is either not started or known, and then ended.
+    # Allow interrupts only while waiting, so that every started process is known and ended.
     with tempfile.TemporaryFile() as log, HeldInterrupts() as interrupts:
         process = subprocess.Popen(
             command,

@@ -116,7 +116,7 @@ def _plain(value: Any, field_type: str, options: _Options) -> Any:
         return message_dict(value, options)
     if isinstance(value, (list, tuple, array.array)) or hasattr(value, 'tolist'):
         if not hasattr(value, '__len__'):
-            return value.item()  # one number of numpy
+            return value.item()  # a single NumPy number
         return _sequence(value, field_type, options)
     return value
 

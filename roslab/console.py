@@ -21,7 +21,7 @@ from typing import Any
 import rclpy.context
 import rclpy.logging
 
-_BEGIN, _NEXT, _END = '\x1e', '\x1f', '\x1d\n'  # separators of ASCII that no text contains
+_BEGIN, _NEXT, _END = '\x1e', '\x1f', '\x1d\n'  # ASCII separators, which no log text contains
 _VARIABLES = {
     'RCUTILS_LOGGING_USE_STDOUT': '1',
     'RCUTILS_COLORIZED_OUTPUT': '0',
@@ -29,10 +29,10 @@ _VARIABLES = {
     f'{_NEXT}{{message}}{_END[0]}',
 }
 MARK = f'{_BEGIN}{_NEXT}{_NEXT}{_NEXT}{_END}'.encode()
-"""A line from no node: a reader that gets it has read everything that was written before it."""
+"""A line from no node: when it arrives, everything written before it has been read."""
 _C_FILES = ('.c', '.cc', '.cpp', '.cxx', '.h', '.hpp')
-# Letters and background of the word for the level.  ROS gives the colour to the whole line, but no
-# shade of yellow is readable on a white page and on a black one.
+# Colours of the level's name and its background.  ROS colours the whole line, but no shade of
+# yellow is readable on both a white and a black page.
 _COLOURS = {
     'DEBUG': '38;5;231;48;5;240',
     'WARN': '38;5;16;48;5;220',

@@ -42,7 +42,7 @@ class Construction:
     def arguments(self, name: str, given: dict[str, Any]) -> tuple[str, dict[str, Any]]:
         """Return what ``Node.__init__`` is called with instead."""
         arguments = {**given, 'context': given.get('context') or self.context}
-        if self.made:  # name and parameters are meant for the first node of a factory
+        if self.made:  # name and parameters apply to the first node that a factory creates
             return name, arguments
         if self.parameters:
             overrides = {item.name: item for item in given.get('parameter_overrides') or ()}

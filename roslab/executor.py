@@ -155,7 +155,7 @@ class GuardedExecutor(Executor):
             with self._around(node):
                 task()
             failure = task.exception()
-        except BaseException as stop:  # a task keeps an Exception, SystemExit comes through
+        except BaseException as stop:  # a task stores an Exception but lets SystemExit through
             task.cancel()
             failure = stop
         finally:
@@ -225,9 +225,10 @@ class BackgroundExecutor:
         running = self.running
         if running is not None and running[0] is node:
             self._break_callback()
-        # Again: the thread may only have been slow. To destroy a node twice does no harm.
+        # Try again, because the thread may only have been slow.  Destroying a node twice is
+        # harmless.
         if not self._do(go, patience_s):
-            go()  # another node blocks the thread; no wait set is in use meanwhile
+            go()  # another node blocks the thread, so no wait set is in use
 
     def ask(self, request: Callable[[], None]) -> None:
         """Have something done between two callbacks, without waiting for it."""
@@ -278,9 +279,9 @@ class BackgroundExecutor:
             except ExternalShutdownException:
                 return
             except CallbackStopped:
-                continue  # arrived after its callback had ended by itself
+                continue  # arrived after the callback had already returned
             except Exception as error:
-                # A node destroyed by a cell while the wait set is built; the next round is clean.
+                # A cell destroyed a node while the wait set was built; the next round succeeds.
                 failures += 1
                 if failures >= _MOST_FAILURES_IN_A_ROW:
                     print(f'roslab: the executor stopped. {type(error).__name__}: {error}')
@@ -312,7 +313,7 @@ class _Request:
     def _carry_out(self) -> None:
         try:
             self._action()
-        except CallbackStopped:  # meant for a callback that had ended by itself
+        except CallbackStopped:  # intended for a callback that has already returned
             self._action()
 
     def wait(self, timeout_s: float) -> bool:
@@ -327,7 +328,7 @@ class _Request:
             with suppress(Empty):
                 self._tickets.get_nowait()
                 return False
-            error = None  # it is running: as good as done
+            error = None  # the action is running and counts as done
         if error is not None:
             raise error
         return True

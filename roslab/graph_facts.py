@@ -124,7 +124,7 @@ class Facts:
             for into in self._shown(topic.subscriptions)
         }
         connected = {(p.publisher, p.topic, p.subscription) for p in found if not p.reason}
-        # Of several endpoints of the same two nodes, one connection is enough.
+        # If two nodes have several pairs of endpoints, one connected pair is enough.
         kept = (
             pair
             for pair in found
@@ -274,7 +274,7 @@ def only_topic(facts: Facts, topic: str) -> Facts:
 
 def _participant_of(node: Node) -> bytes:
     """Return the bytes with which the ids of a node's own endpoints begin."""
-    # Another kernel's node may have the same name, but only this one has the topic.
+    # A node of another kernel may have the same name, but not this topic.
     topic = f'/_roslab/of_{uuid.uuid4().hex}'
     publisher = node.create_publisher(ParameterEvent, topic, 1)
     try:
@@ -287,7 +287,7 @@ def _endpoints(infos: Iterable[Any], own: bytes) -> tuple[Endpoint, ...]:
     found = []
     for info in infos:
         name = info.node_name
-        # Discovery may know an endpoint a moment before it knows the endpoint's node.
+        # Discovery may report an endpoint a moment before it reports the endpoint's node.
         full = f'/?{name}' if name == _UNKNOWN else f'{info.node_namespace.rstrip("/")}/{name}'
         here = bytes(info.endpoint_gid).startswith(own)
         found.append(Endpoint(full, info.topic_type, info.qos_profile, here))

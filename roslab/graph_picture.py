@@ -140,7 +140,7 @@ def _whole(
 ) -> str:
     legend = 'rounded: node \u00b7 square: topic \u00b7 dashed with a cross: not connected'
     width = max(layout.width, svg.text_width(legend, 11), svg.text_width(_summary(facts), 11))
-    # Above a box with remarks there is room that nothing is drawn in.
+    # Above a box with remarks there is empty room.
     room = {f't{name}': _LINE * len(found) for name, found in remarks.items()}
     tops = (s.y - s.height / 2 + room.get(s.key, 0.0) for s in layout.spots.values())
     top = min(tops, default=0.0)
@@ -172,7 +172,7 @@ def _remarks(facts: Facts, topic: Topic) -> list[str]:
             found.append(f'{facts.label(pair.publisher)} - -> {facts.label(pair.subscription)}:')
         found.append(pair.reason)
     lone = [edge for edge in edges if edge.remark and not pairs]
-    if len({edge.remark for edge in lone}) == 1:  # said once, it is true of all
+    if len({edge.remark for edge in lone}) == 1:  # print a common remark only once
         found.append(lone[0].remark)
     else:
         found += [f'{facts.label(edge.node)}: {edge.remark}' for edge in lone]
@@ -203,7 +203,7 @@ def _topic_size(topic: Topic, remarks: list[str], ports: dict[str, int]) -> tupl
     widths += [svg.text_width(remark, 11) - 10 for remark in remarks]
     height = _TOPIC_HEIGHT + _LINE * (len(lines) - 2) if len(lines) > 1 else _NODE_HEIGHT
     height = _height(height, ports, f't{topic.name}')
-    # The remarks are below the box; equal space above keeps the lines of the box in the middle.
+    # The remarks are below the box; equal space above it keeps the box in the middle.
     return max(100.0, max(widths) + 20), height + 2 * _LINE * len(remarks)
 
 

@@ -219,24 +219,24 @@ def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: An
     if (inside := _inside_magic(trace)) is not None:
         trace, tb_offset = inside, 0
     own_words = getattr(error, '_render_traceback_', None)
-    # Whatever goes wrong here, the learner's own error is what matters.
+    # If this code fails, still show the learner's own error.
     with suppress(Exception):
         if own_words is None or not isinstance(error, _SENTENCES):
             said = advice(error, shell)
             alone = said is not None and own_words is None
             if not isinstance(error, _WRITTEN_WRONGLY):
                 said = said or _out_of_order(shell)
-        # All above cannot be run to the end before the exercises there are written.
+        # NotImplementedError is normal: the exercises above may not be solved yet.
         if not isinstance(error, NotImplementedError):
             _failed.add(len(_history(shell)) - 1)
     if said is None:
-        # Without a frame of the learner's, the cell is no Python; those of IPython help nobody.
+        # Without a frame of the learner, the cell is not valid Python; hide IPython's own frames.
         own = any(not is_library(frame.filename) for frame in _frames(error))
         shell.showtraceback((kind, error, trace), tb_offset=tb_offset, running_compiled_code=own)
         return
-    # As IPython does for a traceback, so that explain() finds the error that was shown last.
+    # Store the error as IPython does, so that explain() finds it.
     sys.last_type, sys.last_value, sys.last_traceback = kind, error, trace
-    with suppress(AttributeError):  # an error without room for more
+    with suppress(AttributeError):  # errors with __slots__ accept no attributes
         error._course_advice = said  # type: ignore[attr-defined]
     lines: list[str] = []
     if own_words is not None:
@@ -323,7 +323,8 @@ def _is_given_to_check(name: str, shell: Any) -> bool:
 def _raised_by_learner(error: BaseException) -> bool:
     frames = [f for f in _frames(error) if not f.filename.startswith('<frozen importlib')]
     own = bool(frames) and not is_library(frames[-1].filename)
-    return own or (bool(frames) and frames[-1].filename == '<string>')  # exec in a cell
+    # Code that a cell runs with exec().
+    return own or (bool(frames) and frames[-1].filename == '<string>')
 
 
 def _frames(error: BaseException) -> Sequence[traceback.FrameSummary]:

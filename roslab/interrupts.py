@@ -25,7 +25,7 @@ import weakref
 from IPython.core import interactiveshell
 
 _RETRY_S = 0.01
-_LEAVES_HALF_MADE = frozenset({'rclpy', 'ptyprocess'})  # their packages' folders
+_LEAVES_HALF_MADE = frozenset({'rclpy', 'ptyprocess'})  # names of their packages' folders
 _SHOWING_ERRORS = frozenset(
     {'wrapped', 'showtraceback', 'showsyntaxerror', '_format_exception_for_storage'}
 )
@@ -102,12 +102,12 @@ def watch_cells(shell: Any) -> None:
 
     :param shell: what ``get_ipython()`` returns
     """
-    # ipykernel puts its own handler in place for each message, and the older one back after it.
+    # ipykernel installs its own handler for each message and restores the old one afterwards.
     shell.events.register('pre_run_cell', _watch_cell)
     kernel = getattr(shell, 'kernel', None)
     if kernel is None:
         return
-    from ipykernel import zmqshell  # not there outside of a kernel
+    from ipykernel import zmqshell  # not installed outside a kernel
 
     put_in_place = kernel.pre_handler_hook
 
@@ -117,13 +117,13 @@ def watch_cells(shell: Any) -> None:
         _watch_cell()
 
     kernel.pre_handler_hook = before_a_message
-    # Interrupted commands end, and IPython goes on with the cell; their names in its modules.
+    # IPython continues the cell after an interrupted command.  Wrap the functions that run
+    # commands.
     for module, name in ((zmqshell, 'system'), (interactiveshell, 'getoutput')):
         setattr(module, name, _ending_the_cell(getattr(module, name)))
     sys.unraisablehook = _bringing_back_interrupts(sys.unraisablehook)
-    # A signal that comes while the kernel ends would break off what others still have to do:
-    # an interrupt, or Jupyter's reminder to an end that takes seconds on a busy machine.
-    # Registered late, these run before them.
+    # Ignore signals while the kernel ends: an interrupt, or Jupyter's second signal if the end
+    # takes seconds, would cut off other exit functions.  Functions registered last run first.
     for reminder in (signal.SIGINT, signal.SIGTERM):
         atexit.register(signal.signal, reminder, signal.SIG_IGN)
 
@@ -195,7 +195,7 @@ def _ending_the_cell(command: Callable[..., Any]) -> Callable[..., Any]:
         try:
             result = command(*arguments)
         except UnboundLocalError:
-            # IPython's answer to an interrupt that comes before its child was started.
+            # IPython raises this if an interrupt arrives before it has started the child.
             if not interrupted():
                 raise
             raise KeyboardInterrupt from None
@@ -223,7 +223,7 @@ def _try_later() -> None:
 
 
 def _send_again(message: int) -> None:
-    if message == _watched.message:  # or it would hit the next cell
+    if message == _watched.message:  # otherwise the signal would interrupt the next cell
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
 

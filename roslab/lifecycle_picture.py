@@ -160,7 +160,7 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
             'which has no states. Try: class X(LifecycleNode), from rclpy.lifecycle.'
         )
     machine: Any = getattr(node, '_state_machine', None)
-    if machine is None:  # it went with the node, see destroy_wholly
+    if machine is None:  # destroyed with the node, see destroy_wholly
         raise NotHereError('lifecycle() expected a running node, but this one was stopped.')
     return LifecyclePicture(node.get_fully_qualified_name(), str(machine.current_state[1]))
 

@@ -72,12 +72,13 @@ class Listener:
     def _begin(self) -> None:
         self._node = self._session.helper
         with HeldInterrupts():
-            # The callback holds the deque, not the listener, which has to be free to go.
+            # The callback refers to the deque, not to the listener, so the listener can be
+            # collected.
             subscription = _subscribe(self._node, self.topic, self.msg_type, self.qos, self._heard)
             self._end = weakref.finalize(
                 self, _unsubscribe, self._session, self._node, subscription
             )
-            # At exit the session destroys its nodes as a whole.
+            # At exit, the session destroys whole nodes with their subscriptions.
             self._end.atexit = False
 
     def _begin_again(self) -> None:
@@ -102,7 +103,8 @@ class Listener:
                 raise self.too_little(count, timeout)
             return self.messages
         finally:
-            del self  # a kernel keeps the last traceback, which must not keep the subscription
+            # The kernel stores the last traceback, which would keep the subscription alive.
+            del self
 
     def too_little(self, count: int, timeout: float) -> TimeoutError:
         """
@@ -155,7 +157,7 @@ def _subscribe(
             f'listen({topic!r}, ...) expected a message class, as in '
             f'listen({topic!r}, String) after "from std_msgs.msg import String", got {msg_type!r}.'
         )
-    # Asked first, because the middleware refuses a second type with misleading words on stderr.
+    # Check first, because the middleware reports a second type with a misleading text on stderr.
     known = dict(node.get_topic_names_and_types()).get(node.resolve_topic_name(topic), [])
     if known and type_name(msg_type) not in known:
         raise RoslabError(

@@ -122,7 +122,7 @@ class Plot:
             _plots.setdefault(self._key, self)
             running = self._thread is not None and self._thread.is_alive()
             if has_frontend() and not running:
-                # Where nobody looks, wait() and the end of each cell paint often enough.
+                # Without a frontend, redrawing in wait() and at the end of each cell is enough.
                 self._thread = threading.Thread(
                     target=self._follow, name='roslab plot', daemon=True
                 )
@@ -135,7 +135,7 @@ class Plot:
             if self._handle is None or newest == self._painted:
                 return
             self._painted = newest
-            with suppress(Exception):  # a closed connection ends no cell and no thread
+            with suppress(Exception):  # a closed connection must not end a cell or a thread
                 self._handle.update(self._bundle(), raw=True)
 
     @property

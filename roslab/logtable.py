@@ -106,13 +106,14 @@ class _Recorder:
 
     def __call__(self, severity: Any, name: str, message: str, *place: Any) -> None:
         if not isinstance(message, str):
-            self._write(severity, name, message, *place)  # raises, so there is no line to keep
+            # Raises an exception, so there is no line to store.
+            self._write(severity, name, message, *place)
             return
         level = _LEVELS.get(int(severity), str(severity))
         line = LogLine(time.time(), level, str(name), message)
         self.on_line(line)
         self._write(severity, name, message, *place)
-        self.lines.append(line)  # last: a cell that waits for the line has shown it then
+        self.lines.append(line)  # stored last: a cell that waits for the line must already show it
 
 
 _recorder: _Recorder | None = None

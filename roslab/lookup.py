@@ -70,7 +70,7 @@ def resolved(node: Node, topic: str) -> str:
     """
     try:
         name: str = node.resolve_topic_name(topic)
-    except Exception as error:  # those of rclpy and rcl about names have no class in common
+    except Exception as error:  # rclpy and rcl raise unrelated classes for bad names
         words = str(error).partition(', at ')[0].splitlines() or ['']
         why = words[0].removeprefix('failed to resolve name: ').rstrip(':')
         raise RoslabError(f'{topic!r} cannot be the name of a topic: {why}.') from None

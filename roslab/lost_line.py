@@ -50,7 +50,7 @@ class ProgramsRefused(ast.NodeTransformer):
         cell = running_cell(self._shell)
         if cell is None:
             return 'my_node'
-        if cell.module:  # the notebook was saved when the line was still there
+        if cell.module:  # the saved notebook still has the line
             return cell.module
         for name in catalog.names(hidden=False):
             exam = catalog.load(name, hidden=False)

@@ -153,7 +153,7 @@ def _refuse_known_module(file: CellFile, package: LearnerPackage) -> None:
 def _run_node(file: CellFile, path: Path) -> ModuleType:
     """Run the saved text as a module; its tracebacks show the lines of the cell."""
     __tracebackhide__ = True
-    # Compiled as the cell that it is: every message names the cell and counts its lines.
+    # Compile under the name of the cell, so that every message shows the cell and its lines.
     name = code_name(f'%%node {file.name}\n{file.body}', str(path))
     tree = _without_main_call(_parse(file, name))
     module = ModuleType(file.name)

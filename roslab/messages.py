@@ -188,8 +188,8 @@ def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> 
     :param clean: whether messages changed, so that nothing of the older ones may be left
     """
     workspace = package.workspace
-    # Always from an empty install folder: libraries that this kernel has loaded must not be
-    # overwritten in place, and files of removed messages must go.
+    # Always build into an empty install folder: libraries that this kernel has loaded must not be
+    # overwritten in place, and files of removed messages must disappear.
     shutil.rmtree(workspace / 'install', ignore_errors=True)
     if clean:
         shutil.rmtree(workspace / 'build', ignore_errors=True)
@@ -266,7 +266,8 @@ def _make_importable(package: LearnerPackage, interfaces: str) -> bool:
         ctypes.CDLL(str(library), ctypes.RTLD_GLOBAL)
     sys.path.insert(0, str(_site_packages(package).parent))
     _put_first('AMENT_PREFIX_PATH', str(_prefix(package)))
-    # For what cells start, such as `!ros2 interface show`; this process has its own by now.
+    # For processes that cells start, such as `!ros2 interface show`; this process is set up
+    # already.
     _put_first('PYTHONPATH', str(_site_packages(package).parent))
     _put_first('LD_LIBRARY_PATH', str(_prefix(package) / 'lib'))
     importlib.invalidate_caches()
@@ -293,7 +294,7 @@ def _site_packages(package: LearnerPackage) -> Path:
 
 def _digest(package: LearnerPackage, variables: dict[str, str]) -> dict[str, str]:
     """Return digests of all that the build reads, and of the part that messages depend on."""
-    # The generator too: CMake refuses to go on with a folder that another one has made.
+    # Include the generator: CMake refuses a build folder that a different generator has created.
     base = f'{sys.version} {variables.get("AMENT_PREFIX_PATH", "")} {_generator(variables)}'
     texts = package.files()
     interfaces = {name: text for name, text in texts.items() if not name.endswith('.py')}

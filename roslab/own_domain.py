@@ -39,7 +39,8 @@ def claim_domain(shell: Any) -> None:
     """
     global _claimed
     if chosen := os.environ.get(VARIABLE):
-        with suppress(OSError, ValueError):  # other kernels leave it out, if the system can tell
+        # Claimed so that other kernels avoid it, if the system allows.
+        with suppress(OSError, ValueError):
             _claimed = _claimed or claim([int(chosen)])
         return
     try:

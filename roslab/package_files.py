@@ -102,7 +102,7 @@ def _is_source(path: Path, inside: str) -> bool:
     return path.is_file() and not hidden
 
 
-_name = ''  # until one is chosen, it is that of the course's own package
+_name = ''  # until a package is chosen, the name of the course's own package
 
 
 def package(name: str | None = None) -> str:

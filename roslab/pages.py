@@ -32,7 +32,7 @@ MOST_IN_CELL = 50
 """Lines of its nodes that a running cell shows before the rest goes into the block."""
 MOST_IN_BLOCK = 12
 _UPDATE_S = 0.25
-_SETTLE_S = 2.0  # bounds a wait that takes a fraction of a millisecond
+_SETTLE_S = 2.0  # limit of a wait that normally takes a fraction of a millisecond
 _LINE_S = 0.05
 
 
@@ -84,7 +84,7 @@ class Pages:
         self._console = console
         self._watcher = getattr(stream, 'watch_fd_thread', None)
         self._arrived = threading.Event()
-        self._whole = threading.Event()  # whether what Python prints has come to the end of a line
+        self._whole = threading.Event()  # whether Python's output is at the end of a line
         self._whole.set()
         self._here = threading.local()
         running = current_cell()
@@ -126,8 +126,8 @@ class Pages:
         if threading.current_thread() is self._watcher:
             mark = self._console.marks
             text = self._console.feed(text)
-            # `print` writes a line and its end one after the other; where no end comes, that was
-            # waited for once.
+            # `print` writes a line and its line end separately.  If no line end follows, wait only
+            # once.
             if text and not self._whole.wait(_LINE_S):
                 self._whole.set()
             written = self._plain(text) if text else 0
@@ -205,7 +205,7 @@ class Pages:
     def _update(self, page: Page, parent: Cell | None) -> None:
         if parent is None or not page.changed:
             return
-        page.changed = False  # first, so that a line that comes now is shown by another update
+        page.changed = False  # reset first, so that a line that arrives now causes another update
         self._changed.pop(page.display_id, None)
         if page.cell.has_frontend:
             parent = page.cell
@@ -239,7 +239,8 @@ def lay_out(shell: Any) -> None:
         return
     _pages = Pages(stream, ConsoleLines())
     spare_the_terminal(stream)
-    # A kernel that does not read its own stdout shows no line of C code, so none comes twice.
+    # A kernel that does not read its own stdout never shows lines of C code, so none appears
+    # twice.
     if getattr(stream, 'watch_fd_thread', None) is None or mark_console():
         show_logs(_pages.write_log)
     shell.events.register('pre_run_cell', _pages.begin_cell)

@@ -290,7 +290,7 @@ class _Pair:
         self.node = node
         self.topic = f'pair_{number}'
         self.names = (offered[0], requested[0])
-        # AUTOMATIC spelt out: the check cannot judge the SYSTEM_DEFAULT that it is otherwise.
+        # AUTOMATIC is explicit, because the check cannot judge the default, SYSTEM_DEFAULT.
         base = {'depth': 1, 'liveliness': LivelinessPolicy.AUTOMATIC}
         self.profiles = (
             QoSProfile(**{**base, **offered[1]}),

@@ -48,7 +48,7 @@ class SavedFile:
 def note_save(path: Path) -> None:
     """Remember that the running cell has saved a file."""
     history = getattr(getattr(shell(), 'history_manager', None), 'input_hist_raw', ())
-    # The history ends with the running cell; the shell's own counter may have gone on already.
+    # The history ends with the running cell; the shell's own counter may already be higher.
     _saves[path] = max(0, len(history) - 1), path.stat().st_mtime_ns
 
 
@@ -58,7 +58,7 @@ def look_up(paths: Iterable[Path]) -> list[SavedFile]:
     for path in paths:
         status = path.stat()
         number, saved_ns = _saves.get(path, (None, 0))
-        # Another program has written it since: no cell of this kernel has that text.
+        # A different time means that another program wrote the file, not a cell of this kernel.
         execution = number if saved_ns == status.st_mtime_ns else None
         found.append(SavedFile(path, execution, status.st_mtime))
     return sorted(found, key=lambda file: file.modified_s)
@@ -85,7 +85,8 @@ def edited_since(files: Collection[SavedFile]) -> list[str]:
     found = []
     for file in files:
         bodies = [cell.body for cell in cells if Path(cell.path).name == file.path.name]
-        # The notebook may have been saved before the cell ran: then its text is the older one.
+        # Ignore a notebook that was saved before the cell ran: its text may be older than the
+        # file.
         if (
             bodies
             and shown_s > file.modified_s

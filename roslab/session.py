@@ -67,7 +67,7 @@ class Session:
         self._started: dict[str, Started] = {}
         self._lost: dict[str, str] = {}
         self._has_looked = False
-        # A thread that still spins while the interpreter is torn down aborts the process.
+        # A thread that still spins during interpreter shutdown would abort the process.
         atexit.register(self.close)
 
     @property
@@ -148,7 +148,7 @@ class Session:
             key = key_of(node.get_name(), node.get_namespace())
             if key in self._started and self._started[key].node is not node:
                 self.stop(key)
-            # First, because its first callback may raise before `add` returns.
+            # Register the node first, because its first callback may raise before `add` returns.
             self._lost.pop(key, None)
             self._started[key] = Started(node, page_here())
             try:
@@ -203,7 +203,7 @@ class Session:
             _destroy_quietly(node)
         background.context.try_shutdown()
         if self._private is None and not rclpy.ok():
-            rclpy.try_shutdown()  # makes room for a new default context
+            rclpy.try_shutdown()  # allows a new default context
 
     def losses(self) -> str:
         """Return which nodes were stopped by an exception, as sentences."""
@@ -262,11 +262,12 @@ class Session:
                     f'{type(node).__name__}. A class must inherit from Node, a function return it.'
                 )
         except BaseException as error:
-            for half_made in making.made:  # or it would stay in the graph without a name
+            # Otherwise the node would stay in the graph without a name.
+            for half_made in making.made:
                 _destroy_quietly(half_made)
             if not isinstance(error, Exception):
-                # An interrupt may fall between rclpy's making of a publisher and its noting it:
-                # then a frame has it, and it has the node.
+                # An interrupt may arrive after rclpy has created a publisher and before rclpy has
+                # stored it.  Then only a frame refers to the publisher, which refers to the node.
                 traceback.clear_frames(error.__traceback__)
             if isinstance(error, Exception) and not isinstance(error, RoslabError):
                 said = f'start({called}) created no node, because it raised an exception:'

@@ -91,7 +91,7 @@ for _kind in _ENTITIES:
 def make_spinning_interruptible() -> None:
     """Let waits of this process's main thread be interrupted, and ROS survive it."""
     rclpy_implementation.WaitSet = InterruptibleWaitSet
-    # rclpy.init looks the name up in its module; SIGTERM ends a kernel without it, too.
+    # rclpy.init looks this name up in its module; SIGTERM also ends a kernel without the handler.
     rclpy.install_signal_handlers = lambda *_: None
 
 

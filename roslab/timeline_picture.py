@@ -112,7 +112,7 @@ def make_timeline(
 
 
 def _row_of(source: Any, zero: float) -> Row:
-    listener = getattr(source, 'listener', source)  # a live plot has one
+    listener = getattr(source, 'listener', source)  # a live plot has a listener
     if not (hasattr(listener, 'times') and hasattr(listener, 'began')):
         raise RoslabError(
             f'timeline() expected a listener, as listen() returns it, got {source!r}. '
@@ -181,7 +181,7 @@ def _row(row: Row, y: float, left: float, right: float, xs: list[float], marks: 
         svg.line(left + 6, y, right - 6, y, faint=True),
         svg.text(right + 4, y + 4, row.amount, size=11),
     ]
-    # Ticks on the same half pixel look like one, and a picture must not grow without end.
+    # Draw ticks on the same half pixel once, to limit the size of the picture.
     for x in sorted({round(x * 2) / 2 for x in xs}):
         if row.mark:
             kind = _MARK_SHAPES[marks % len(_MARK_SHAPES)]

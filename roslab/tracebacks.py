@@ -43,7 +43,7 @@ def is_library(filename: str) -> bool:
     """Return whether a file belongs to Python, to an installed package or to roslab."""
     if filename.startswith('<'):
         return True
-    # A sourced installation has rclpy outside this interpreter's own folders.
+    # In a sourced installation, rclpy is outside this interpreter's own folders.
     ros = getattr(sys.modules.get('rclpy'), '__file__', None)
     known = (*_LIBRARIES, os.path.join(str(Path(ros).parent), '')) if ros else _LIBRARIES
     if any(part in _INSTALLED for part in Path(filename).parts):  # messages that colcon built
@@ -62,7 +62,8 @@ def code_name(source: str, otherwise: str) -> str:
     cache = getattr(getattr(running, 'compile', None), 'cache', None)
     if running is None or cache is None:
         return otherwise
-    # The shell counts on before it runs a cell; its history ends with the running one.
+    # The shell increases its counter before it runs a cell; its history ends with the running
+    # cell.
     number = len(getattr(running.history_manager, 'input_hist_raw', ())) - 1
     name: str = cache(source, max(0, number), raw_code=source)
     return name

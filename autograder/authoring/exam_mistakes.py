@@ -147,7 +147,7 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
         lesson = next((name for name in sorted(headings) if name.startswith(f'{number}_')), '')
         if not lesson:
             return f'expected a lesson to read, got {section!r}: there is no lesson {number}'
-        if heading.startswith('on '):  # what a question is about, in words
+        if heading.startswith('on '):  # the subject of a question, not a heading
             return ''
     if heading in headings[lesson]:
         return ''
@@ -169,7 +169,7 @@ def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
         try:
             cells = read_release(path)['cells']
         except (OSError, ValueError):
-            continue  # whether it is a notebook is not the question here
+            continue  # this check is not about unreadable notebooks
         texts = [cell['source'] for cell in cells if cell['cell_type'] == 'markdown']
         lines = '\n'.join(texts).splitlines()
         titles = {line.lstrip('#').strip() for line in lines if line.startswith('#')}

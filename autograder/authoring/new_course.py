@@ -55,7 +55,7 @@ def new_course(folder: Path) -> list[Path]:
     files['nbgrader_config.py'] = _filled('nbgrader_config.txt', {})
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix='.new_course_') as aside:
-        Path(aside).chmod(0o755)  # the sandbox's user reads it
+        Path(aside).chmod(0o755)  # the user inside the sandbox must be able to read it
         for path, text in files.items():
             keep(Path(aside, path), text.encode())
         shutil.copytree(aside, folder, dirs_exist_ok=True)

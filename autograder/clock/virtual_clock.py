@@ -94,7 +94,8 @@ def built() -> tuple[str, str]:
 
     :raises SandboxUnavailable: if the set-up has not built them
     """
-    folder = Path(sys.prefix).resolve() / FOLDER  # a sandbox does not see a link to it
+    # Resolve links: a link may not exist in a sandbox.
+    folder = Path(sys.prefix).resolve() / FOLDER
     if not (folder / 'driver').is_file():
         raise SandboxUnavailable('The virtual clock is not built.', 'Try: make prepare')
     return str(folder / 'driver'), str(folder / 'clock.so')
@@ -112,7 +113,8 @@ def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator
     driver_file, library = built()
     pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(places)]
     for _, theirs in pairs:
-        # Before a process can say its first word: the driver learns from it which process it is.
+        # Set before a process sends its first message, from which the driver learns the process
+        # id.
         theirs.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
     page_fd = os.memfd_create('time', os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
     try:

@@ -228,11 +228,11 @@ def _without_cells(
     """Return the only notebook delivered for an assignment, if it has none of its cells."""
     names = ('', assignment) if only else (assignment,)
     if any(one.why and one.named in names for one in seen):
-        return []  # the answers may be in that one
+        return []  # the unreadable notebook may contain the answers
     named = [one for one in seen if not one.shared and one.named == assignment]
     if not named and only and len(seen) == 1:
         return [one for one in seen if not one.shared and not one.named]
-    # Of a lesson that has no cells to grade, the name is all there is.
+    # If a lesson has no graded cells, only the name can identify its notebook.
     return named if len(named) == 1 or not course.cells[assignment] else []
 
 
@@ -259,7 +259,7 @@ def _time(
     """Return when a notebook was delivered, and notes about this time."""
     if not handed.stamped:
         return handed.when, ()
-    beside = (assignment, STAMP)  # as nbgrader lays it; elsewhere it is some other file
+    beside = (assignment, STAMP)  # nbgrader's place for it; elsewhere it is some other file
     file = next((one.file for one in handed.pieces if one.file.parts == beside), None)
     if file is None or piece.file.parts[:-1] != beside[:-1]:
         return None, ()
@@ -267,7 +267,7 @@ def _time(
         when, note = read_time(file.read()[:100].decode('utf-8', 'replace'))
     except UnreadableError as error:
         return None, (f'{file.path}: {error}',)
-    # Somebody else than the system may have written it.
+    # Name the source, because a student may have written this file.
     return when, (note or f'time from {file.path}',)
 
 

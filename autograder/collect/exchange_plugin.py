@@ -48,8 +48,8 @@ class CollectFromOwners(ExchangeCollect):
         record['doubt'] = doubt = self._doubt(Path(path), record['username'])
         if doubt:
             self.log.error('%s: not collected: %s', record['filename'], doubt)
-            # nbgrader takes the newest of each user, so what is refused is put under a user of
-            # its own: a later forgery must not hide the work of the student.
+            # nbgrader takes the newest delivery of each user.  A refused delivery gets a separate
+            # user, so that a later forgery cannot hide the student's work.
             record['username'] = f'not collected: {record["filename"]}'
         return record
 

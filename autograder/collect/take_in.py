@@ -121,7 +121,7 @@ def _refused(tree: Tree) -> Iterator[Row]:
     """Yield the entries that were not read, one row per entry."""
     paths = [where.split('/') for where, _ in tree.refused]
     tops = {file.parts[0] for file in tree.files} | {parts[0] for parts in paths}
-    depth = 2 if len(tops) == 1 else 1  # a folder around everything tells nobody whose it is
+    depth = 2 if len(tops) == 1 else 1  # a single outer folder does not show the owner
     grouped: dict[tuple[str, ...], list[str]] = {}
     for where, why in tree.refused:
         grouped.setdefault((*where.split('/')[:depth], why), []).append(where)

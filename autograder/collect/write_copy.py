@@ -47,7 +47,7 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
     if write:
         data = None if same else one.read()
         if wanted is None and os.path.lexists(time):
-            # First of all: what is killed here must not leave an old time with a new notebook.
+            # Remove the time first: a kill must not leave an old time next to a new notebook.
             time.unlink()
         if wanted is not None and wanted != time_there:
             keep(time, wanted)

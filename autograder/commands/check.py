@@ -96,7 +96,7 @@ def _kept_builds(exam: Exam) -> Path | None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
-        return None  # a course that may only be read: every check builds
+        return None  # the course is read-only: build again in every check
     return folder if os.access(folder, os.W_OK) else None
 
 

@@ -176,7 +176,7 @@ def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
 def _gradescope(layout: Layout, chosen: argparse.Namespace, folder: Path) -> Made:
     ((found, given),) = marked = _marked(layout, chosen)
     files = {
-        folder / safe_name(one.student) / RESULTS: None  # removes that of an earlier grading
+        folder / safe_name(one.student) / RESULTS: None  # removes the file of an earlier grading
         if mark.points is None
         else results_bytes(one, chosen.visibility)
         for one, mark in zip(found.results, given)

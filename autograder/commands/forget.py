@@ -156,7 +156,7 @@ def forget(layout: Layout, student: str) -> Path | None:
     """
     found = traces(layout, student)
     copy = keep_copy(layout)
-    # What was handed in moves first: a grading that finds it would undo everything else.
+    # Move the submission first: a grading that found it would undo the removal.
     if found.moved:
         now = time.strftime('%Y-%m-%d_%H%M%SZ', time.gmtime())
         place = _forgotten(layout) / f'{student}_{now}'

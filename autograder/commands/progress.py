@@ -52,7 +52,7 @@ class Totals:
     @property
     def slowest(self) -> tuple[str, float]:
         """Return the student whose runs took longest, and how long [s]; empty if unknown."""
-        # Equal files take equally long: the first by name, whichever came in first.
+        # Equal files take equal time: choose the first student by name, not by arrival.
         names = sorted(self.seconds)
         student = max(names, key=lambda name: round(self.seconds[name], 3), default='')
         took = self.seconds.get(student, 0.0)

@@ -25,12 +25,12 @@ from autograder.exports.marks import Mark
 from autograder.submission.ids import student_id
 
 ID_COLUMNS = ('SIS Login ID', 'SIS User ID', 'ID')
-"""Where a student's id is looked for."""
+"""Columns that may contain a student's id."""
 
 ASSIGNMENT = re.compile(r'^(?P<title>.*\S) \((?P<id>\d+)\)$')
 READ_ONLY = re.compile(r'read\s+only')
 KEPT = {'EX': 'is excused in Canvas', 'N/A': 'does not have this assignment in Canvas'}
-"""Cells that say why there is no score; they stay."""
+"""Cells that say why there is no score; they are kept."""
 BOM = '\N{ZERO WIDTH NO-BREAK SPACE}'
 SHOWN = 12
 
@@ -241,7 +241,8 @@ def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, 
     for row in book.students():
         for column in columns:
             text = book.rows[row][column].strip()
-            # What cannot be an id of nbgrader's as it is, as ann+x@example.org, was made one.
+            # collect changes names that nbgrader does not accept as ids, such as
+            # ann+x@example.org.
             for name in {text, student_id(text)} - {''}:
                 lines.setdefault(name, set()).add(row)
     found: dict[int, list[Mark]] = {}

@@ -120,7 +120,7 @@ def _one_engine() -> Iterator[None]:
         yield
     finally:
         api.create_engine = make
-        del tables.create_all  # the class's own is there again
+        del tables.create_all  # restores the method of the class
 
 
 class _StopsAtDatabase(BaseConverter):
@@ -212,11 +212,11 @@ class _Errors(logging.Handler):
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keep warnings of SQLAlchemy and tracebacks of nbgrader's gradebook off the terminal."""
-    gradebook = logging.getLogger('tornado.application')  # which nbgrader.api writes to
+    gradebook = logging.getLogger('tornado.application')  # nbgrader.api writes to this logger
     before, gradebook.disabled = gradebook.disabled, True
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter('ignore')  # SQLAlchemy about nbgrader's own queries
+            warnings.simplefilter('ignore')  # from SQLAlchemy, about nbgrader's own queries
             yield
     finally:
         gradebook.disabled = before
@@ -225,7 +225,8 @@ def _quiet() -> Iterator[None]:
 @contextmanager
 def _logged(doing: str) -> Iterator[logging.Logger]:
     """Give nbgrader a separate log, and turn its failure into one sentence."""
-    log = logging.Logger('nbgrader', logging.WARNING)  # in no hierarchy: nothing is printed
+    # Not in the hierarchy of loggers: nothing is printed.
+    log = logging.Logger('nbgrader', logging.WARNING)
     errors = _Errors()
     log.addHandler(errors)
     try:

@@ -54,7 +54,7 @@ def keep_copy(layout: Layout) -> Path | None:
     if there and there[-1].stat().st_mtime_ns == changed_ns:
         return there[-1]
     copy = copies_folder(layout) / time.strftime(_NAME, time.gmtime())
-    unfinished = copy.with_name('unfinished')  # one name: only one grading at a time is here
+    unfinished = copy.with_name('unfinished')  # one fixed name: only one grading runs at a time
     try:
         with closing(sqlite3.connect(path)) as book:
             if _is_empty(book):
@@ -66,7 +66,7 @@ def keep_copy(layout: Layout) -> Path | None:
         unfinished.replace(copy)
     except (sqlite3.Error, OSError) as error:
         unfinished.unlink(missing_ok=True)
-        if type(error) is sqlite3.DatabaseError:  # what SQLite cannot do now is a subclass
+        if type(error) is sqlite3.DatabaseError:  # temporary failures are subclasses
             raise _damaged(layout, path, str(error)) from error
         raise GraderError(
             f'{path}: the gradebook cannot be copied: {error}. Nothing was entered.',

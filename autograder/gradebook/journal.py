@@ -59,7 +59,7 @@ def make_gradebook(layout: Layout) -> None:
     path = gradebook_file(layout)
     if path is None or path.exists():
         return
-    unfinished = Path(f'{path}.unfinished')  # one name: only one grading at a time is here
+    unfinished = Path(f'{path}.unfinished')  # one fixed name: only one grading runs at a time
     unfinished.parent.mkdir(parents=True, exist_ok=True)
     for left in (unfinished, Path(f'{unfinished}-journal')):
         left.unlink(missing_ok=True)
@@ -89,7 +89,7 @@ def _make(path: Path, course: str) -> None:
     from nbgrader import api
     from nbgrader.dbutil import ALEMBIC_DIR
 
-    of_nbgrader = api.get_alembic_version  # starts a command for it, which takes a second
+    of_nbgrader = api.get_alembic_version  # starts a separate command, which takes a second
     api.get_alembic_version = ScriptDirectory(ALEMBIC_DIR).get_current_head
     try:
         with api.Gradebook(f'sqlite:///{path}', course):
@@ -131,7 +131,7 @@ def note(layout: Layout, lesson: Lesson, entered: Sequence[Graded]) -> None:
     path = journal(layout, lesson.assignment)
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open('ab') as file:
-        # A line that was cut off must not swallow the next one.
+        # An incomplete last line must not merge with the next one.
         file.write(b'\n' + b''.join(lines))
         file.flush()
         os.fsync(file.fileno())

@@ -122,7 +122,7 @@ class Entering:
 
 def begin_to_enter(layout: Layout, assignment: str, guard: Guard | None = None) -> None:
     """Prepare the gradebook during the runs, because nbgrader takes seconds to import."""
-    journal.shown(layout, assignment)  # an error here is plainer than nbgrader's
+    journal.shown(layout, assignment)  # reports errors in plainer words than nbgrader
     journal.refuse_incomplete(layout)
     _ = (guard or Guard(layout)).copy
     journal.make_gradebook(layout)

@@ -47,7 +47,7 @@ from autograder.submission.notebook import read_release
 from autograder.submission.reading import read_file
 from autograder.submission.submission import open_submission
 
-NO_RESPONSE = 'No response.'  # what nbgrader itself says of an untouched answer
+NO_RESPONSE = 'No response.'  # nbgrader's own text for an untouched answer
 LOST = 'Your answer here was not found in the submitted file; a note below says why.'
 _STUBS = {
     'node': f'# {UNSOLVED}\nraise NotImplementedError()',
@@ -64,7 +64,7 @@ _SAFE_TAGS = {
     *('del', 's', 'sub', 'sup', 'dl', 'dt', 'dd'),
 }
 _SAFE_ATTRIBUTES = {**bleach.ALLOWED_ATTRIBUTES, '*': ['class', 'id']}
-# Our pictures, and the style of the words around them: nothing of it loads or runs anything.
+# The grader's pictures and the style around them, which load and run nothing.
 _PICTURE_TAGS = {'svg', 'g', 'title', 'desc', 'path', 'line', 'rect', 'text'}
 _PICTURE_ATTRIBUTES = [
     *('class', 'id', 'style', 'role', 'aria-label', 'aria-labelledby', 'tabindex'),
@@ -154,7 +154,7 @@ class SubmissionExporter(NotebookExporter):
         opened = open_submission(data, release, path.name, problems)
         for problem in opened.problems:
             self.log.warning('%s: %s', resources['nbgrader']['student'], problem.line())
-        for flag in opened.flags:  # they quote the student, so they go into no file
+        for flag in opened.flags:  # flags quote the student, so they are written to no file
             self.log.warning('%s: flag: %s', resources['nbgrader']['student'], printable(flag))
         return self.from_notebook_node(to_node(opened), resources=resources, **kw)
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from autograder.sandboxes.sandbox import Sandbox
 
 
-LIKE_A_RUN_S = 0.3  # the start of Python and of a node takes more
+LIKE_A_RUN_S = 0.3  # shorter than any real run, which has to start Python and a node
 THREADS = 'grading'
 """How the names of the pool's threads begin."""
 
@@ -221,7 +221,7 @@ def grade_class(
             result = _assemble(opened[index], submission.student, lesson, files[index], outcomes)
             graded.append(Graded(submission, opened[index], result))
     finally:
-        # After Ctrl-C nothing new starts; what runs is ended by its sandbox's own limits.
+        # After Ctrl-C nothing new starts; the limits of the sandboxes end the current runs.
         pool.shutdown(wait=False, cancel_futures=True)
     return tuple(graded)
 
@@ -251,7 +251,7 @@ def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> ExamResult | G
         return engine.run(exam, files)
     except GraderError as error:
         return error
-    except Exception as error:  # a defect of ours: no verdict, and a person has to look
+    except Exception as error:  # a defect of the grader: for review, without a verdict
         return defect(error, exam.name)
 
 
@@ -281,7 +281,7 @@ def _end_sandboxes() -> None:
     Probes come first: no probe may record that a student's program was killed.  The outer process
     of a sandbox is not killed, because that would orphan the inner one.
     """
-    import psutil  # only the course's own Python has it
+    import psutil  # installed only in the course's own Python
 
     probes: list[psutil.Process] = []
     others: list[psutil.Process] = []

@@ -26,7 +26,8 @@ def student_id(name: str) -> str:
     text = unicodedata.normalize('NFC', name)
     kept = ''.join(char if is_letter(char) or char in ' .@-' else '_' for char in text)
     kept = kept.strip(' ._-@')
-    while kept and unicodedata.category(kept[0])[0] == 'M':  # a sign without its letter
+    # Drop combining characters without their letter.
+    while kept and unicodedata.category(kept[0])[0] == 'M':
         kept = kept[1:].lstrip(' ._-@')
     if not kept:
         return ''

@@ -157,7 +157,7 @@ def with_node_files(files: Mapping[str, str], wanted: Iterable[str]) -> dict[str
         if name in found or not name.endswith('.py'):
             continue
         if any(path.startswith(f'{name}/') for path in files):
-            continue  # a folder of the node's name: no file can be put there
+            continue  # a folder has the node's name, so no file can
         text = _node_text(files, name)
         if text is not None:
             found[name] = text

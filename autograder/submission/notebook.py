@@ -157,7 +157,8 @@ def _clean(text: str) -> str:
 
     A text that is too long for an answer is cut, but stays longer than the limit.
     """
-    text = text[: 2 * (MAX_ANSWER_BYTES + 1)]  # two characters of it are one Windows line end
+    # Twice the limit, because a Windows line end has two characters.
+    text = text[: 2 * (MAX_ANSWER_BYTES + 1)]
     text = text.replace('\r\n', '\n').replace('\r', '\n')
     return text.encode('utf-8', 'replace').decode('utf-8')
 

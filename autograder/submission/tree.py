@@ -257,7 +257,7 @@ def _in_folder(folder: Path, above: Parts, meter: _Meter) -> Iterator[_Name]:
             try:
                 yield _Name(parts, '', None, owner)
                 yield from _in_folder(path, parts, meter)
-            except PermissionError:  # one student's folder, as exchanges have them
+            except PermissionError:  # in an exchange, a student's own folder may be unreadable
                 trouble = 'a folder that cannot be read: permission denied'
                 yield _Name(parts, trouble, None, owner)
 
@@ -271,7 +271,7 @@ def _read_path(path: Path, parts: Parts, owner: int, meter: _Meter) -> bytes:
 
 def _in_zip(archive: zipfile.ZipFile, meter: _Meter) -> Iterator[_Name]:
     inside = archive.infolist()
-    # What is deeper than allowed stays in one piece: a name may have thousands of slashes.
+    # Do not split below the allowed depth: a name may have thousands of slashes.
     paths = [tuple(_name_of(one).removesuffix('/').split('/', DEEPEST + 1)) for one in inside]
     marked = {parts[:-1] for parts in paths if parts[-1] == COLCON_MARK}
     for entry, parts in zip(inside, paths):
@@ -303,7 +303,7 @@ def _read_entry(
 ) -> bytes:
     data = bytearray()
     try:
-        with archive.open(entry) as file:  # what it says of its size is not asked
+        with archive.open(entry) as file:  # do not trust the size that the zip claims
             while len(data) <= meter.bounds.file_bytes and (more := file.read(_CHUNK)):
                 data += more
     except (*_DAMAGED, RuntimeError) as error:

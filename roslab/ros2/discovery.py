@@ -32,20 +32,20 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 QUIET_S = 0.12
-"""How long nothing may change: longer than Fast DDS's pause between two announcements (0.1 s)."""
+"""Time without a change, longer than Fast DDS's pause between two announcements (0.1 s)."""
 QUIET_LOOKS = 8
-"""How many looks that takes, so that a process that had no turn meanwhile looks on."""
+"""Least number of looks in that time, so that a process that got no CPU time keeps looking."""
 ALONE_S = 0.5
 """``--spin-time`` of the real command."""
 AGAIN_S = (0.2, 0.2, 0.2)
-"""How long a new participant looks for others: they answer its second word, after 0.1 s."""
+"""Time for which a new participant looks: others answer its second announcement, after 0.1 s."""
 LIMIT_S = 3.0
-"""How long a command waits for signs that do not come, and for what it was asked about."""
+"""Time for which a command waits for missing signs, and for the thing that it is about."""
 LOOK_S = 0.01
 UNKNOWN = '_NODE_NAME_UNKNOWN_'
 
 Known = Callable[[Node], object]
-"""Tells whether the graph, as a node sees it, has what a command was asked about."""
+"""Returns whether the graph of a node contains the thing that a command is about."""
 
 
 def add_node_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,7 +73,7 @@ def ros_node(args: argparse.Namespace, name: str | None = None) -> Iterator[Node
     :param args: with the options of :func:`add_node_arguments`
     :param name: by default a hidden name, which lists leave out
     """
-    # Log lines go out at once, in their place among the messages, also into a pipe.
+    # Write each log line at once, even into a pipe, so that lines and messages keep their order.
     os.environ.setdefault('RCUTILS_LOGGING_BUFFERED_STREAM', '1')
     rclpy.init(args=[])
     try:

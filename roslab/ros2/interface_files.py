@@ -34,7 +34,7 @@ def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
         {
             line.rpartition('.')[0]
             for line in text.splitlines()
-            # The index names several files for one interface, and parts of services as well.
+            # The index lists several files per interface, and parts of services too.
             if line.endswith(('.msg', '.srv', '.action')) and line.startswith(wanted)
         }
     )

@@ -117,7 +117,7 @@ def set_state(args: argparse.Namespace) -> Outcome:
             lines = (f'\n- {one.transition.label} [{one.transition.id}]' for one in known)
             return 'Unknown transition requested, available ones are:' + ''.join(lines)
         request = ChangeState.Request(transition=wanted)
-        # A transition does real work, such as opening a device: it may take long.
+        # A transition may do slow work, such as opening a device.
         if call(node, ChangeState, f'{name}/change_state', request, 60.0).success:
             print('Transitioning successful')
         else:

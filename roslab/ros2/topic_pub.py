@@ -103,8 +103,8 @@ def publish(args: argparse.Namespace) -> Outcome:
         print('publisher: beginning loop', flush=True)
         _publish(args, node, publisher, message, values, times)
         if times:
-            # Reliable readers acknowledge what they have. Of best effort ones none is asked, so it
-            # is a time, as in ros2.
+            # Wait until reliable readers have acknowledged.  Best-effort readers never do, so wait
+            # for a time too, as ros2 does.
             publisher.wait_for_all_acked(Duration(seconds=_ACKNOWLEDGED_S))
             _spin_for(node, args.keep_alive)
     return None

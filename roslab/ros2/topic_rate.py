@@ -52,7 +52,7 @@ def hz(args: argparse.Namespace) -> Outcome:
     times: list[float] = []
 
     def heard(_: bytes, node: Node) -> None:
-        # The node's clock is the one of /clock where --use-sim-time is given.
+        # With --use-sim-time, the node's clock follows /clock.
         wall = getattr(args, 'wall_time', False)
         times.append(time.time() if wall else node.get_clock().now().nanoseconds * 1e-9)
         if times[-1] < times[0]:

@@ -29,7 +29,7 @@ def level_of(tree: Tree, course: Course) -> Level:
         return outer
     (name,) = outer.folders
     if name in outer.repositories and course.beginning(name):
-        return outer  # on the first day one student's repository is all there is
+        return outer  # a class with one student so far
     inner = level(tree, name)
     return inner if _is_class(inner, course) else outer
 

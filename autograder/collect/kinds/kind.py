@@ -107,7 +107,7 @@ def _recognised(tree: Tree) -> tuple[str, Level | None]:
         best = max(claims, key=lambda name: claims[name])
         if 0 < len(place.entries) <= 2 * claims[best]:
             return best, place
-    if inbound := _inbound(tree):  # a course in which nobody has handed in anything yet
+    if inbound := _inbound(tree):  # a course without deliveries
         return EXCHANGE, inbound
     courses = level(tree).folders
     if courses and all(_is_exchange(level(tree, name)) for name in courses):

@@ -20,7 +20,7 @@ from autograder.submission.tree import File
 EXPECTED = 'folders or files named NAME_NUMBER_assignsubmission_file_'
 _WHO = r'(?P<name>.+?)_(?P<number>\d+)_assignsubmission_(?P<kind>[a-z0-9]+)'
 _FOLDER = re.compile(rf'{_WHO}_?')
-# The first fit counts: what follows was named by the student.
+# The first match counts, because the student chose the rest of the name.
 _FILE = re.compile(rf'{_WHO}_(?P<file>.+)')
 _TYPED = {'onlinetext': 'an online text, which is not collected'}
 
