@@ -1,4 +1,4 @@
-"""Listening to a topic from a notebook cell."""
+"""Listen to a topic from a notebook cell."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Listener:
     """
     Keeps what arrives on a topic.
 
-    It hears as long as a name refers to it, so a cell that is run again replaces its listener.
-    ``stop_all()`` ends its subscription, too, and keeps what was heard; ``wait`` and ``clear``
-    begin to listen again.
+    It receives messages as long as a name refers to it, so a cell that runs again replaces its
+    listener.  ``stop_all()`` also ends its subscription and keeps the received messages; ``wait``
+    and ``clear`` subscribe again.
 
     :param session: whose hidden node subscribes
     :param topic: name of the topic
@@ -46,17 +46,17 @@ class Listener:
 
     @property
     def messages(self) -> list[Any]:
-        """All messages heard so far, oldest first."""
+        """All messages received so far, oldest first."""
         return [message for _, message in tuple(self._heard)]
 
     @property
     def times(self) -> list[float]:
-        """When each of the messages was heard, in seconds since listening began."""
+        """Times at which the messages arrived, in seconds since listening began."""
         return [heard - self.began for heard, _ in tuple(self._heard)]
 
     @property
     def now(self) -> float:
-        """The time on the same scale as ``times``, to mark what else happens [s]."""
+        """The current time on the scale of ``times``, to mark other events [s]."""
         return time.monotonic() - self.began
 
     @property
@@ -89,12 +89,12 @@ class Listener:
 
     def wait(self, count: int = 1, timeout: float = 10.0) -> list[Any]:
         """
-        Wait until that many messages have been heard since listening began.
+        Wait until that many messages have arrived since listening began.
 
         :param count: how many messages
         :param timeout: how long to wait [s]
-        :returns: all messages heard so far
-        :raises TimeoutError: with what the ROS graph says about the reason
+        :returns: all messages received so far
+        :raises TimeoutError: with a reason, if the ROS graph shows one
         """
         heard = self._heard
         try:
@@ -108,7 +108,7 @@ class Listener:
 
     def too_little(self, count: int, timeout: float) -> TimeoutError:
         """
-        Return the error of a wait that timed out, with what may explain it.
+        Return the error of a wait that timed out, with possible reasons.
 
         :param count: how many messages were expected
         :param timeout: how long the caller waited for them [s]
@@ -121,12 +121,12 @@ class Listener:
         )
 
     def clear(self) -> None:
-        """Forget what was heard, to wait for new messages."""
+        """Discard all received messages, to wait for new ones."""
         self._begin_again()
         self._heard.clear()
 
     def stop(self) -> None:
-        """Stop listening; what was heard is kept."""
+        """Stop listening and keep the received messages."""
         self._end()
 
     def __len__(self) -> int:

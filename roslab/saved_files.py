@@ -1,9 +1,9 @@
 """
-Know which cell has saved a file and when, and whether the notebook shows something else by now.
+Record which cell has saved a file and when, and compare the file with the saved notebook.
 
-``check`` judges files, not the screen: a cell that was edited and not run is still the old file.
-A kernel does not see what a browser shows.  It compares with the notebook's file, which JupyterLab
-saves every few seconds.
+``check`` judges files, not the screen: if a cell was edited but not run, the file is still the old
+one.  A kernel does not see what a browser shows.  So this module reads the notebook's file, which
+JupyterLab saves every few seconds.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ class SavedFile:
     """
     A file of an exercise.
 
-    :param execution: the n of the ``In [n]`` that has saved it, None if no cell of this kernel has
+    :param execution: the n of the ``In [n]`` that has saved it, None if no cell of this kernel
+        saved it
     :param modified_s: when it was changed last [s since 1970]
     """
 
@@ -38,7 +39,7 @@ class SavedFile:
     modified_s: float
 
     def __str__(self) -> str:
-        """Return when it was saved and by whom, in words."""
+        """Return the time of the save, and the cell that saved the file, as text."""
         by = (
             f'In [{self.execution}]' if self.execution is not None else 'another kernel or program'
         )
@@ -53,7 +54,7 @@ def note_save(path: Path) -> None:
 
 
 def look_up(paths: Iterable[Path]) -> list[SavedFile]:
-    """Return what is known of files, the one that was saved last at the end."""
+    """Return what is known about files, the file that was saved last at the end."""
     found = []
     for path in paths:
         status = path.stat()
@@ -66,7 +67,7 @@ def look_up(paths: Iterable[Path]) -> list[SavedFile]:
 
 def describe(files: Sequence[SavedFile]) -> str:
     """
-    Return what was judged, as one line.
+    Return the judged files as one line of text.
 
     :param files: as :func:`look_up` returns them
     """

@@ -34,7 +34,7 @@ def short_traceback(error: BaseException) -> str:
 
 
 def last_line(error: BaseException) -> str:
-    """Return the type of an error and the first line of what it says."""
+    """Return the type of an error and the first line of its message."""
     said = str(error).strip().splitlines()
     return f'{type(error).__name__}: {said[0]}' if said else type(error).__name__
 
@@ -56,7 +56,7 @@ def code_name(source: str, otherwise: str) -> str:
     Return the file name under which to compile code that belongs to the running cell.
 
     :param source: the whole text of the cell
-    :param otherwise: the name outside of IPython
+    :param otherwise: the name outside IPython
     """
     running = shell()
     cache = getattr(getattr(running, 'compile', None), 'cache', None)
@@ -70,7 +70,7 @@ def code_name(source: str, otherwise: str) -> str:
 
 
 def where(filename: str, line: int | None) -> str:
-    """Return a place in words: a cell by its number, a file by its name."""
+    """Return a place as text: a cell by its number, a file by its name."""
     running = shell()
     format_code_name = getattr(getattr(running, 'compile', None), 'format_code_name', None)
     cell = format_code_name(filename) if format_code_name else None

@@ -1,8 +1,8 @@
 """
-The command line of ``ros2``: which groups of verbs there are, and how a verb ends.
+The command line of ``ros2``: the groups of verbs, and how a verb ends.
 
-A verb is a function of the parsed arguments.  What it returns is how ``ros2`` ends: None or 0 for
-success, another number as the exit code, a text as an error on stderr with exit code 1.
+A verb is a function of the parsed arguments.  Its result decides how ``ros2`` ends: None or 0 for
+success, another number as the exit code, a string as an error on stderr with exit code 1.
 """
 
 from __future__ import annotations

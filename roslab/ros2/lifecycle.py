@@ -56,7 +56,7 @@ def _has_lifecycle(node: Node, name: str) -> bool:
 
 
 def nodes(args: argparse.Namespace) -> Outcome:
-    """Print the nodes that have a lifecycle."""
+    """Print the names of the lifecycle nodes."""
     with knowing_node(args) as node:
         names = _lifecycle_nodes(node, hidden=args.all)
     if args.count_nodes:

@@ -33,7 +33,7 @@ def add_rate_arguments(parser: argparse.ArgumentParser, window: int = _WINDOW) -
     """
     Add the options.
 
-    :param window: how many messages are counted together by default
+    :param window: default number of messages per statistic
     """
     parser.add_argument('topic_name', help="Name of the ROS topic to listen to, '/chatter'")
     parser.add_argument(
@@ -125,10 +125,10 @@ def _report(
     greeting: str = '',
 ) -> Outcome:
     """
-    Subscribe and print a text once a second, if something has arrived since.
+    Subscribe and print a text once a second, if messages have arrived since the last one.
 
     :param heard: called with the bytes of each message
-    :param text: returns what there is to say, '' for nothing yet
+    :param text: returns the text, '' if there is none yet
     """
     arrived = 0
 
