@@ -121,7 +121,7 @@ def read_mistakes(exam: Exam, headings: Mapping[str, AbstractSet[str]]) -> Itera
     Yield checks that name no section to read, or a section that no lesson has.
 
     :param headings: of each lesson, see :func:`lesson_headings`; without those of the exam's own
-        lesson it is only asked whether there is a section
+        lesson, this only checks that a section is named
     """
     for check in exam.checks:
         where, section = f'exam {exam.name}, check {check.name}', check.read or exam.read
@@ -137,9 +137,9 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
     """
     Return what is wrong with a section to read, empty if it is a heading.
 
-    :param section: such as ``Part 2: Names``, ``lesson 02, When a timer ticks``, or, in words that
-        are no heading, ``lesson 02, on clocks``
-    :param lesson: the one that a section without a lesson is in
+    :param section: such as ``Part 2: Names``, ``lesson 02, When a timer ticks``, or, without a
+        heading, ``lesson 02, on clocks``
+    :param lesson: the lesson of a section that names none
     """
     heading = section
     if elsewhere := _ELSEWHERE.match(section):

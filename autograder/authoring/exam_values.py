@@ -123,7 +123,7 @@ def fields_of(kind: str, prefixes: tuple[Path, ...]) -> Mapping[str, re.Match[st
     Return the fields of a message, or of a service's request, without constants.
 
     :param kind: such as ``std_msgs/msg/String``, or ``std_msgs/String`` as in a definition
-    :returns: by name, each as its line is taken apart; None if its text is not installed
+    :returns: by name, the parts of the line; None if the definition is not installed
     """
     package, _, rest = kind.partition('/')
     part = 'srv' if '/srv/' in kind else 'msg'

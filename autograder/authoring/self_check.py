@@ -21,7 +21,7 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
     """
     Grade the reference solution and the untouched release of every assignment.
 
-    :returns: for each of them whether it is as it must be, and one line for people
+    :returns: for each of them, whether its result is as expected, and one line of text
     :raises GraderError: for a fault of the course or of the grader
     """
     for assignment in layout.assignments():

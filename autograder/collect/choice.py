@@ -40,7 +40,7 @@ class Seen:
 
     :param digest: SHA-256 of its content
     :param shared: how many grade ids it has of each assignment
-    :param named: the assignment that its name or folder tells
+    :param named: the assignment that its name or folder suggests
     :param why: why it was not read
     """
 
@@ -80,7 +80,7 @@ class Chosen:
         """
         Return the content; it must be the same as when it was chosen.
 
-        :raises UnreadableError: if it is another one now
+        :raises UnreadableError: if the file has changed
         """
         data = self.piece.file.read()
         if hashlib.sha256(data).hexdigest() != self.digest:
@@ -103,7 +103,8 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
     :param seen: the notebooks of each student
     :param name: of the source
     :returns: empty if there is no notebook at all
-    :raises NotTakenInError: if none of the notebooks tells, or if two are as frequent
+    :raises NotTakenInError: if no notebook shows an assignment, or if two assignments are equally
+        frequent
     """
     students = [one for one in seen if one]
     votes = Counter(
@@ -134,8 +135,8 @@ def choose(
 
     :param seen: its notebooks, as :func:`look` has found them
     :param wanted: the only assignment to look for; empty to go by the source and the notebooks
-    :param single: whether all was handed in for this one, so that others are mistakes
-    :returns: them, and a line for each entry of the source that has none
+    :param single: whether the whole source belongs to this assignment, so that others are mistakes
+    :returns: the notebooks, and a row for each entry of the source without one
     """
     goal = wanted or handed.assignment
     if why := _unusable(handed, course, wanted):
@@ -323,7 +324,7 @@ def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
 
 
 def _said(handed: Handed) -> tuple[str, ...]:
-    """Return the notes of the source, and what was done to the name."""
+    """Return the notes of the source, and a note if the name was changed."""
     same = student_id(handed.student) == handed.student
     return (*handed.notes, *(() if same else (f'the name was {handed.student[:60]!r}',)))
 

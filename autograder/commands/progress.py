@@ -85,9 +85,9 @@ def progress(
 
     :param total: how many runs there will be
     :param what: name of what is graded
-    :param line_s: time between two lines where no terminal is, or in CI
-    :param totals: what is to be counted in
-    :returns: what to call after each run, from any thread
+    :param line_s: time between two lines without a terminal, or in CI
+    :param totals: counts the outcomes
+    :returns: a function to call after each run, from any thread
     """
     totals, console = totals or Totals(), Console(stderr=True)
     if not is_alive(console):

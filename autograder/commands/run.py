@@ -123,7 +123,7 @@ def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
     Return one exam, or all exams of an assignment.
 
     :param name: of an exam, or of an assignment with or without its number
-    :raises GraderError: if there is neither, with a near name
+    :raises GraderError: if there is neither, with a similar name
     """
     examined = {one: catalog.for_assignment(one, hidden) for one in layout.assignments()}
     by_exam = {exam.name: exam for found in examined.values() for exam in found}

@@ -76,7 +76,7 @@ class Filled:
     :param column: header of the column
     :param replaced: student, what the cell held, what it holds now
     :param left_out: student, and why nothing was entered
-    :param untouched: lines of Canvas that no submission belongs to
+    :param untouched: lines of Canvas without a submission
     """
 
     data: bytes = b''
@@ -100,7 +100,7 @@ def fill(data: bytes, where: str, column: str, marks: Sequence[Mark], scale: boo
     """
     Enter marks in one column of a Canvas gradebook.
 
-    :param data: the file that Canvas gave
+    :param data: the file from Canvas
     :param where: how to name it in messages
     :param column: its header, its title or its id
     :param scale: convert the points if Canvas has another maximum
@@ -122,7 +122,7 @@ def read(data: bytes, where: str) -> Gradebook:
     """
     Read a gradebook file from Canvas.
 
-    :raises GraderError: if it is none
+    :raises GraderError: if the data is not such a file
     """
     try:
         text = data.decode('utf-8')

@@ -37,7 +37,7 @@ def generate(layout: Layout, assignment: str, release: Path, database: bool) -> 
 
     :param release: folder that receives ``<assignment>/``
     :param database: whether to enter the assignment in the gradebook; False is deterministic
-    :raises GraderError: with nbgrader's own words
+    :raises GraderError: with nbgrader's message
     """
     config = load_config(layout)
     config.CourseDirectory.release_directory = str(release)
@@ -63,7 +63,7 @@ def autograde(
     :param submitted: folder of rebuilt notebooks, ``<student>/<assignment>/<notebook>.ipynb``
     :param results: by student; student code is not run again
     :param same_work: students whose answers are those that were entered last
-    :raises GraderError: with nbgrader's own words; the other students are recorded anyway
+    :raises GraderError: with nbgrader's message; the other students are recorded anyway
     :raises GradebookRefusedError: if the database failed; the students after that are not recorded
     """
     config = load_config(layout)

@@ -106,7 +106,7 @@ def refuse_damaged(layout: Layout) -> None:
     """
     Refuse a gradebook file that is damaged, or empty although it was filled before.
 
-    A missing file is accepted: to remove it is the way to start a new gradebook.
+    A missing file is accepted: an instructor removes the file to start a new gradebook.
 
     :raises GraderError: with the copy to restore
     """

@@ -52,9 +52,9 @@ def make_gradebook(layout: Layout) -> None:
     """
     Create the gradebook atomically, unless its file exists.
 
-    nbgrader makes its tables and then notes their version; killed in between, it leaves a
-    gradebook that a later nbgrader cannot upgrade.  The journals are removed first: they
-    describe a gradebook that no longer exists.
+    nbgrader creates its tables and then stores their version.  If it is killed in between, a later
+    nbgrader cannot upgrade the gradebook.  The journals are removed first: they describe a
+    gradebook that no longer exists.
     """
     path = gradebook_file(layout)
     if path is None or path.exists():
@@ -172,7 +172,7 @@ def shown(layout: Layout, assignment: str) -> Rows:
     """
     Return what the gradebook shows of an assignment.
 
-    :raises GraderError: if it cannot be asked
+    :raises GraderError: if it cannot be queried
     """
     rows: Rows = {}
     for student, cell, *facts in query(layout, text(SHOWN), assignment=assignment):

@@ -60,7 +60,7 @@ class Guard:
         """
         Return why marks were not changed; empty if all were.
 
-        :param done: what became of the command
+        :param done: the outcome of the command
         """
         counts = {name: len(marks) for name, marks in self.lowered.items() if marks}
         if self.yes or not counts:
@@ -140,7 +140,7 @@ def enter(
     Enter new results in the gradebook; return how many there were, and what was refused.
 
     :param begin: prepares the gradebook, which is not needed if nothing is new
-    :param guard: says which marks are left as they are, None if no mark is
+    :param guard: decides which marks are not changed; None if every mark may change
     """
     new: Sequence[Graded] = graded
     try:

@@ -3,12 +3,12 @@ The grader's parts of nbgrader's commands, named in ``nbgrader_config.py``.
 
 nbgrader would run student code and tests in one kernel and believe the outputs.  Instead
 
-* :class:`SubmissionExporter` reads what was handed in, whatever it is, and continues with the
-  release plus the student's answers;
+* :class:`SubmissionExporter` reads the submitted file, whatever it contains, and continues with
+  the release plus the student's answers;
 * :class:`GradeOutside` replaces nbgrader's execution of the notebook: it grades in the sandbox
   and writes each check cell's feedback and score as outputs;
 * :class:`SaveGrades` records them, and nothing where there is no score;
-* :class:`ClearSolutionsByKind` makes the stubs of a release.
+* :class:`ClearSolutionsByKind` creates the stubs of a release.
 
 Formgrader, feedback and export then work unchanged.
 """
@@ -172,7 +172,7 @@ class FeedbackExporter(HTMLExporter):
 
 
 class GradesToShow(GetGrades):
-    """nbgrader's GetGrades, which also says what still waits for a person."""
+    """nbgrader's GetGrades, which also shows what still needs manual grading."""
 
     _lost: frozenset[str] = frozenset()
 
@@ -211,7 +211,7 @@ class GradeOutside(NbGraderPreprocessor):
     _engine: Engine | None = None
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
-        """Grade a notebook, unless results came along: :mod:`autograder.gradebook.record`."""
+        """Grade a notebook, unless :mod:`autograder.gradebook.record` has passed its result."""
         result = resources['nbgrader'].get('result')
         if result is None:
             result = self._grade(nb, resources)
@@ -246,11 +246,11 @@ class GradeOutside(NbGraderPreprocessor):
 
 class SaveGrades(SaveAutoGrades):
     """
-    nbgrader's SaveAutoGrades, with a different rule for what waits for a person.
+    nbgrader's SaveAutoGrades, with a different rule for manual grading.
 
-    A check without a score waits for a person.  A manual grade does not wait again if the work is
-    unchanged: otherwise a rerun would remove the mark until a person has looked at each answer
-    once more.
+    A check without a score needs manual grading.  A manual grade stays valid if the work is
+    unchanged: otherwise a rerun would remove the mark until the instructor has graded each answer
+    again.
     """
 
     _unusable = False

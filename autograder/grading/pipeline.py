@@ -189,8 +189,8 @@ def grade_class(
 
     :param jobs: how many runs at a time
     :param on_done: called for each exam of each submission, in any thread
-    :param meanwhile: called in this thread while the pool works, if anything has to be run: at
-        first with nobody, then with those that are ready since the last call
+    :param meanwhile: called in this thread while the pool works, if anything has to be run: first
+        with no submission, then with those that were finished since the last call
     :returns: in the order of the submissions
     """
     opened = [open_one(submission, lesson) for submission in submissions]
@@ -263,7 +263,7 @@ def end_runs(within_s: float = 5.0) -> bool:
     this process.
 
     :param within_s: how long to try
-    :returns: whether they came to their end
+    :returns: whether the threads have ended
     """
     deadline = time.monotonic() + within_s
     while threads := [one for one in threading.enumerate() if one.name.startswith(THREADS)]:
@@ -326,7 +326,7 @@ class Done:
     One exam of one submission has ended.
 
     :param student: whose it is
-    :param outcome: the result, or our own fault
+    :param outcome: the result, or a fault of the grader
     """
 
     student: str

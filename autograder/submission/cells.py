@@ -62,7 +62,7 @@ class NotALetterError(ValueError):
     The answer to a multiple-choice question is not one of its letters.
 
     :param reason: short stable name
-    :param text: what was written, in words, for a message
+    :param text: a description of the answer, for a message
     """
 
     def __init__(self, reason: str, text: str) -> None:

@@ -47,12 +47,12 @@ class Bounds:
     """
     Limits for what is read of a source.
 
-    :param what: what it should be, in words
+    :param what: a description of the expected source
     :param fix: what to try if it is not
-    :param is_noise: returns whether a program has left a path, of which nothing above is noise;
-        called with the path and with the folders that have the mark of colcon
-    :param entries: how many names may count
-    :param listed: how many names are looked at, whatever they are
+    :param is_noise: returns whether a program generated a path; called with a path whose parents
+        are not generated, and with the folders that have colcon's mark
+    :param entries: limit of names, without generated files
+    :param listed: limit of all names
     """
 
     what: str
@@ -112,8 +112,8 @@ class Tree:
     A source with its files.
 
     :param files: in the order of their paths
-    :param refused: path and reason of what was left where it was
-    :param empty: folders with none of both, the two upper levels
+    :param refused: path and reason of each skipped entry
+    :param empty: folders with neither of these, in the two upper levels
     :param repositories: folders with a ``.git`` in them
     :param owners: numbers of the users who own folders and files; a zip does not tell them
     """
@@ -132,7 +132,7 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
     Yield a source; its files can be read until the end of the context.
 
     :param source: a folder or a zip file
-    :raises NotTakenInError: if it is neither, broken, or too much
+    :raises NotTakenInError: if it is neither, damaged, or too large
     """
     try:
         kind = source.stat().st_mode
@@ -172,8 +172,8 @@ class _Meter:
         """
         Count and return the bytes of a file; raise if they exceed a limit.
 
-        :raises NotTakenInError: if it is too much with all the others
-        :raises UnreadableError: if it is too much for one file
+        :raises NotTakenInError: if all files together are too large
+        :raises UnreadableError: if the file alone is too large
         """
         self.count += 0 if parts in self.known else len(data)
         self.known.add(parts)
@@ -189,7 +189,7 @@ class _Name:
     """
     One name in a source.
 
-    :param trouble: why it is not taken
+    :param trouble: why it is skipped
     :param read: returns the content, None for a folder
     """
 

@@ -59,7 +59,7 @@ def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Le
     """
     Yield the delivery of each student; only the folder's own name decides whose it is.
 
-    :param prefix: what the instructor takes off the names that begin with it
+    :param prefix: the beginning of names that the instructor wants removed
     """
     for name, file in level.files.items():
         if name.lower().endswith('.ipynb'):

@@ -40,7 +40,7 @@ class Found:
     """
     The contents of a source.
 
-    :param single: whether all of it was handed in for one assignment, as systems give it
+    :param single: whether all of it belongs to one assignment, as in exports of platforms
     """
 
     kind: str
@@ -58,9 +58,9 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     """
     Return all deliveries in a source.
 
-    :param kind: a system, ``'folder'``, or empty to find out
-    :param prefix: what is taken off the names of folders
-    :raises NotTakenInError: if the source is not what its names or ``kind`` say
+    :param kind: a platform, ``'folder'``, or empty to recognise it
+    :param prefix: the beginning to remove from the names of folders
+    :raises NotTakenInError: if the source does not match its names or ``kind``
     """
     chosen, place = (kind, None) if kind else _recognised(tree)
     if chosen in SYSTEMS and place is None:

@@ -1,5 +1,5 @@
 """
-Moodle: folders named ``NAME_NUMBER_assignsubmission_file[_]``, or files that begin so.
+Moodle: folders named ``NAME_NUMBER_assignsubmission_file[_]``, or files with such a beginning.
 
 The number differs in each assignment, so the student id is the name; ``namesakes`` handles two
 people with the same name.  With "Download submissions in folders" off, files are named

@@ -70,7 +70,7 @@ class Course:
         """
         Return the assignment at the beginning of a repository's name, ``ASSIGNMENT-STUDENT``.
 
-        :returns: it as it is written there, with the sign after it; empty if there is none
+        :returns: the beginning as written, with the character after it; empty if there is none
         """
         found = ''
         for assignment in self.assignments:

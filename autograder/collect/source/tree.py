@@ -41,7 +41,7 @@ def opened(source: Path) -> AbstractContextManager[Tree]:
     """
     Yield a class whose files can be read in the context.
 
-    :raises NotTakenInError: if it is neither folder nor zip, broken, or far too much
+    :raises NotTakenInError: if it is neither a folder nor a zip, damaged, or too large
     """
     bounds = Bounds(
         'the submissions of a class',
