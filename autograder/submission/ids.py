@@ -9,7 +9,7 @@ import unicodedata
 from autograder.submission.inbox import is_letter, is_student_id, MAX_NAME_CHARS
 
 _DIGITS = 12
-"""Digits of the digest: nobody can try 16**12 names to find one with a given digest."""
+"""Digits of the digest: 16**12 names are too many to try for a given id."""
 _REPLACED = re.compile(rf'.*--[0-9a-f]{{{_DIGITS}}}')
 
 
