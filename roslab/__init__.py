@@ -1,8 +1,8 @@
 """
 The functions that the course's notebooks import.
 
-``import roslab`` in a notebook makes the cell magics ``%%node``, ``%%rosmsg``, ``%%rospkg`` and
-``%%answer`` known.  ROS 2 itself is started by the first call that needs it.
+``import roslab`` in a notebook registers the cell magics ``%%node``, ``%%rosmsg``, ``%%rospkg``
+and ``%%answer``.  ROS 2 itself is started by the first call that needs it.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """
-Running a command for a cell: bounded, interruptible, and without leaving processes behind.
+Run a command for a cell, with a time limit, interruptible, leaving no processes behind.
 
-The command stays in the kernel's process group, so that a kernel that is killed takes it along.
+The command stays in the kernel's process group, so that it ends if the kernel is killed.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Outcome:
     The outcome of a command.
 
     :param returncode: None if it was ended at its deadline
-    :param output: the end of what it wrote on stdout and stderr
+    :param output: the end of its output on stdout and stderr
     :param seconds: how long it took [s]
     """
 
@@ -49,13 +49,13 @@ def run(
     tick_s: float = 0.5,
 ) -> Outcome:
     """
-    Run a command to its end, or to its deadline.
+    Run a command until it ends or its deadline passes.
 
-    :param on_tick: called now and then with the seconds that have passed and the end of the output
+    :param on_tick: called regularly with the seconds that have passed and the end of the output
     :raises OSError: if the command cannot be started
     """
     begin = time.monotonic()
-    # Interrupts only while waiting: a process is either not started or known, and then ended.
+    # Allow interrupts only while waiting, so that every started process is known and ended.
     with tempfile.TemporaryFile() as log, HeldInterrupts() as interrupts:
         process = subprocess.Popen(
             command,
@@ -84,7 +84,7 @@ def run(
 
 
 def _end_of(log: int) -> str:
-    """Return the last lines of a file that a process still writes, without moving its place."""
+    """Return the last lines of a file that a process still writes; keep the file offset."""
     size = os.fstat(log).st_size
     return os.pread(log, _TAIL_BYTES, max(0, size - _TAIL_BYTES)).decode('utf-8', 'replace')
 
@@ -105,7 +105,7 @@ def _wait(
 
 
 def _kill_tree(process: subprocess.Popen[bytes]) -> None:
-    """End a process that still runs, and all that it has started."""
+    """End a process that still runs, with all its children."""
     if process.poll() is not None:
         return
     try:

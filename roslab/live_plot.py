@@ -37,7 +37,7 @@ class Plot:
     :param field: path of a numeric field, such as ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]
     :param threshold: a level to compare the values with
-    :raises NotHereError: if nobody has the topic
+    :raises NotHereError: if no endpoint has the topic
     :raises RoslabError: if there is no such field, or it is not a number
     """
 
@@ -75,12 +75,12 @@ class Plot:
 
     def wait(self, count: int = 1, timeout: float = 10.0) -> list[float]:
         """
-        Wait until that many messages have been heard and the picture shows them.
+        Wait until that many messages have arrived and the picture shows them.
 
         :param count: how many messages since the plot was begun
         :param timeout: how long to wait [s]
         :returns: all values so far
-        :raises TimeoutError: with what may explain it
+        :raises TimeoutError: with possible reasons
         """
         try:
             self.listener.wait(count, timeout)
@@ -90,7 +90,7 @@ class Plot:
         return self.values
 
     def stop(self) -> None:
-        """Stop listening and drawing; the picture stays as it is."""
+        """Stop listening and drawing; the picture no longer changes."""
         with HeldInterrupts():
             self._ended.set()
             self.listener.stop()
@@ -115,14 +115,14 @@ class Plot:
         self._keep_up()
 
     def _keep_up(self) -> None:
-        """Make the picture follow, even after stop_all() has ended its subscription."""
+        """Make the picture follow the topic, even after stop_all() has ended its subscription."""
         with HeldInterrupts():
             if self._handle is None or self._ended.is_set():
                 return
             _plots.setdefault(self._key, self)
             running = self._thread is not None and self._thread.is_alive()
             if has_frontend() and not running:
-                # Where nobody looks, wait() and the end of each cell paint often enough.
+                # Without a frontend, redrawing in wait() and at the end of each cell is enough.
                 self._thread = threading.Thread(
                     target=self._follow, name='roslab plot', daemon=True
                 )
@@ -135,7 +135,7 @@ class Plot:
             if self._handle is None or newest == self._painted:
                 return
             self._painted = newest
-            with suppress(Exception):  # a closed connection ends no cell and no thread
+            with suppress(Exception):  # a closed connection must not end a cell or a thread
                 self._handle.update(self._bundle(), raw=True)
 
     @property
@@ -172,7 +172,7 @@ class Plot:
         return str(self)
 
     def _ipython_display_(self) -> None:
-        """Show a copy as the value of a later cell; its own cell has the picture that moves."""
+        """Show a copy as the value of a later cell; only its own cell shows updates."""
         cell = current_cell()
         if cell is None or cell.number != self._shown_in:
             from IPython.display import display
@@ -181,7 +181,7 @@ class Plot:
 
 
 def paint_all(_: Any = None) -> None:
-    """Bring the pictures up to date at the end of a cell, and forget those that have ended."""
+    """Update the pictures at the end of a cell, and drop those that have ended."""
     for key, plot in tuple(_plots.items()):
         plot.paint()
         if not plot.listener.alive:
@@ -189,7 +189,7 @@ def paint_all(_: Any = None) -> None:
 
 
 def _stop_all() -> None:
-    """End the threads before the interpreter is torn down under them."""
+    """End the threads before the interpreter shuts down."""
     for plot in tuple(_plots.values()):
         plot.stop()
 
