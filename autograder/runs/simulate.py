@@ -1,0 +1,193 @@
+"""
+Run a program for some virtual time, with inputs at exact moments and without an exam.
+
+A first, short run shows which topics the program has.  The second one records them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+import math
+import re
+from typing import Any
+
+from autograder.errors import ProbeFailed, UsageError
+from autograder.exam.scenario import Advance, Feed, Join, Qos, Scenario, Step
+from autograder.recording import Event, Recording
+from autograder.runs.observe import observe
+from autograder.runs.simulation import read_simulation, Simulation
+from autograder.sandboxes.sandbox import Sandbox
+
+MAX_SECONDS = 86_400.0
+LOOK_S = 2.0
+"""Length of the first run [s]."""
+MAX_RUNS = 3
+"""How often a run is repeated because a new topic appeared in it."""
+JOIN_NS = 200_000_000
+"""How long a late subscription takes, in which no input can be sent [ns]."""
+MARGIN_NS = 1_000_000
+"""How long to listen after the end, which includes what happens at that instant [ns]."""
+_MESSAGE = re.compile(r'^\w+/msg/\w+$')
+
+
+@dataclass(frozen=True)
+class Input:
+    """
+    A message to send.
+
+    :param at_s: when [s since the program starts]
+    :param topic: full name of the topic
+    :param fields: values of its fields; the others have their defaults
+    :param type: of the message, empty for the one to which the program subscribes
+    """
+
+    at_s: float
+    topic: str
+    fields: Mapping[str, Any]
+    type: str = ''
+
+
+@dataclass(frozen=True)
+class Order:
+    """
+    What to run, for how long, and what to send.
+
+    :param file: node file
+    :param seconds: virtual time since the program starts [s]
+    :param inputs: messages to send; those of one moment are a burst
+    :param late: when an additional subscription joins a topic [s], by its full name
+    :param arguments: of the program, after ``--ros-args``
+    """
+
+    file: str
+    seconds: float
+    inputs: Sequence[Input] = ()
+    late: Mapping[str, float] | None = None
+    arguments: Sequence[str] = ()
+
+    def check(self) -> None:
+        """
+        Check the times.
+
+        :raises UsageError: for a time outside the simulation, or one that is too long
+        """
+        if not 0 < self.seconds <= MAX_SECONDS:
+            raise UsageError(
+                f'seconds: expected more than 0 and at most {MAX_SECONDS:.0f}, got {self.seconds}.'
+            )
+        times = [(f'inputs of {one.topic}', one.at_s) for one in self.inputs]
+        times += [(f'late {topic}', at_s) for topic, at_s in (self.late or {}).items()]
+        for where, at_s in times:
+            if not (math.isfinite(at_s) and 0 <= at_s <= self.seconds):
+                raise UsageError(
+                    f'{where}: expected a time from 0 to {self.seconds:g} s, got {at_s}.'
+                )
+
+
+def simulate(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Simulation:
+    """
+    Run a program in a sandbox on the virtual clock.
+
+    :param files: relative path to text; the node file is one of them
+    :returns: what it did; if a limit ended it, what it did until then
+    :raises UsageError: if an input cannot be sent, or nobody can receive on a topic
+    :raises GraderError: for a fault of the grader
+    """
+    order.check()
+    bare = Scenario(file=order.file, arguments=order.arguments)
+    look = replace(bare, steps=(Advance(min(LOOK_S, order.seconds)),))
+    recording, _ = observe(order.file, look.to_json(), files, sandbox)
+    watch: dict[str, str] = {}
+    for _ in range(MAX_RUNS):
+        found = {**watch, **_types(recording, 'publisher')}
+        if found == watch and watch:
+            break
+        watch, scenario = found, planned(order, replace(bare, watch=found), recording)
+        try:
+            recording, _ = observe(order.file, scenario.to_json(), files, sandbox)
+        except ProbeFailed as error:
+            raise UsageError(f'{order.file}: {error.what}', error.fix) from error
+        if not watch:
+            break
+    known = {**_types(recording, 'subscription'), **watch}
+    known |= {topic: feed.type for topic, feed in scenario.feeds.items()}
+    return read_simulation(recording, order.file, order.seconds, known)
+
+
+def planned(order: Order, bare: Scenario, seen: Recording) -> Scenario:
+    """
+    Return the scenario that sends the inputs at their moments.
+
+    :param bare: the scenario without steps
+    :param seen: an earlier run of the program, which shows its topics
+    :raises UsageError: if the program does not have a topic that is asked for
+    """
+    begins = seen.of('graph', when='start')
+    if not begins:  # the program ended before its first input, and does so again
+        return replace(bare, steps=(Advance(order.seconds),))
+    now_ns = begins[0]['clock_ns']
+    types = _types(seen, 'subscription')
+    feed = {one.topic: _type_of(one, types) for one in order.inputs}
+    steps = list(_timed(now_ns, _moments(order, seen), round(order.seconds * 1e9) + MARGIN_NS))
+    return replace(bare, feed=feed, steps=steps)
+
+
+def _moments(order: Order, seen: Recording) -> list[tuple[int, Step]]:
+    """Return what to do at which time [ns]; at one moment, inputs come before subscriptions."""
+    feeds = [
+        (round(one.at_s * 1e9), Feed(one.topic, (one.fields,), every_s=0.0, rest_s=0.0))
+        for one in order.inputs
+    ]
+    joins = [
+        (round(at_s * 1e9), _join(topic, seen)) for topic, at_s in (order.late or {}).items()
+    ]
+    return sorted([*feeds, *joins], key=lambda moment: moment[0])
+
+
+def _timed(now_ns: int, moments: Sequence[tuple[int, Step]], end_ns: int) -> Iterator[Step]:
+    """Yield the steps with the waits between them."""
+    for at_ns, step in moments:
+        if at_ns < now_ns:
+            raise UsageError(
+                f'{step.topic}: expected a time from {now_ns / 1e9:g} s on, got '  # type: ignore[attr-defined]
+                f'{at_ns / 1e9:g} s. Before it, the program or a late subscription is connecting.'
+            )
+        if at_ns > now_ns:
+            yield Advance((at_ns - now_ns) / 1e9)
+        yield step
+        now_ns = at_ns + (JOIN_NS if isinstance(step, Join) else 0)
+    if end_ns > now_ns:
+        yield Advance((end_ns - now_ns) / 1e9)
+
+
+def _type_of(one: Input, types: Mapping[str, str]) -> str:
+    expected = types.get(one.topic)
+    if expected is None:
+        raise _nobody('subscribes to', one.topic, types)
+    if one.type not in ('', expected):
+        raise UsageError(f'{one.topic}: the program subscribes to {expected}, got {one.type}.')
+    return expected
+
+
+def _join(topic: str, seen: Recording) -> Join:
+    """Return the subscription that asks for what the first publisher of a topic offers."""
+    publishers = seen.endpoints('publisher', topic)
+    if not publishers:
+        raise _nobody('publishes on', topic, _types(seen, 'publisher'))
+    offered: Event = publishers[0]['qos']
+    qos = Qos(offered['reliability'], offered['durability'], depth=100)
+    return Join(f'late{topic}', topic, publishers[0]['type'], qos, listen_s=0.0)
+
+
+def _nobody(does: str, topic: str, known: Mapping[str, str]) -> UsageError:
+    close = get_close_matches(topic, known, n=1, cutoff=0.6)
+    fix = f'Try: {close[0]}' if close else f'Known: {", ".join(sorted(known)) or "none"}.'
+    return UsageError(f'{topic}: the program never {does} this topic.', fix)
+
+
+def _types(recording: Recording, kind: str) -> dict[str, str]:
+    """Return the topics of the program, without those of actions, and their types."""
+    ends = recording.endpoints(kind)
+    return {end['topic']: end['type'] for end in ends if _MESSAGE.match(end['type'])}
