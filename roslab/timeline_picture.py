@@ -88,11 +88,13 @@ def make_timeline(
     """
     Return the timeline of listeners.
 
-    :param sources: listeners; the axis begins when the first of them began to listen
+    :param sources: listeners; the axis begins when the first of them began to listen. A simulation
+        stands for all its topics
     :param marks: what else happened and when, on the time scale of the first listener [s]
     :param seconds: show only so many seconds before the newest event [s]
     :raises RoslabError: if a source is no listener, or a mark has no times
     """
+    sources = [one for source in sources for one in getattr(source, 'listeners', (source,))]
     if not sources:
         raise RoslabError(
             "timeline() expected listeners, as in timeline(listen('chatter', String))."

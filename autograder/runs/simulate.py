@@ -7,7 +7,7 @@ A first, short run shows which topics the program has.  The second one records t
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 import math
 import re
@@ -17,7 +17,6 @@ from autograder.errors import ProbeFailed, UsageError
 from autograder.exam.scenario import Advance, Feed, Join, Qos, Scenario, Step
 from autograder.recording import Event, Recording
 from autograder.runs.observe import observe
-from autograder.runs.simulation import read_simulation, Simulation
 from autograder.sandboxes.sandbox import Sandbox
 
 MAX_SECONDS = 86_400.0
@@ -64,7 +63,7 @@ class Order:
     file: str
     seconds: float
     inputs: Sequence[Input] = ()
-    late: Mapping[str, float] | None = None
+    late: Mapping[str, float] = field(default_factory=dict)
     arguments: Sequence[str] = ()
 
     def check(self) -> None:
@@ -78,7 +77,7 @@ class Order:
                 f'seconds: expected more than 0 and at most {MAX_SECONDS:.0f}, got {self.seconds}.'
             )
         times = [(f'inputs of {one.topic}', one.at_s) for one in self.inputs]
-        times += [(f'late {topic}', at_s) for topic, at_s in (self.late or {}).items()]
+        times += [(f'late {topic}', at_s) for topic, at_s in self.late.items()]
         for where, at_s in times:
             if not (math.isfinite(at_s) and 0 <= at_s <= self.seconds):
                 raise UsageError(
@@ -86,52 +85,60 @@ class Order:
                 )
 
 
-def simulate(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Simulation:
+def record(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Recording:
     """
     Run a program in a sandbox on the virtual clock.
 
     :param files: relative path to text; the node file is one of them
-    :returns: what it did; if a limit ended it, what it did until then
-    :raises UsageError: if an input cannot be sent, or nobody can receive on a topic
+    :returns: for :func:`autograder.runs.simulation.read_simulation`; if a limit ended the program,
+        what it did until then
+    :raises UsageError: if a time is wrong, an input cannot be sent, or a topic is missing
     :raises GraderError: for a fault of the grader
     """
     order.check()
-    bare = Scenario(file=order.file, arguments=order.arguments)
-    look = replace(bare, steps=(Advance(min(LOOK_S, order.seconds)),))
-    recording, _ = observe(order.file, look.to_json(), files, sandbox)
-    watch: dict[str, str] = {}
+    scenario = Scenario(
+        file=order.file,
+        arguments=order.arguments,
+        steps=(Advance(min(LOOK_S, order.seconds)),),
+    )
+    recording = _run(scenario, files, sandbox)
     for _ in range(MAX_RUNS):
-        found = {**watch, **_types(recording, 'publisher')}
-        if found == watch and watch:
+        scenario = planned(order, scenario, recording)
+        recording = _run(scenario, files, sandbox)
+        if _types(recording, 'publisher').keys() <= scenario.watch.keys():
             break
-        watch, scenario = found, planned(order, replace(bare, watch=found), recording)
-        try:
-            recording, _ = observe(order.file, scenario.to_json(), files, sandbox)
-        except ProbeFailed as error:
-            raise UsageError(f'{order.file}: {error.what}', error.fix) from error
-        if not watch:
-            break
-    known = {**_types(recording, 'subscription'), **watch}
-    known |= {topic: feed.type for topic, feed in scenario.feeds.items()}
-    return read_simulation(recording, order.file, order.seconds, known)
+    types = {topic: feed.type for topic, feed in scenario.feeds.items()} | dict(scenario.watch)
+    facts = {'seconds': order.seconds, 'types': types}
+    return Recording({**recording.header, **facts}, recording.events)
 
 
-def planned(order: Order, bare: Scenario, seen: Recording) -> Scenario:
+def _run(scenario: Scenario, files: Mapping[str, str], sandbox: Sandbox) -> Recording:
+    try:
+        return observe(scenario.file, scenario.to_json(), files, sandbox)[0]
+    except ProbeFailed as error:
+        if '(feed)' not in error.what:
+            raise
+        why = error.what.rpartition('Error: ')[2]
+        raise UsageError(f'inputs: a message does not fit its type: {why}') from error
+
+
+def planned(order: Order, before: Scenario, seen: Recording) -> Scenario:
     """
-    Return the scenario that sends the inputs at their moments.
+    Return the scenario that sends the inputs at their moments and watches all known topics.
 
-    :param bare: the scenario without steps
-    :param seen: an earlier run of the program, which shows its topics
+    :param before: an earlier scenario of the program
+    :param seen: the recording of it, which shows the program's topics
     :raises UsageError: if the program does not have a topic that is asked for
     """
+    watch = {**before.watch, **_types(seen, 'publisher')}
     begins = seen.of('graph', when='start')
     if not begins:  # the program ended before its first input, and does so again
-        return replace(bare, steps=(Advance(order.seconds),))
-    now_ns = begins[0]['clock_ns']
+        return replace(before, watch=watch, steps=(Advance(order.seconds),))
     types = _types(seen, 'subscription')
     feed = {one.topic: _type_of(one, types) for one in order.inputs}
-    steps = list(_timed(now_ns, _moments(order, seen), round(order.seconds * 1e9) + MARGIN_NS))
-    return replace(bare, feed=feed, steps=steps)
+    end_ns = round(order.seconds * 1e9) + MARGIN_NS
+    steps = tuple(_timed(begins[0]['clock_ns'], _moments(order, seen), end_ns))
+    return replace(before, watch=watch, feed=feed, steps=steps)
 
 
 def _moments(order: Order, seen: Recording) -> list[tuple[int, Step]]:
@@ -140,9 +147,7 @@ def _moments(order: Order, seen: Recording) -> list[tuple[int, Step]]:
         (round(one.at_s * 1e9), Feed(one.topic, (one.fields,), every_s=0.0, rest_s=0.0))
         for one in order.inputs
     ]
-    joins = [
-        (round(at_s * 1e9), _join(topic, seen)) for topic, at_s in (order.late or {}).items()
-    ]
+    joins = [(round(at_s * 1e9), _join(topic, seen)) for topic, at_s in order.late.items()]
     return sorted([*feeds, *joins], key=lambda moment: moment[0])
 
 
@@ -191,3 +196,68 @@ def _types(recording: Recording, kind: str) -> dict[str, str]:
     """Return the topics of the program, without those of actions, and their types."""
     ends = recording.endpoints(kind)
     return {end['topic']: end['type'] for end in ends if _MESSAGE.match(end['type'])}
+
+
+# -- what a person writes --------------------------------------------------------------------
+
+
+def order_of(
+    file: str,
+    seconds: float,
+    inputs: Mapping[str, Sequence[tuple[float, Any]]] | None = None,
+    late: Mapping[str, float] | None = None,
+    arguments: Sequence[str] = (),
+) -> Order:
+    """
+    Return the order for what a person wrote.
+
+    :param file: node file
+    :param seconds: virtual time since the program starts [s]
+    :param inputs: topic to pairs of a time [s] and a message, or a dict of its fields
+    :param late: topic to the time at which an additional subscription joins it [s]
+    :param arguments: of the program, after ``--ros-args``
+    :raises UsageError: for anything else
+    """
+    try:
+        sent = [
+            _input(topic, at_s, message)
+            for topic, pairs in (inputs or {}).items()
+            for at_s, message in pairs
+        ]
+        joins = {_full(topic): float(at_s) for topic, at_s in (late or {}).items()}
+        order = Order(file, float(seconds), sent, joins, tuple(arguments))
+    except (AttributeError, TypeError, ValueError) as error:
+        raise UsageError(
+            f'{file}: expected seconds as numbers, inputs={{topic: [(second, message), ...]}} and '
+            f'late={{topic: second}}, got another form ({error}).'
+        ) from error
+    order.check()
+    return order
+
+
+def _input(topic: str, at_s: float, message: Any) -> Input:
+    if isinstance(message, Mapping):
+        return Input(float(at_s), _full(topic), _plain(message))
+    package, kind = type(message).__module__.split('.')[:2]
+    name = f'{package}/{kind}/{type(message).__name__}'
+    return Input(float(at_s), _full(topic), _plain(message), name)
+
+
+def _full(topic: str) -> str:
+    return topic if topic.startswith('/') else f'/{topic}'
+
+
+def _plain(value: Any) -> Any:
+    """Return a value of a field as JSON types."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(one) for name, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(one) for one in value]
+    if isinstance(value, (str, int)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    # Not at the top: the grader's own process never imports rclpy.
+    from autograder.probe.probe_wire import to_json
+
+    return to_json(value)

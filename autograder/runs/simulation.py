@@ -67,7 +67,11 @@ class TopicRecord:
         from autograder.probe.probe_wire import fill
 
         made = self.msg_type
-        return [None if data is None else fill(made(), data) for data in self.data]
+        return [None if data is None else fill(made(), dict(data)) for data in self.data]
+
+    def wait(self, count: int = 1, timeout: float = 0.0) -> list[Any]:
+        """Return the messages at once, because no more arrive."""
+        return self.messages
 
     def stop(self) -> None:
         """Do nothing, because a simulation has ended."""
@@ -185,17 +189,15 @@ class Simulation:
         return str(self)
 
 
-def read_simulation(
-    recording: Recording, program: str, seconds: float, types: Mapping[str, str]
-) -> Simulation:
+def read_simulation(recording: Recording) -> Simulation:
     """
-    Return what a recording shows up to a moment.
+    Return what a recording shows.
 
-    :param program: name to show
-    :param seconds: the end [s since the program started]
-    :param types: full name of each topic to its type
+    :param recording: made by :func:`autograder.runs.simulate.record`; its header names the end
+        [s since the program started] and the type of each topic
     """
-    end_ns = round(seconds * 1e9)
+    types = recording.header['types']
+    end_ns = round(recording.header['seconds'] * 1e9)
     over_ns = recording.of('end')[-1]['clock_ns'] if recording.of('end') else None
     events = [one for one in recording.events if (one.get('clock_ns') or 0) <= end_ns]
     if over_ns is None:  # a limit ended it, and the last event shows when
@@ -218,7 +220,7 @@ def read_simulation(
     # What ends after the time that was asked for was running at its end.
     over = over_ns > end_ns or recording.end_reason == 'complete'
     return Simulation(
-        program,
+        recording.header['exam'],
         dict(sorted(heard.items())),
         late,
         by_topic([one for one in events if one['event'] == 'input'], ' (input)'),
