@@ -53,9 +53,9 @@ def simulate(
     file = f'{str(node).removesuffix(".py")}.py'
     if file not in saved:
         near = get_close_matches(file, saved, n=1)
-        known = near or saved or ['none']
+        hint = f'Did you mean {near[0].removesuffix(".py")!r}? ' if near else ''
         raise NotHereError(
-            f'simulate({node!r}): no cell has saved {file}; saved: {", ".join(known)}. '
+            f'simulate({node!r}): no cell has saved {file}. {hint}'
             f'First run the cell that begins with %%node {file.removesuffix(".py")}.'
         )
     try:

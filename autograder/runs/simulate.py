@@ -229,7 +229,7 @@ def order_of(
     except (AttributeError, TypeError, ValueError) as error:
         raise UsageError(
             f'{file}: expected seconds as numbers, inputs={{topic: [(second, message), ...]}} and '
-            f'late={{topic: second}}, got another form ({error}).'
+            f'late={{topic: second}}, got another form: {error}.'
         ) from error
     order.check()
     return order
@@ -238,6 +238,8 @@ def order_of(
 def _input(topic: str, at_s: float, message: Any) -> Input:
     if isinstance(message, Mapping):
         return Input(float(at_s), _full(topic), _plain(message))
+    if not hasattr(message, 'get_fields_and_field_types'):
+        raise TypeError(f'{message!r} is neither a message nor a dict of its fields')
     package, kind = type(message).__module__.split('.')[:2]
     name = f'{package}/{kind}/{type(message).__name__}'
     return Input(float(at_s), _full(topic), _plain(message), name)

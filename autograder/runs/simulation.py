@@ -115,7 +115,7 @@ class Simulation:
     :param reason: why it ended, a key of :data:`ENDS`; ``'complete'`` at the end of its time
     :param seconds: how long it was observed, in virtual time [s]
     :param exit: exit code of a program that ended
-    :param stderr: the end of what it printed on standard error
+    :param printed: the beginning and the end of what it printed, standard error last
     :param mode: isolation mode of the sandbox
     """
 
@@ -127,7 +127,7 @@ class Simulation:
     reason: str
     seconds: float
     exit: int | None = None
-    stderr: str = field(default='', compare=False, repr=False)
+    printed: str = field(default='', compare=False, repr=False)
     mode: str = field(default='', compare=False, repr=False)
 
     @property
@@ -175,7 +175,7 @@ class Simulation:
         words = f'After {self.seconds:g} s of virtual time, {why}'
         if self.exit is not None:
             words += f' with exit code {self.exit}'
-        said = self.stderr.strip().splitlines()
+        said = self.printed.strip().splitlines()
         return f'{words}: {said[-1].strip()}' if self.exit and said else f'{words}.'
 
     def __str__(self) -> str:
@@ -228,7 +228,7 @@ def read_simulation(recording: Recording) -> Simulation:
         'complete' if over else recording.end_reason,
         until_s,
         None if over else recording.process.get('exit'),
-        recording.process.get('stderr', ''),
+        recording.process.get('stdout', '') + recording.process.get('stderr', ''),
         str(recording.header.get('mode', '')),
     )
 
