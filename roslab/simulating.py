@@ -17,8 +17,8 @@ from typing import Any
 from autograder.commands import OK
 from autograder.errors import UsageError
 from autograder.recording import Recording
-from autograder.runs.simulate import order_of
-from autograder.runs.simulation import read_simulation, Simulation
+from autograder.simulation.order import order_of
+from autograder.simulation.result import read_simulation, Simulation
 from roslab import child
 from roslab.errors import NotHereError, RoslabError
 from roslab.package_files import learner_package
@@ -66,9 +66,9 @@ def simulate(
         asked, done = Path(folder, 'order.json'), Path(folder, 'recording.jsonl')
         asked.write_text(json.dumps(asdict(order)), encoding='utf-8')
         outcome = child.run_grader(
-            'autograder.commands.simulate',
+            'autograder.simulation',
             *('--files', str(package.folder), '--order', str(asked), '--to', str(done)),
-            text=f'Simulating {seconds:g} s of {file}',
+            text=f'Simulating {order.seconds:g} s of {file}',
             deadline_s=_DEADLINE_S,
         )
         if outcome.returncode != OK:

@@ -25,7 +25,6 @@ ALLOWED = (
     'autograder/clock/',
     'autograder/commands/__init__.py',
     'autograder/commands/check.py',
-    'autograder/commands/simulate.py',
     'autograder/errors.py',
     'autograder/exam/',
     'autograder/explaining/',
@@ -41,6 +40,7 @@ ALLOWED = (
     'autograder/results.py',
     'autograder/runs/',
     'autograder/sandboxes/',
+    'autograder/simulation/',
     'autograder/submission/',
 )
 """What students receive beside the course: files, and folders with a slash at their end."""

@@ -13,7 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 try:
-    from autograder.runs.virtual_time import virtual_time
+    from autograder.simulation.virtual_time import virtual_time
 except ImportError:  # a ROS workspace without the course that this package belongs to
 
     @pytest.fixture

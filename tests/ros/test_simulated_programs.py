@@ -4,7 +4,7 @@ import pytest
 from std_msgs.msg import Float64
 
 from autograder.errors import UsageError
-from autograder.runs.virtual_time import virtual_time  # noqa: F401
+from autograder.simulation.virtual_time import virtual_time  # noqa: F401
 from roslab.errors import NotHereError
 from roslab.live_plot import Plot
 from roslab.package_files import learner_package

@@ -5,9 +5,10 @@ import pytest
 from autograder.errors import UsageError
 from autograder.exam.scenario import Advance, Feed, Join, Qos, Scenario
 from autograder.recording import Recording
-from autograder.runs.simulate import order_of, planned
-from autograder.runs.simulation import LogRecord, read_simulation
-from autograder.runs.virtual_time import files_of
+from autograder.simulation.order import order_of
+from autograder.simulation.result import LogRecord, read_simulation
+from autograder.simulation.run import planned
+from autograder.simulation.virtual_time import files_of
 
 STRING = 'std_msgs/msg/String'
 LATCHED = {'reliability': 'RELIABLE', 'durability': 'TRANSIENT_LOCAL'}

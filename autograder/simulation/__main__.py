@@ -1,10 +1,9 @@
 """
 Run a node file on the virtual clock; ``simulate(...)`` in a notebook starts this.
 
-    python -m autograder.commands.simulate --files DIR --order FILE --to FILE
+    python -m autograder.simulation --files DIR --order FILE --to FILE
 
-It is a separate program because students' copies have it, and it is no command of
-``python -m autograder``: it judges nothing.
+It judges nothing, so it is not a command of ``python -m autograder``.
 """
 
 from __future__ import annotations
@@ -17,6 +16,9 @@ import sys
 
 from autograder.commands import OK, USAGE
 from autograder.commands.check import REFUSALS, refuse, sandbox_for
+from autograder.simulation.order import Input, Order
+from autograder.simulation.run import record
+from autograder.submission.package import read_package
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -25,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     :returns: the exit code
     """
-    parser = argparse.ArgumentParser(prog='python -m autograder.commands.simulate')
+    parser = argparse.ArgumentParser(prog='python -m autograder.simulation')
     parser.add_argument('--files', type=Path, required=True, help='folder of the package')
     parser.add_argument('--order', type=Path, required=True, help='what to run, as JSON')
     parser.add_argument('--to', type=Path, required=True, help='file for the recording')
@@ -39,9 +41,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run(chosen: argparse.Namespace) -> int:
     """Run the node file of an order, and save the recording."""
-    from autograder.runs.simulate import Input, Order, record
-    from autograder.submission.package import read_package
-
     given = json.loads(chosen.order.read_text(encoding='utf-8'))
     order = Order(**{**given, 'inputs': [Input(**one) for one in given['inputs']]})
     recording = record(order, read_package(chosen.files), sandbox_for(visible=True))

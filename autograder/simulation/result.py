@@ -193,7 +193,7 @@ def read_simulation(recording: Recording) -> Simulation:
     """
     Return what a recording shows.
 
-    :param recording: made by :func:`autograder.runs.simulate.record`; its header names the end
+    :param recording: made by :func:`autograder.simulation.run.record`; its header names the end
         [s since the program started] and the type of each topic
     """
     types = recording.header['types']
@@ -217,8 +217,9 @@ def read_simulation(recording: Recording) -> Simulation:
         name = one['topic']
         empty = TopicRecord(f'{name} (late)', types[name], (), (), until_s)
         late.setdefault(name, empty)
-    # What ends after the time that was asked for was running at its end.
-    over = over_ns > end_ns or recording.end_reason == 'complete'
+    # A program that ended after the time that was asked for was running until then.
+    ended_later = recording.end_reason == 'student_exited' and over_ns > end_ns
+    over = ended_later or recording.end_reason == 'complete'
     return Simulation(
         recording.header['exam'],
         dict(sorted(heard.items())),

@@ -7,19 +7,17 @@ A first, short run shows which topics the program has.  The second one records t
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from difflib import get_close_matches
-import math
 import re
-from typing import Any
 
 from autograder.errors import ProbeFailed, UsageError
 from autograder.exam.scenario import Advance, Feed, Join, Qos, Scenario, Step
 from autograder.recording import Event, Recording
 from autograder.runs.observe import observe
 from autograder.sandboxes.sandbox import Sandbox
+from autograder.simulation.order import Input, Order
 
-MAX_SECONDS = 86_400.0
 LOOK_S = 2.0
 """Length of the first run [s]."""
 MAX_RUNS = 3
@@ -31,67 +29,13 @@ MARGIN_NS = 1_000_000
 _MESSAGE = re.compile(r'^\w+/msg/\w+$')
 
 
-@dataclass(frozen=True)
-class Input:
-    """
-    A message to send.
-
-    :param at_s: when [s since the program starts]
-    :param topic: full name of the topic
-    :param fields: values of its fields; the others have their defaults
-    :param type: of the message, empty for the one to which the program subscribes
-    """
-
-    at_s: float
-    topic: str
-    fields: Mapping[str, Any]
-    type: str = ''
-
-
-@dataclass(frozen=True)
-class Order:
-    """
-    What to run, for how long, and what to send.
-
-    :param file: node file
-    :param seconds: virtual time since the program starts [s]
-    :param inputs: messages to send; those of one moment are a burst
-    :param late: when an additional subscription joins a topic [s], by its full name
-    :param arguments: of the program, after ``--ros-args``
-    """
-
-    file: str
-    seconds: float
-    inputs: Sequence[Input] = ()
-    late: Mapping[str, float] = field(default_factory=dict)
-    arguments: Sequence[str] = ()
-
-    def check(self) -> None:
-        """
-        Check the times.
-
-        :raises UsageError: for a time outside the simulation, or one that is too long
-        """
-        if not 0 < self.seconds <= MAX_SECONDS:
-            raise UsageError(
-                f'seconds: expected more than 0 and at most {MAX_SECONDS:.0f}, got {self.seconds}.'
-            )
-        times = [(f'inputs of {one.topic}', one.at_s) for one in self.inputs]
-        times += [(f'late {topic}', at_s) for topic, at_s in self.late.items()]
-        for where, at_s in times:
-            if not (math.isfinite(at_s) and 0 <= at_s <= self.seconds):
-                raise UsageError(
-                    f'{where}: expected a time from 0 to {self.seconds:g} s, got {at_s}.'
-                )
-
-
 def record(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Recording:
     """
     Run a program in a sandbox on the virtual clock.
 
     :param files: relative path to text; the node file is one of them
-    :returns: for :func:`autograder.runs.simulation.read_simulation`; if a limit ended the program,
-        what it did until then
+    :returns: for :func:`autograder.simulation.result.read_simulation`; if a limit ended the
+        program, what it did until then
     :raises UsageError: if a time is wrong, an input cannot be sent, or a topic is missing
     :raises GraderError: for a fault of the grader
     """
@@ -116,10 +60,13 @@ def _run(scenario: Scenario, files: Mapping[str, str], sandbox: Sandbox) -> Reco
     try:
         return observe(scenario.file, scenario.to_json(), files, sandbox)[0]
     except ProbeFailed as error:
-        if '(feed)' not in error.what:
-            raise
         why = error.what.rpartition('Error: ')[2]
-        raise UsageError(f'inputs: a message does not fit its type: {why}') from error
+        if '(feed)' in error.what:
+            raise UsageError(f'inputs: a message does not fit its type: {why}') from error
+        if 'ModuleNotFoundError' in error.what:
+            what = f'{scenario.file}: a topic has a type that is not installed here: {why}'
+            raise UsageError(what, error.fix) from error
+        raise
 
 
 def planned(order: Order, before: Scenario, seen: Recording) -> Scenario:
@@ -141,9 +88,9 @@ def planned(order: Order, before: Scenario, seen: Recording) -> Scenario:
     return replace(before, watch=watch, feed=feed, steps=steps)
 
 
-def _moments(order: Order, seen: Recording) -> list[tuple[int, Step]]:
+def _moments(order: Order, seen: Recording) -> list[tuple[int, Feed | Join]]:
     """Return what to do at which time [ns]; at one moment, inputs come before subscriptions."""
-    feeds = [
+    feeds: list[tuple[int, Feed | Join]] = [
         (round(one.at_s * 1e9), Feed(one.topic, (one.fields,), every_s=0.0, rest_s=0.0))
         for one in order.inputs
     ]
@@ -151,12 +98,12 @@ def _moments(order: Order, seen: Recording) -> list[tuple[int, Step]]:
     return sorted([*feeds, *joins], key=lambda moment: moment[0])
 
 
-def _timed(now_ns: int, moments: Sequence[tuple[int, Step]], end_ns: int) -> Iterator[Step]:
+def _timed(now_ns: int, moments: Sequence[tuple[int, Feed | Join]], end_ns: int) -> Iterator[Step]:
     """Yield the steps with the waits between them."""
     for at_ns, step in moments:
         if at_ns < now_ns:
             raise UsageError(
-                f'{step.topic}: expected a time from {now_ns / 1e9:g} s on, got '  # type: ignore[attr-defined]
+                f'{step.topic}: expected a time from {now_ns / 1e9:g} s on, got '
                 f'{at_ns / 1e9:g} s. Before it, the program or a late subscription is connecting.'
             )
         if at_ns > now_ns:
@@ -196,70 +143,3 @@ def _types(recording: Recording, kind: str) -> dict[str, str]:
     """Return the topics of the program, without those of actions, and their types."""
     ends = recording.endpoints(kind)
     return {end['topic']: end['type'] for end in ends if _MESSAGE.match(end['type'])}
-
-
-# -- what a person writes --------------------------------------------------------------------
-
-
-def order_of(
-    file: str,
-    seconds: float,
-    inputs: Mapping[str, Sequence[tuple[float, Any]]] | None = None,
-    late: Mapping[str, float] | None = None,
-    arguments: Sequence[str] = (),
-) -> Order:
-    """
-    Return the order for what a person wrote.
-
-    :param file: node file
-    :param seconds: virtual time since the program starts [s]
-    :param inputs: topic to pairs of a time [s] and a message, or a dict of its fields
-    :param late: topic to the time at which an additional subscription joins it [s]
-    :param arguments: of the program, after ``--ros-args``
-    :raises UsageError: for anything else
-    """
-    try:
-        sent = [
-            _input(topic, at_s, message)
-            for topic, pairs in (inputs or {}).items()
-            for at_s, message in pairs
-        ]
-        joins = {_full(topic): float(at_s) for topic, at_s in (late or {}).items()}
-        order = Order(file, float(seconds), sent, joins, tuple(arguments))
-    except (AttributeError, TypeError, ValueError) as error:
-        raise UsageError(
-            f'{file}: expected seconds as numbers, inputs={{topic: [(second, message), ...]}} and '
-            f'late={{topic: second}}, got another form: {error}.'
-        ) from error
-    order.check()
-    return order
-
-
-def _input(topic: str, at_s: float, message: Any) -> Input:
-    if isinstance(message, Mapping):
-        return Input(float(at_s), _full(topic), _plain(message))
-    if not hasattr(message, 'get_fields_and_field_types'):
-        raise TypeError(f'{message!r} is neither a message nor a dict of its fields')
-    package, kind = type(message).__module__.split('.')[:2]
-    name = f'{package}/{kind}/{type(message).__name__}'
-    return Input(float(at_s), _full(topic), _plain(message), name)
-
-
-def _full(topic: str) -> str:
-    return topic if topic.startswith('/') else f'/{topic}'
-
-
-def _plain(value: Any) -> Any:
-    """Return a value of a field as JSON types."""
-    if isinstance(value, Mapping):
-        return {str(name): _plain(one) for name, one in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(one) for one in value]
-    if isinstance(value, (str, int)):
-        return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else str(value)
-    # Not at the top: the grader's own process never imports rclpy.
-    from autograder.probe.probe_wire import to_json
-
-    return to_json(value)

@@ -14,10 +14,11 @@ from typing import Any, Protocol
 
 import pytest
 
-from autograder.errors import SandboxUnavailable, UsageError
-from autograder.runs.simulate import order_of, record
-from autograder.runs.simulation import read_simulation, Simulation
-from autograder.sandboxes import choose
+from autograder.commands.check import sandbox_for
+from autograder.errors import UsageError
+from autograder.simulation.order import order_of
+from autograder.simulation.result import read_simulation, Simulation
+from autograder.simulation.run import record
 
 ENTRY = 'entry_point.py'
 ENTRY_TEXT = 'import sys\nfrom {module} import {function}\nsys.exit({function}())\n'
@@ -66,11 +67,7 @@ def run_program(
     """Run a program as :class:`VirtualTime` describes it."""
     file, files = files_of(program)
     order = order_of(file, seconds, inputs, late, arguments)
-    try:
-        sandbox = choose.strongest()
-    except SandboxUnavailable:
-        sandbox = choose.plain()  # it is one's own code
-    return read_simulation(record(order, files, sandbox))
+    return read_simulation(record(order, files, sandbox_for(visible=True)))
 
 
 def files_of(program: str | os.PathLike[str]) -> tuple[str, dict[str, str]]:
