@@ -7,7 +7,7 @@ draw a simulation like live messages.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -193,58 +193,47 @@ def read_simulation(recording: Recording) -> Simulation:
     """
     Return what a recording shows.
 
-    :param recording: made by :func:`autograder.simulation.run.record`; its header names the end
-        [s since the program started] and the type of each topic
+    :param recording: made by :func:`autograder.simulation.run.record`; its header has the end
+        [s since the program started], and the types of the topics by their names
     """
-    types = recording.header['types']
-    end_ns = round(recording.header['seconds'] * 1e9)
-    over_ns = recording.of('end')[-1]['clock_ns'] if recording.of('end') else None
-    events = [one for one in recording.events if (one.get('clock_ns') or 0) <= end_ns]
+    about, end_ns = recording.header, round(recording.header['seconds'] * 1e9)
+    within = [one for one in recording.events if (one.get('clock_ns') or 0) <= end_ns]
+    over_ns = recording.of('end')[-1]['clock_ns']
     if over_ns is None:  # a limit ended it, and the last event shows when
-        over_ns = max((one.get('clock_ns') or 0 for one in events), default=0)
-    until_s = min(over_ns, end_ns) / 1e9
-    messages = [one for one in events if one['event'] == 'message']
-
-    def by_topic(found: list[Event], remark: str = '') -> dict[str, TopicRecord]:
-        topics = dict.fromkeys(one['topic'] for one in found)
-        return {name: _record(name, remark, types, found, until_s) for name in topics}
-
-    heard = by_topic([one for one in messages if one.get('listener') is None])
-    for name in sorted({end['topic'] for end in recording.endpoints('publisher')} & set(types)):
-        heard.setdefault(name, TopicRecord(name, types[name], (), (), until_s))
-    late = by_topic([one for one in messages if one.get('listener') is not None], ' (late)')
-    for one in recording.of('joined'):
-        name = one['topic']
-        empty = TopicRecord(f'{name} (late)', types[name], (), (), until_s)
-        late.setdefault(name, empty)
+        over_ns = max(one.get('clock_ns') or 0 for one in within)
     # A program that ended after the time that was asked for was running until then.
     ended_later = recording.end_reason == 'student_exited' and over_ns > end_ns
-    over = ended_later or recording.end_reason == 'complete'
+    complete = ended_later or recording.end_reason == 'complete'
+    seconds, events = min(over_ns, end_ns) / 1e9, Recording(about, within)
+    published, process = about['published'], recording.process
     return Simulation(
-        recording.header['exam'],
-        dict(sorted(heard.items())),
-        late,
-        by_topic([one for one in events if one['event'] == 'input'], ' (input)'),
-        tuple(_log(one) for one in events if one['event'] == 'log'),
-        'complete' if over else recording.end_reason,
-        until_s,
-        None if over else recording.process.get('exit'),
-        recording.process.get('stdout', '') + recording.process.get('stderr', ''),
-        str(recording.header.get('mode', '')),
-    )
-
-
-def _record(
-    name: str, remark: str, types: Mapping[str, str], events: list[Event], seconds: float
-) -> TopicRecord:
-    own = [one for one in events if one['topic'] == name]
-    return TopicRecord(
-        f'{name}{remark}',
-        types[name],
-        tuple(one['clock_ns'] / 1e9 for one in own),
-        tuple(one.get('data') for one in own),
+        about['exam'],
+        {
+            topic: _record(topic, name, events.messages(topic), seconds)
+            for topic, name in published.items()
+        },
+        {
+            topic: _record(
+                f'{topic} (late)', published[topic], events.messages(topic, listener), seconds
+            )
+            for topic, listener in ((one['topic'], one['listener']) for one in events.of('joined'))
+        },
+        {
+            topic: _record(f'{topic} (input)', name, events.of('input', topic=topic), seconds)
+            for topic, name in about['sent'].items()
+        },
+        tuple(map(_log, events.of('log'))),
+        'complete' if complete else recording.end_reason,
         seconds,
+        None if complete else process['exit'],
+        process['stdout'] + process['stderr'],
+        about['mode'],
     )
+
+
+def _record(label: str, name: str, events: Sequence[Event], seconds: float) -> TopicRecord:
+    times = tuple(one['clock_ns'] / 1e9 for one in events)
+    return TopicRecord(label, name, times, tuple(one.get('data') for one in events), seconds)
 
 
 def _log(event: Event) -> LogRecord:

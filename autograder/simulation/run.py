@@ -51,8 +51,11 @@ def record(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Recordin
         recording = _run(scenario, files, sandbox)
         if _types(recording, 'publisher').keys() <= scenario.watch.keys():
             break
-    types = {topic: feed.type for topic, feed in scenario.feeds.items()} | dict(scenario.watch)
-    facts = {'seconds': order.seconds, 'types': types}
+    facts = {
+        'seconds': order.seconds,
+        'published': dict(sorted(scenario.watch.items())),
+        'sent': {topic: feed.type for topic, feed in scenario.feeds.items()},
+    }
     return Recording({**recording.header, **facts}, recording.events)
 
 

@@ -6,11 +6,11 @@ Installing the wheel makes it known to pytest; ``docs/virtual-time.md`` describe
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 import os
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import pytest
 
@@ -24,35 +24,9 @@ ENTRY = 'entry_point.py'
 ENTRY_TEXT = 'import sys\nfrom {module} import {function}\nsys.exit({function}())\n'
 
 
-class VirtualTime(Protocol):
-    """The function that the fixture ``virtual_time`` gives."""
-
-    def __call__(
-        self,
-        program: str | os.PathLike[str],
-        seconds: float,
-        *,
-        inputs: Mapping[str, Sequence[tuple[float, Any]]] | None = None,
-        late: Mapping[str, float] | None = None,
-        arguments: Sequence[str] = (),
-    ) -> Simulation:
-        """
-        Run a program for some virtual time.
-
-        :param program: a Python file, or an entry point such as ``my_package.my_node:main``
-        :param seconds: how long, from the start of the program [s]; at most a day
-        :param inputs: what to send, as ``{topic: [(second, message), ...]}``, with messages or
-            dicts of their fields
-        :param late: an additional subscription that joins later, as ``{topic: second}``
-        :param arguments: of the program, after ``--ros-args``
-        :returns: its messages and log lines, each with its time
-        :raises UsageError: if there is no such file or topic, or a time is wrong
-        """
-
-
 @pytest.fixture
-def virtual_time() -> VirtualTime:
-    """Return a function that runs a ROS 2 program on a virtual clock."""
+def virtual_time() -> Callable[..., Simulation]:
+    """Return :func:`run_program`, which runs a ROS 2 program on a virtual clock."""
     return run_program
 
 
@@ -64,7 +38,18 @@ def run_program(
     late: Mapping[str, float] | None = None,
     arguments: Sequence[str] = (),
 ) -> Simulation:
-    """Run a program as :class:`VirtualTime` describes it."""
+    """
+    Run a program for some virtual time.
+
+    :param program: a Python file, or an entry point such as ``my_package.my_node:main``
+    :param seconds: how long, from the start of the program [s]; at most a day
+    :param inputs: what to send, as ``{topic: [(second, message), ...]}``; a message is an object
+        or a dict of its fields
+    :param late: an additional subscription that joins later, as ``{topic: second}``
+    :param arguments: of the program, after ``--ros-args``
+    :returns: its messages and log lines, each with its time
+    :raises UsageError: if there is no such file or topic, or a time is wrong
+    """
     file, files = files_of(program)
     order = order_of(file, seconds, inputs, late, arguments)
     return read_simulation(record(order, files, sandbox_for(visible=True)))

@@ -129,7 +129,8 @@ def recorded(*events, reason='complete', over_ns=10_001_000_000, exit_code=None,
         {'event': 'end', 'clock_ns': over_ns, 'reason': reason},
         {'event': 'process', 'exit': exit_code, 'stdout': '', 'stderr': printed},
     ]
-    facts = {'exam': 'echo.py', 'seconds': 10.0, 'types': {'/in': STRING, '/out': STRING}}
+    topics = {'published': {'/out': STRING}, 'sent': {'/in': STRING}}
+    facts = {'exam': 'echo.py', 'mode': 'none', 'seconds': 10.0, **topics}
     return read_simulation(Recording(facts, [GRAPH, *events, *ending]))
 
 
@@ -143,8 +144,9 @@ def test_recording_becomes_messages_with_times():
     """What happens in the last instant belongs to it; what comes later does not."""
     log = {'event': 'log', 'clock_ns': 5, 'level': 30, 'name': 'echo', 'text': 'hot'}
     sent = {'event': 'input', 'clock_ns': 10**9, 'topic': '/in', 'data': {'data': 'a'}}
+    joined = {'event': 'joined', 'clock_ns': 2 * 10**9, 'topic': '/out', 'listener': 'late/out'}
     run = recorded(
-        *(log, sent),
+        *(log, sent, joined),
         message(10**9, 'a'),
         message(2 * 10**9, 'a', listener='late/out'),
         message(10 * 10**9, 'b'),
