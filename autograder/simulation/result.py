@@ -16,7 +16,7 @@ from autograder.recording import Event, LEVELS, Recording
 ENDS = {
     'complete': 'it ran to its end',
     'student_exited': 'the program ended',
-    'no_node': 'no node appeared in the first 10 s',
+    'no_node': 'no node had appeared',
     'not_connected': 'no node was subscribed when an input was due',
     'cpu_limit': 'it had used 20 s of processor time',
     'too_many_events': 'there were more than 20000 messages and log lines',

@@ -63,13 +63,10 @@ def _run(scenario: Scenario, files: Mapping[str, str], sandbox: Sandbox) -> Reco
     try:
         return observe(scenario.file, scenario.to_json(), files, sandbox)[0]
     except ProbeFailed as error:
+        if '(feed)' not in error.what:
+            raise
         why = error.what.rpartition('Error: ')[2]
-        if '(feed)' in error.what:
-            raise UsageError(f'inputs: a message does not fit its type: {why}') from error
-        if 'ModuleNotFoundError' in error.what:
-            what = f'{scenario.file}: a topic has a type that is not installed here: {why}'
-            raise UsageError(what, error.fix) from error
-        raise
+        raise UsageError(f'inputs: a message does not fit its type: {why}') from error
 
 
 def planned(order: Order, before: Scenario, seen: Recording) -> Scenario:
