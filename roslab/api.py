@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from autograder.simulation.result import Simulation, TopicRecord
 from roslab.graph_picture import Graph, graph_now
 from roslab.introspection import print_info, print_messages, print_rate, print_topics
 from roslab.listening import Listener
@@ -107,29 +108,39 @@ def graph(topic: str | None = None, *, all: bool = False) -> Graph:
 
 
 def timeline(
-    *sources: Listener | Plot,
+    *sources: Listener | Plot | Simulation | TopicRecord,
     marks: Mapping[str, Iterable[float]] | None = None,
     seconds: float | None = None,
 ) -> Timeline:
     """
     Return messages against time: a picture, or a table of text with ``str()``.
 
-    :param sources: listeners; the axis begins when the first of them began to listen
+    :param sources: listeners; the axis begins when the first of them began to listen. A simulation
+        stands for all its topics
     :param marks: names and times of other events, on the scale of the first listener's ``now`` [s]
     :param seconds: only so many seconds before the newest event [s]
     """
     return make_timeline(sources, marks, seconds)
 
 
-def plot(topic: str, field: str, *, seconds: float = 20.0, threshold: float | None = None) -> Plot:
+def plot(
+    topic: str | TopicRecord,
+    field: str,
+    *,
+    seconds: float | None = None,
+    threshold: float | None = None,
+) -> Plot:
     """
     Plot a number of a topic against time, in this cell, while later cells run.
 
-    :param topic: its name; the type is found in the graph
+    :param topic: its name; the type is found in the graph. Or the messages of a simulation, as in
+        ``plot(run['temperature_topic'], 'temperature_value')``
     :param field: such as ``temperature``, ``header.stamp.sec`` or ``data[0]``
-    :param seconds: length of the time axis [s]
+    :param seconds: length of the time axis [s]; None for 20 s, or for a whole simulation
     :param threshold: a level to compare the values with
     """
+    if seconds is None:
+        seconds = topic.seconds if isinstance(topic, TopicRecord) else 20.0
     made = Plot(session(), topic, field, seconds, threshold)
     made.begin()
     return made

@@ -14,8 +14,6 @@ import json
 import os
 from pathlib import Path
 import re
-import sys
-import tempfile
 from typing import Any
 
 from IPython import get_ipython
@@ -23,12 +21,11 @@ from IPython import get_ipython
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
-from autograder.layout import CHOSEN, Layout
+from autograder.layout import Layout
 from autograder.results import ExamResult, Problem
 from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED
 from roslab import child
 from roslab.guide import texts_now
-from roslab.output import ElapsedTime
 from roslab.package_files import learner_package, LearnerPackage
 from roslab.report import CheckReport
 from roslab.saved_files import describe, edited_since, look_up
@@ -73,19 +70,12 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
                 try_this='run the cells of the exercise first, those that begin with %%',
             ),
         )
-    command = [sys.executable, '-m', 'autograder.commands.check', exam]
-    # Run in an empty folder: a learner's file next to the notebook must not replace a module.
-    with (
-        tempfile.TemporaryDirectory(prefix='check-') as empty,
-        ElapsedTime(f'Checking {exam}') as elapsed,
-    ):
-        outcome = child.run(
-            [*command, '--files', str(package.folder), '--visible', '--json'],
-            cwd=Path(empty),
-            env={**os.environ, CHOSEN: str(Layout.here().root)},
-            deadline_s=_DEADLINE_S,
-            on_tick=elapsed.tick,
-        )
+    outcome = child.run_grader(
+        'autograder.commands.check',
+        *(exam, '--files', str(package.folder), '--visible', '--json'),
+        text=f'Checking {exam}',
+        deadline_s=_DEADLINE_S,
+    )
     report = _read(exam, outcome)
     report.judged, report.edited = describe(saved), tuple(edited_since(saved))
     report.unfinished = tuple(name for name, text in own.items() if _is_stub(name, text))

@@ -12,12 +12,15 @@ from dataclasses import dataclass
 import os
 from pathlib import Path
 import subprocess
+import sys
 import tempfile
 import time
 
 import psutil
 
+from autograder.layout import CHOSEN, Layout
 from roslab.interrupts import HeldInterrupts
+from roslab.output import ElapsedTime
 
 _MOST_BYTES = 2_000_000
 _TAIL_BYTES = 4_000
@@ -81,6 +84,24 @@ def run(
         log.seek(max(0, size - _MOST_BYTES))
         output = log.read().decode('utf-8', 'replace')
     return Outcome(process.returncode if ended else None, output, time.monotonic() - begin)
+
+
+def run_grader(module: str, *arguments: str, text: str, deadline_s: float) -> Outcome:
+    """
+    Run a module of the grader on the learner's files.
+
+    :param text: what is going on, for the line that counts the seconds
+    :param deadline_s: when to end it [s]
+    """
+    # In an empty folder: a file of the learner's beside the notebook must not replace a module.
+    with tempfile.TemporaryDirectory(prefix='check-') as empty, ElapsedTime(text) as elapsed:
+        return run(
+            [sys.executable, '-m', module, *arguments],
+            cwd=Path(empty),
+            env={**os.environ, CHOSEN: str(Layout.here().root)},
+            deadline_s=deadline_s,
+            on_tick=elapsed.tick,
+        )
 
 
 def _end_of(log: int) -> str:

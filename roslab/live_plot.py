@@ -13,6 +13,7 @@ import math
 import threading
 from typing import Any
 
+from autograder.simulation.result import TopicRecord
 from roslab.errors import RoslabError
 from roslab.fields import number_getter
 from roslab.interrupts import HeldInterrupts
@@ -25,15 +26,16 @@ from roslab.session import Session
 _PERIOD_S = 0.2
 _STOPPING_S = 1.0
 
-_plots: dict[tuple[str, str], Plot] = {}
+_plots: dict[tuple[str, str, bool], Plot] = {}
 
 
 class Plot:
     """
-    A picture that follows a topic.
+    A picture that follows a topic, or shows one of a simulation.
 
     :param session: whose hidden node listens
-    :param topic: with or without the leading slash; its type is found in the graph
+    :param topic: with or without the leading slash; its type is found in the graph. Or what a
+        simulation recorded of it, ``run['topic']``
     :param field: path of a numeric field, such as ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]
     :param threshold: a level to compare the values with
@@ -42,7 +44,12 @@ class Plot:
     """
 
     def __init__(
-        self, session: Session, topic: str, field: str, seconds: float, threshold: float | None
+        self,
+        session: Session,
+        topic: str | TopicRecord,
+        field: str,
+        seconds: float,
+        threshold: float | None,
     ) -> None:
         _require_numbers(seconds, threshold)
         self.field = field
@@ -53,7 +60,9 @@ class Plot:
         self._painted: tuple[int, float] | None = None
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
-        self.listener: Listener = listen_as_found(session, topic)
+        self.listener: Listener | TopicRecord = (
+            topic if isinstance(topic, TopicRecord) else listen_as_found(session, topic)
+        )
         try:
             self._number = number_getter(self.listener.msg_type, field)
         except RoslabError:
@@ -139,8 +148,9 @@ class Plot:
                 self._handle.update(self._bundle(), raw=True)
 
     @property
-    def _key(self) -> tuple[str, str]:
-        return self.topic, self.field
+    def _key(self) -> tuple[str, str, bool]:
+        # A picture of a simulation does not end the one that follows the topic of that name.
+        return self.topic, self.field, isinstance(self.listener, TopicRecord)
 
     def _newest(self) -> tuple[int, float]:
         times = self.listener.times

@@ -88,16 +88,20 @@ def make_timeline(
     """
     Return the timeline of listeners.
 
-    :param sources: listeners; the axis begins when the first of them began to listen
+    :param sources: listeners; the axis begins when the first of them began to listen. A simulation
+        stands for all its topics
     :param marks: names and times of other events, on the time scale of the first listener [s]
     :param seconds: show only so many seconds before the newest event [s]
     :raises RoslabError: if a source is not a listener, or a mark has no times
     """
+    sources = [one for source in sources for one in getattr(source, 'listeners', (source,))]
+    sources = [getattr(source, 'listener', source) for source in sources]  # a live plot has one
     if not sources:
         raise RoslabError(
             "timeline() expected listeners, as in timeline(listen('chatter', String))."
         )
-    zero = getattr(sources[0], 'began', 0.0)
+    # A simulation began at 0, and its times are those of the axis.
+    zero = next((began for one in sources if (began := getattr(one, 'began', 0.0))), 0.0)
     rows = [_row_of(source, zero) for source in sources]
     rows += [_row_of_mark(label, times) for label, times in (marks or {}).items()]
     stamps = [stamp for row in rows for stamp in row.times]
@@ -112,15 +116,14 @@ def make_timeline(
 
 
 def _row_of(source: Any, zero: float) -> Row:
-    listener = getattr(source, 'listener', source)  # a live plot has a listener
-    if not (hasattr(listener, 'times') and hasattr(listener, 'began')):
+    if not (hasattr(source, 'times') and hasattr(source, 'began')):
         raise RoslabError(
             f'timeline() expected a listener, as listen() returns it, got {source!r}. '
             'Times of other things go into marks={"label": [seconds, ...]}.'
         )
-    shift = listener.began - zero
-    times = tuple(time + shift for time in listener.times)
-    return Row(listener.topic, times, more=type_name(listener.msg_type))
+    shift = source.began - zero if source.began else 0.0
+    times = tuple(time + shift for time in source.times)
+    return Row(source.topic, times, more=type_name(source.msg_type))
 
 
 def _row_of_mark(label: str, times: Iterable[float]) -> Row:
