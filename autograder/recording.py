@@ -34,7 +34,7 @@ from autograder.errors import RecordingInvalid
 from autograder.files import keep
 
 FORMAT = 'ros2-course-recording'
-VERSION = 2
+VERSION = 3
 Event = Mapping[str, Any]
 PLUMBING = ('/rosout', '/parameter_events', '/clock', '/transition_event')
 """Topics that come with every node, regardless of its code."""

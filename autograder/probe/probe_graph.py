@@ -20,6 +20,7 @@ from rclpy.node import Node, NodeNameNonExistentError
 HIDDEN_TOPICS = ('/parameter_events', '/rosout', '/clock')
 MOST_NODES, MOST_ENDPOINTS = 200, 500  # that are listed; all are counted
 LONGEST_NAME = 256
+PROCESS_BYTES = 8  # of an endpoint's id, for Fast DDS: vendor, machine and process
 # What rcl accepts as a node's full name; to ask it about another one is an error.
 NODE_NAME = re.compile(r'(?:/[A-Za-z_][A-Za-z0-9_]*)+')
 
@@ -38,6 +39,7 @@ class Graph:
         infos = node.get_subscriptions_info_by_topic('/rosout')
         own = next(info for info in infos if info.node_name == node.get_name())
         self.own_prefix = bytes(own.endpoint_gid[:12])
+        self.processes: dict[bytes, int] = {}
 
     def names(self) -> list[str]:
         """Return the full name of every node but the probe's; imitations of its name count."""
@@ -78,6 +80,8 @@ class Graph:
             if topic not in HIDDEN_TOPICS:
                 endpoints += self._endpoints(topic, 'subscription')
         endpoints.sort(key=lambda e: (e['topic'], e['kind'], e['node'], e['type']))
+        for end in endpoints:  # the ids differ from run to run, these numbers do not
+            end['process'] = self.processes.setdefault(end['process'], len(self.processes))
         names = self.names()
         return {
             'nodes': names[:MOST_NODES],
@@ -97,6 +101,7 @@ class Graph:
                 'node': f'{info.node_namespace.rstrip("/")}/{info.node_name}'[:LONGEST_NAME],
                 'type': info.topic_type[:LONGEST_NAME],
                 'type_hash': str(info.topic_type_hash),
+                'process': bytes(info.endpoint_gid[:PROCESS_BYTES]),
                 'qos': qos_json(info.qos_profile),
             }
             for info in ask(topic)

@@ -83,12 +83,12 @@ def test_a_recording_of_an_older_format_is_made_again(path):
     """Its times are from a different clock."""
     runs = Runs()
     path.parent.mkdir()
-    path.write_bytes(WHOLE.to_bytes().replace(b'"version": 2', b'"version": 1'))
+    path.write_bytes(WHOLE.to_bytes().replace(b'"version": 3', b'"version": 1'))
 
     _kept_or_run(path, False, runs)
 
     assert runs.count == 1
-    assert Recording.load(path).header['version'] == 2
+    assert Recording.load(path).header['version'] == 3
 
 
 def test_a_run_that_was_killed_leaves_nothing_under_its_name(path):

@@ -106,7 +106,7 @@ class TestFile:
 
     @pytest.mark.parametrize(
         'text',
-        ['', '[]', '{"format": "other", "version": 2}\n', 'not json', '{"a": 1}\n{"b'],
+        ['', '[]', '{"format": "other", "version": 3}\n', 'not json', '{"a": 1}\n{"b'],
         ids=['empty', 'list', 'other format', 'no json', 'truncated'],
     )
     def test_other_file_is_refused(self, tmp_path, text):
@@ -119,7 +119,7 @@ class TestFile:
 
     def test_recording_of_an_older_format_is_refused_with_what_to_do(self):
         """Its times are from a different clock."""
-        old = SAMPLE.to_bytes().replace(b'"version": 2', b'"version": 1')
+        old = SAMPLE.to_bytes().replace(b'"version": 3', b'"version": 1')
 
         with pytest.raises(RecordingInvalid, match=r'of version 1\. Try: grade again'):
             Recording.from_bytes(old, 'r.jsonl')
