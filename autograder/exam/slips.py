@@ -62,8 +62,8 @@ SEVERAL_ANSWERS = Cause(
 )
 MISSES_SOME = Cause(
     'misses_some',
-    'Where several messages come at once, they do not get an answer each.',
-    'Publish in the callback of the subscription, once for each message.',
+    'Where several messages come at once, some of them are not answered.',
+    'Is the depth of your subscription 10? If it is, publish in its callback, once per message.',
 )
 
 

@@ -150,6 +150,7 @@ class Played:
                     'node': node,
                     'type': program.type or type_name,
                     'type_hash': '',
+                    'process': 0,
                     'qos': program.qos or RELIABLE,
                 }
 
@@ -164,7 +165,7 @@ class Played:
                 self.index = 0 if self.index is None else self.index + 1
                 self.note('input', index=self.index, topic=step.topic, data=dict(message))
                 for self.heard in message.values():
-                    if not isinstance(self.heard, dict):
+                    if not isinstance(self.heard, (dict, list)):
                         self.say()
                 self.wait(0.0 if step.burst else step.every_s)
             self.wait(step.rest_s)

@@ -1,4 +1,4 @@
-"""Lesson 05, part 4, as it is graded: with secret surveys."""
+"""Lesson 05, part 4, as it is graded: with secret surveys, the last of them at once."""
 
 from __future__ import annotations
 
@@ -25,4 +25,6 @@ def surveys(draw: random.Random) -> list[str]:
     return [*texts[:-1], texts[0], long, '', texts[-1]]
 
 
-exam = build(surveys(generator('map_server', 'rooms')))
+_draw = generator('map_server', 'rooms')
+_last = [f'{room} {_draw.randrange(1000, 10_000)}' for room in _draw.sample(_ROOMS, k=3)]
+exam = build([*surveys(_draw), *_last], burst=len(_last))

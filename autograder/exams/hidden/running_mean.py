@@ -1,4 +1,4 @@
-"""Lesson 03, part 4, as it is graded: with secret numbers, two NaN, and a burst."""
+"""Lesson 03, part 4, as it is graded: with secret numbers, a pause, two NaN, and a burst."""
 
 from __future__ import annotations
 
@@ -19,4 +19,5 @@ exam = build(
     # Where the same number comes first twice, the mean does not change.
     [_first[0], *_first, math.nan, *_numbers(2), 0.0, _first[0], math.nan, *_numbers(4)],
     burst=_numbers(4),
+    pause=3,
 )

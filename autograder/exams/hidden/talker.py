@@ -9,4 +9,5 @@ _draw = generator('talker', 'place')
 exam = build(
     f'/{"".join(_draw.choices("bdghjklmnprtvwz", k=6))}',
     seconds=_draw.choice((31.0, 32.0, 33.0)),
+    comes=True,
 )

@@ -28,9 +28,11 @@ def edges(draw: random.Random) -> list[Reading]:
 
 def fahrenheit(draw: random.Random) -> list[Reading]:
     """Return readings on both sides of the threshold, in a secret order."""
+    limit = THRESHOLD_C * 1.8 + 32.0
+    warm, cool = draw.uniform(limit + 0.1, limit + 0.4), draw.uniform(limit - 0.5, limit - 0.1)
     readings = [
-        Reading(round(draw.uniform(86.1, 86.4), 2), 'a warm reading in °F', 'Fahrenheit'),
-        Reading(round(draw.uniform(85.5, 85.9), 2), 'a cool reading in °F', 'Fahrenheit'),
+        Reading(round(warm, 2), 'a warm reading in °F', 'Fahrenheit'),
+        Reading(round(cool, 2), 'a cool reading in °F', 'Fahrenheit'),
     ]
     draw.shuffle(readings)
     return readings
@@ -73,7 +75,7 @@ exam = build(
         cool(_draw),
         # The same value again, and another one: each is above by itself.
         *(_again, _again, hot(_draw)),
-        Reading(round(_draw.uniform(200.0, 900.0), 1), 'a reading far above 30 °C'),
+        Reading(round(_draw.uniform(200.0, 900.0), 1), f'a reading far above {THRESHOLD_C:g} °C'),
         *(cool(_draw), cool(_draw)),
         *edges(_draw),
         # After a cool one: who warns of changes only has no other mistake with Fahrenheit.

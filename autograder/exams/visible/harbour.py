@@ -20,6 +20,15 @@ NAMESPACE = '/harbour'
 LOOKOUT, KEEPER = f'{NAMESPACE}/lookout', f'{NAMESPACE}/keeper'
 WATCH = 'watch'  # the phase in which lines count; what a program says when it starts is before
 EXERCISE = 'Exercise 1: two nodes, one program'
+OTHER = {LOOKOUT: (KEEPER, 1.0), KEEPER: (LOOKOUT, 1.2)}
+"""The other node, and how many lines a second are more than its own [1/s]."""
+OTHER_NODE_LOGS = Cause(
+    'other_node_logs',
+    'One node logs more than it should, and the other one nothing: a callback logs with the '
+    'logger of the wrong node.',
+    'Use self.get_logger() in a method of the node. A function made in a loop sees the last value '
+    'of its variable.',
+)
 
 
 def both_nodes_exist(run: Run) -> None:
@@ -31,6 +40,27 @@ def both_nodes_exist(run: Run) -> None:
                 observed=', '.join(name[:60] for name in run.recording.nodes[:5]) or 'no node',
                 why=_why_missing(run, node),
             )
+    if others := [name for name in run.recording.nodes if name not in (LOOKOUT, KEEPER)]:
+        raise Failed(
+            expected='two nodes, and no other',
+            observed=f'{others[0][:60]} as well',
+            why=Cause(
+                'further_node',
+                'Your program makes another node beside lookout and keeper.',
+                'Let these two do all the work: each can have several timers.',
+            ),
+        )
+    ends = run.recording.endpoints('publisher', '/rosout')
+    if len({end['process'] for end in ends if end['node'] in (LOOKOUT, KEEPER)}) > 1:
+        raise Failed(
+            expected='both nodes in one process',
+            observed='a process for each',
+            why=Cause(
+                'two_processes',
+                'Your two nodes run in two processes.',
+                'Create both in main(), after one rclpy.init(), and add both to one executor.',
+            ),
+        )
 
 
 def _why_missing(run: Run, node: str) -> Cause:
@@ -97,6 +127,8 @@ def require_reports(run: Run, node: str, period_s: int) -> None:
     lines, seconds = watched_lines(run, node, INFO), run.facts['seconds']
 
     def explain() -> Cause | None:
+        if not lines and len(watched_lines(run, OTHER[node][0], INFO)) > OTHER[node][1] * seconds:
+            return OTHER_NODE_LOGS
         if not lines:
             others = watched_lines(run, node)
             return why_not_logged(run, others, INFO) or why_no_line(

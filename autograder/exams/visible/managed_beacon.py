@@ -32,6 +32,8 @@ from autograder.recording import Event
 TYPE = 'std_msgs/msg/String'
 WAYS = ('configure', 'activate', 'deactivate', 'activate', 'deactivate', 'cleanup')
 ASKED = (*WAYS, 'configure', 'activate')
+UNUSED = ('deactivate', 'cleanup', 'configure', 'cleanup', 'configure', 'activate')
+"""At the end: a configuration is cleaned up before it was active."""
 SILENT = ('fresh', 'configured', 'paused', 'cleaned', 'configured again')
 ACTIVE = ('active', 'active again')
 NOT_CLEANED = Cause(
@@ -54,6 +56,12 @@ MUTE_AGAIN = Cause(
     'mute_again',
     'The first time it is active it publishes, and the second time it does not.',
     'What on_deactivate() stops, on_activate() starts again: self.timer.reset().',
+)
+MUTE_AFTER_CLEANUP = Cause(
+    'mute_after_cleanup',
+    'Before cleanup it publishes while it is active; configured again and activated, it does not.',
+    'What on_cleanup() destroys, on_configure() makes again each time, without a look at an old '
+    'value: self.timer = self.create_timer(...).',
 )
 STAYS_ON = Cause(
     'stays_on',
@@ -131,13 +139,18 @@ def takes_every_transition(run: Run) -> None:
 
 
 def _require_transitions(run: Run, count: int) -> None:
-    """Fail unless the first transitions that it is asked for succeed."""
+    """
+    Fail unless the first transitions that it is asked for succeed.
+
+    :param count: how many of :data:`ASKED` and :data:`UNUSED`
+    """
+    asked = (*ASKED, *UNUSED)
     require_answers(
         run,
         f'{node_of(run)}/change_state',
         [{'success': True}] * count,
         'the transitions configure, activate, deactivate and cleanup',
-        explain=lambda place: why_refused(run, ASKED[place], again=ASKED[place] in ASKED[:place]),
+        explain=lambda place: why_refused(run, asked[place], again=asked[place] in asked[:place]),
     )
 
 
@@ -203,7 +216,14 @@ def cleans_up(run: Run) -> None:
             observed=str(again) if again else 'none',
             why=why_silent(run) or (None if publishers(run, 'configured') else TOO_LATE),
         )
+    if not run.recording.phase('active after cleanup').messages(topic_of(run)):
+        raise Failed(
+            expected='messages while it is active after cleanup',
+            observed='none',
+            why=why_silent(run) or MUTE_AFTER_CLEANUP,
+        )
     _require_beat(run, 'active after cleanup', NOT_CLEANED)
+    _require_transitions(run, len(ASKED) + len(UNUSED))
 
 
 def build(namespace: str = '', seconds: float = 4.0) -> Exam:
@@ -229,6 +249,7 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
         *(Mark('cleaned'), deactivate, cleanup, pause, Look('cleaned')),
         *(Mark('configured again'), configure, pause, Look('configured again')),
         *(Mark('active after cleanup'), activate, work),
+        *(Mark('cleaned again'), *(changes[way] for way in UNUSED)),
     ]
     exam = Exam(
         'managed_beacon',

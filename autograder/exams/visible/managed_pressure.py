@@ -120,6 +120,11 @@ NOT_MANAGED = Cause(
     'Remember in on_activate() and on_deactivate() whether you are active, and look at it in the '
     'callback.',
 )
+JUDGED_LATER = Cause(
+    'judged_later',
+    'What arrives while the node is inactive is kept, and warned about when it is active again.',
+    'Return from the callback at once while the node is not active, and keep nothing.',
+)
 STILL_REFUSES = Cause(
     'still_refuses',
     'on_configure() returns FAILURE for a limit above zero as well.',
@@ -269,6 +274,14 @@ def ignores_while_not_active(run: Run) -> None:
             expected='no WARN line while it is inactive',
             observed=f'{len(found)}',
             why=next(causes, None) or NOT_MANAGED,
+        )
+    sent = {one['index'] for phase in INACTIVE for one in run.recording.phase(phase).of('input')}
+    later = [line for line in own_logs(run, NODE, WARN) if line['after_input'] in sent]
+    if later:
+        raise Failed(
+            expected='no WARN line for what comes while it is inactive',
+            observed=f'{len(later)}, as soon as it is active again',
+            why=JUDGED_LATER,
         )
 
 

@@ -15,13 +15,14 @@ from itertools import groupby
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, FeedTopic, Join, Qos, Scenario
 from autograder.exam.slips import leaving_out
-from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.exam.specification import each, in_order, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import SECOND
 from autograder.judging.claims import node, offers
 from autograder.judging.rows import Row, rows
 from autograder.recording import Event
+from autograder.submission.code.learners_code import Code
 
 TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'
@@ -44,6 +45,11 @@ ASKS_TOO_MUCH = Cause(
     'No message reaches your subscription on survey: its profile requests more than an ordinary '
     'publisher offers.',
     "Subscribe with the plain number: create_subscription(String, 'survey', self.take, 10).",
+)
+PUBLISHER_GONE = Cause(
+    'publisher_gone',
+    'Your program destroys a publisher, and what it keeps for late subscriptions goes with it.',
+    'Create one publisher in __init__, and publish every map with it.',
 )
 REPEATS = Cause('repeats', 'Maps are published more than once.', 'Publish once per survey.')
 TEXT_CHANGED = Cause(
@@ -105,9 +111,14 @@ def new_maps(run: Run) -> list[Maps | None]:
     A publisher that was made a moment ago is not yet connected to our volatile listener, and the
     early one, for which it keeps its map, hears it all the same.
     """
-    count = len(asked(run).inputs)
-    heard = [rows(run, run.recording.messages('/map', one), count) for one in (None, 'early')]
-    return [row if row is None else _texts(row) for row in max(heard, key=_how_many)]
+    count, burst = len(asked(run).inputs), asked(run).burst
+    heard = [
+        rows(run, run.recording.messages('/map', one), count, burst) for one in (None, 'early')
+    ]
+    found = [row if row is None else _texts(row) for row in max(heard, key=_how_many)]
+    if burst and found[-1]:  # which several threads may answer in any order
+        found[-1] = in_order(found[-1])
+    return found
 
 
 def _how_many(found: Sequence[Row | None]) -> int:
@@ -166,6 +177,8 @@ def _why_no_first_map(run: Run, found: Sequence[str]) -> Cause | None:
             'The first map is published again and again.',
             'Publish it once, at the end of __init__; transient local does the rest.',
         )
+    if FIRST not in found and 'destroy_publisher' in Code(run.files).calls:
+        return PUBLISHER_GONE
     before = [text for text in found if text not in asked(run).inputs]
     if before and before[0].strip().lower() == FIRST:
         return Cause('wrong_text', 'Upper and lower case and spaces count.', f'Write {FIRST!r}.')
@@ -193,14 +206,13 @@ def _why_unmatched(run: Run, listener: str) -> Cause | None:
 
 def publishes_each_survey(run: Run) -> None:
     """Each survey becomes the new map, unchanged and once."""
-    surveys = asked(run).inputs
-    found = _in_order(run)
-    if found != list(surveys):
+    surveys, found = asked(run).inputs, new_maps(run)
+    if None in found or asked(run).wrong(found):
         raise Failed(
             expected='a map for each survey, in their order'
             if run.secret
             else f'the maps {_shown(run, surveys)} after the surveys of the same texts',
-            observed=_shown(run, found),
+            observed=_shown(run, _in_order(run)),
             why=_why_other_maps(run),
         )
 
@@ -313,13 +325,19 @@ def _shown(run: Run, texts: Sequence[str]) -> str:
     return ', '.join(shown[:6]) or 'no map'
 
 
-def build(surveys: Sequence[str]) -> Exam:
+def build(surveys: Sequence[str], burst: int = 0) -> Exam:
     """
     Return the exam with some surveys.
 
     :param surveys: at least three different texts; one has outer spaces and a capital letter, and
         one comes twice in a row
+    :param burst: how many of them come at once at the end, at most five
     """
+    messages = [{'data': text} for text in surveys]
+    singles = len(surveys) - burst
+    feeds = [Feed('/survey', messages[:singles], optional=True, rest_s=0.0 if burst else REST_S)]
+    if burst:
+        feeds.append(Feed('/survey', messages[singles:], burst=True, optional=True, rest_s=REST_S))
     exam = Exam(
         'map_server',
         title='The map server',
@@ -331,17 +349,12 @@ def build(surveys: Sequence[str]) -> Exam:
             feed={'/survey': FeedTopic(TYPE, Qos())},
             steps=(
                 Join('early', '/map', TYPE, HISTORY, LISTEN_S),
-                Feed(
-                    '/survey',
-                    [{'data': text} for text in surveys],
-                    optional=True,
-                    rest_s=REST_S,
-                ),
+                *feeds,
                 Join('late', '/map', TYPE, HISTORY, LISTEN_S),
             ),
         ),
         read='Part 4: Those who come late',
-        asks={'maps': Specification(surveys, passed_on(), SLIPS)},
+        asks={'maps': Specification(surveys, passed_on(), SLIPS, burst)},
     )
     exam.check(points=1, read=EXERCISE)(node('/map_server'))
     exam.check(points=2)(

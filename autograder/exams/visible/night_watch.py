@@ -62,6 +62,11 @@ ONE_LATE = Cause(
     'The warning comes one watch late: number % 5 is looked at with a number that is one behind.',
     'Count first, then decide.',
 )
+WARNINGS_STOP = Cause(
+    'warnings_stop',
+    'The first warnings are right, and a later one is missing.',
+    'Warn if number % 5 == 0, and do not list the numbers.',
+)
 SLIPS = (
     ONLY_FIFTHS,
     FIFTH_MISSING,
@@ -246,7 +251,7 @@ def _why_level(
     if slip := asked.cause(came, place):
         return slip
     if came[place] == (INFO,):
-        return None
+        return WARNINGS_STOP if (WARN,) in came[:place] else None
     return Cause(
         'warns_too_often',
         f'{place + 1} cannot be divided by {EVERY}, and yet watch {place + 1} is a warning.',

@@ -31,6 +31,7 @@ SOURCE, TARGET = '/readings', '/mean'
 TYPE = 'std_msgs/msg/Float64'
 EXERCISE = 'Exercise 3: a running mean'
 EVERY_S = 2.5  # from one number to the next: a thread may answer some seconds late [s]
+PAUSE_S = 60.0  # in which no number comes [s]
 Means = tuple[float, ...]
 """What is published for one number: one mean, or none."""
 
@@ -56,6 +57,12 @@ def stops(numbers: Sequence[float]) -> list[Means]:
     """Answer until the first NaN."""
     first = first_nan(numbers)
     return [*averaging()(numbers[:first]), *(() for _ in numbers[first:])]
+
+
+def starts_over(place: int) -> Rule:
+    """Return the rule of a program that begins again at a number."""
+    rule = averaging()
+    return lambda numbers: [*rule(numbers[:place]), *rule(numbers[place:])]
 
 
 def changes_only(numbers: Sequence[float]) -> list[Means]:
@@ -113,6 +120,11 @@ WRONG_COUNT = Cause(
     'wrong_count',
     'The sum is divided by something else than how many numbers there were.',
     'Begin with self.count = 0, and add 1 for each number, before you divide.',
+)
+STARTS_OVER = Cause(
+    'starts_over',
+    'After a minute without a number, your node begins a new mean.',
+    'Keep the sum and the count as long as the node exists, however late a number comes.',
 )
 SLIPS = (
     Slip(
@@ -258,17 +270,22 @@ def ignores_nan(run: Run) -> None:
     )
 
 
-def build(singles: Sequence[float], burst: Sequence[float] = ()) -> Exam:
+def build(singles: Sequence[float], burst: Sequence[float] = (), pause: int = 0) -> Exam:
     """
     Return the exam for some numbers.
 
     :param singles: sent one by one; the first three are no NaN, a later one is, the last is not
     :param burst: sent at once at the end, at most five, none of them NaN
+    :param pause: how many numbers come before a long pause, before the first NaN; 0 for none
     """
     numbers = [{'data': 'nan' if math.isnan(one) else one} for one in (*singles, *burst)]
-    steps: list[Step] = [Advance(EVERY_S), Feed(SOURCE, numbers[: len(singles)], every_s=EVERY_S)]
+    steps: list[Step] = [Advance(EVERY_S)]
+    if pause:
+        steps += [Feed(SOURCE, numbers[:pause], every_s=EVERY_S), Advance(PAUSE_S)]
+    steps.append(Feed(SOURCE, numbers[pause : len(singles)], every_s=EVERY_S))
     if burst:
         steps.append(Feed(SOURCE, numbers[len(singles) :], burst=True, every_s=EVERY_S))
+    slips = (*SLIPS, Slip.of(STARTS_OVER, starts_over(pause))) if pause else SLIPS
     exam = Exam(
         'running_mean',
         title='The running mean',
@@ -281,7 +298,7 @@ def build(singles: Sequence[float], burst: Sequence[float] = ()) -> Exam:
             steps=tuple(steps),
         ),
         read='Part 4: One topic, one type',
-        asks={'means': Specification((*singles, *burst), averaging(), SLIPS, len(burst))},
+        asks={'means': Specification((*singles, *burst), averaging(), slips, len(burst))},
     )
     exam.check(points=1, read=EXERCISE)(node(NODE))
     exam.check(points=2)(

@@ -315,6 +315,11 @@ def build(distances: Sequence[float]) -> Exam:
             file='sensor_watch.py',
             steps=(
                 *lazy,
+                # It promises enough, sends nothing and leaves: no deadline is missed.
+                Mark('guest'),
+                Offer('guest', '/distance', TYPE, Qos('BEST_EFFORT', deadline_s=0.3)),
+                Leave('guest'),
+                Advance(0.5),
                 Mark('speaking'),
                 Offer('sensor', '/distance', TYPE, Qos('BEST_EFFORT', deadline_s=0.3)),
                 Feed(

@@ -13,7 +13,7 @@ from __future__ import annotations
 import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Scenario
+from autograder.exam.scenario import Advance, Join, Scenario
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import require_messages, require_qos, SECOND
 from autograder.judging.claims import node
@@ -25,6 +25,8 @@ from autograder.results import shortened
 TYPE = 'std_msgs/msg/String'
 ABSOLUTE = '/chatter'
 PERIOD_S = 0.5
+GUEST_S = 0.2  # how long it takes to join
+WAITS_S = 1.0  # and how much longer if nobody publishes there
 GREETING = re.compile(r'hello (\d{1,9})')
 EXERCISE = 'Exercise 1: a talker that can move'
 
@@ -72,7 +74,8 @@ def speaks_twice_a_second(run: Run) -> None:
     # A program that takes some seconds to begin is watched for so many less.
     begins_s = found[0]['clock_ns'] / SECOND if found else 0.0
     late_s = max(0, int(begins_s - 2 * PERIOD_S))
-    require_period(run, found, PERIOD_S, run.facts['seconds'] - late_s)
+    waited_s = WAITS_S * len(run.recording.of('joined', matched=False))
+    require_period(run, found, PERIOD_S, run.facts['seconds'] - late_s + waited_s)
 
 
 def counts_its_greetings(run: Run) -> None:
@@ -112,13 +115,16 @@ def offers_reliable_qos(run: Run) -> None:
     require_qos(ends, reliability='RELIABLE', durability='VOLATILE')
 
 
-def build(space: str, seconds: float) -> Exam:
+def build(space: str, seconds: float, comes: bool = False) -> Exam:
     """
     Return the exam in one namespace.
 
     :param space: where the node is started, such as ``/lab``
     :param seconds: for how long it is heard [s]
+    :param comes: whether another subscription joins in the middle
     """
+    # Who comes later changes nothing for those who are there.
+    guest = (Join('guest', f'{space}/chatter', TYPE, listen_s=0.0),) if comes else ()
     exam = Exam(
         'talker',
         title='The talker',
@@ -128,7 +134,7 @@ def build(space: str, seconds: float) -> Exam:
             file='talker.py',
             arguments=('-r', f'__ns:={space}'),
             watch={f'{space}/chatter': TYPE, ABSOLUTE: TYPE},
-            steps=(Advance(seconds),),
+            steps=(Advance(seconds / 2), *guest, Advance(seconds / 2 - GUEST_S * len(guest))),
         ),
         read='Part 2: Names',
         facts={'space': space, 'seconds': seconds},

@@ -81,7 +81,7 @@ NO_ERROR = Cause(
 )
 UNKNOWN_UNIT = Cause(
     'unknown_unit',
-    'A number without a known unit cannot be compared with 30 °C.',
+    f'A number without a known unit cannot be compared with {THRESHOLD_C:g} °C.',
     'For any unit that you do not know: self.get_logger().error(...), return.',
 )
 BURST_IS_CUT = Cause(
@@ -122,8 +122,8 @@ def _whole_unit(unit: str) -> str:
 
 
 SLIPS = (
-    *above_limit(warns, '30.0'),
-    of_nan(warns, '30.0'),
+    *above_limit(warns, str(THRESHOLD_C)),
+    of_nan(warns, str(THRESHOLD_C)),
     *(
         Slip(
             'ignores_unit',
