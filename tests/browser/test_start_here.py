@@ -28,6 +28,7 @@ def test_lab_opens_start_here_and_its_links_lead_to_lessons(
     run_all(page)
     shown = page.locator('.jp-OutputArea-output')
     expect(shown).to_contain_text(re.compile(r'\d+ of \d+ points; next: lesson'), timeout=CELL_MS)
+    shown.scroll_into_view_if_needed()
     page.screenshot(path=shots / 'start_here.png')
     assert page.evaluate(WITHOUT_WORDS) == []
 

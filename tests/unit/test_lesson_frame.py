@@ -80,6 +80,16 @@ def test_start_here_has_a_line_for_each_lesson(solutions, tmp_path):
     assert '| [03 Title c](03_c/c.ipynb) | 01 |  |  |' in written.cells[1].source
 
 
+def test_make_lab_opens_a_page_that_exists():
+    """JupyterLab would show an error in its place."""
+    root = Layout.here().root
+    makefile = (root / 'Makefile').read_text(encoding='utf-8')
+    found = re.search(r'default_url=/lab/tree/(\S+)', makefile)
+
+    assert found
+    assert (root / found[1]).is_file()
+
+
 @pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
 def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path):
     """Every link leads to a heading that is in the lesson."""
