@@ -20,8 +20,8 @@ from autograder.errors import GraderError
 from autograder.explaining.feedback import number
 from autograder.explaining.feedback_html import section_id
 from autograder.files import json_bytes, keep
-from autograder.layout import Layout
-from autograder.submission.outline import lesson_files, Outline, Part, read_outline
+from autograder.layout import Layout, lesson_files
+from autograder.submission.outline import Outline, Part, read_outline
 from roslab.errors import RoslabError
 from roslab.output import say, show
 
@@ -186,7 +186,8 @@ def _as_html(lessons: Sequence[Outline], results: Results) -> str:
     for lesson in lessons:
         name, *others = map(html.escape, row_of(lesson, results))
         cells = ''.join(f'<td>{cell}</td>' for cell in others)
-        body += f'<tr><th scope="row">{_link(lesson.path, name)}</th>{cells}</tr>'
+        link = f'<th scope="row" style="text-align: left">{_link(lesson.path, name)}</th>'
+        body += f'<tr>{link}{cells}</tr>'
     return f'<p><strong>{points}; {after}</strong></p><table><tr>{head}</tr>{body}</table>'
 
 

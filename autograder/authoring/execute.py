@@ -19,8 +19,8 @@ from nbclient.exceptions import CellExecutionError
 import nbformat
 
 from autograder.files import keep
-from autograder.layout import Layout
-from autograder.submission.outline import FACTS, lesson_files
+from autograder.layout import Layout, lesson_files
+from autograder.submission.outline import FACTS
 from environment.install_files import KERNEL_NAME, KERNEL_TITLE
 
 CELL_TIMEOUT_S = 400

@@ -17,7 +17,8 @@ from nbgrader.preprocessors import NbGraderPreprocessor
 
 from autograder.explaining.feedback import number
 from autograder.explaining.feedback_html import section_id
-from autograder.submission.outline import lesson_files, Outline, read_outline
+from autograder.layout import lesson_files
+from autograder.submission.outline import Outline, read_outline
 
 START_HERE = 'START_HERE.ipynb'
 MAP = 'map'

@@ -19,10 +19,9 @@ from autograder.authoring.portions import portions
 from autograder.authoring.student_bundle import NO_PARTS, pack
 from autograder.errors import GraderError
 from autograder.gradebook.cell_points import unfit_points
-from autograder.layout import Layout
+from autograder.layout import Layout, lesson_files
 from autograder.submission.extract import CHECK_PREFIX
 from autograder.submission.notebook import marks_of, Notebook, read_release
-from autograder.submission.outline import lesson_files
 
 if TYPE_CHECKING:
     from autograder.exam.exam import Exam

@@ -92,12 +92,3 @@ def _add_exercises(part: Part, cell: dict[str, Any]) -> None:
     if marks.get('grade') and not marks.get('solution'):
         part.checks[marks['grade_id'].removeprefix(CHECK_PREFIX)] = float(marks['points'])
     part.quizzes.extend(_QUIZ.findall(cell['source']))
-
-
-def lesson_files(folder: Path) -> list[Path]:
-    """
-    Return the notebooks of the lessons in their order.
-
-    :param folder: ``solutions/`` or ``notebooks/`` of a course
-    """
-    return sorted(folder.glob('*/*.ipynb'))

@@ -22,14 +22,15 @@ import nbformat
 import pytest
 
 from autograder.authoring.portions import portions
+from autograder.layout import lesson_files
 from autograder.submission.cells import UNSOLVED
 from autograder.submission.outline import read_outline
 from tests.own_domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
-LESSONS = sorted(ROOT.glob('solutions/*/*.ipynb'))
+LESSONS = lesson_files(ROOT / 'solutions')
 START_HERE = ROOT / 'notebooks' / 'START_HERE.ipynb'
-RELEASES = [START_HERE, *sorted(ROOT.glob('notebooks/*/*.ipynb'))]
+RELEASES = [START_HERE, *lesson_files(ROOT / 'notebooks')]
 
 KERNEL = 'ros2_jazzy'
 MOST_SECONDS = 60

@@ -19,8 +19,8 @@ from autograder.authoring.lesson_frame import (
     unknown_needs,
 )
 from autograder.explaining.feedback_html import section_id
-from autograder.layout import Layout
-from autograder.submission.outline import lesson_files, read_outline
+from autograder.layout import Layout, lesson_files
+from autograder.submission.outline import read_outline
 
 LESSONS = lesson_files(Layout.here().notebooks)
 LINK = re.compile(r'\]\(#([^)]+)\)')

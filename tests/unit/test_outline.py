@@ -6,7 +6,8 @@ import json
 
 import pytest
 
-from autograder.submission.outline import lesson_files, read_outline
+from autograder.layout import lesson_files
+from autograder.submission.outline import read_outline
 
 OBJECTIVES = """\
 ## What you will be able to do
@@ -69,9 +70,13 @@ def test_exercises_belong_to_the_part_above_them(lesson):
 
 
 def test_lessons_are_in_the_order_of_their_numbers(lesson, tmp_path):
-    """A notebook next to the folders of the lessons is not a lesson."""
-    (tmp_path / '01_a').mkdir()
-    for name in ('START_HERE.ipynb', '01_a/a.ipynb'):
+    """A notebook next to their folders is not a lesson, and neither is JupyterLab's copy of it."""
+    for name in (
+        'START_HERE.ipynb',
+        '.ipynb_checkpoints/START_HERE-checkpoint.ipynb',
+        '01_a/a.ipynb',
+    ):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text('{}')
 
     assert lesson_files(tmp_path) == [tmp_path / '01_a' / 'a.ipynb', lesson]
