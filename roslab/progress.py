@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 import fcntl
 import html
 import json
+from math import inf
 import os
 from pathlib import Path
 from typing import Any
@@ -105,7 +106,7 @@ def _is_ours(found: Any) -> bool:
     tables = [found.get(kind) for kind in KINDS] if isinstance(found, dict) else [None]
     return all(
         isinstance(table, dict)
-        and all(isinstance(value, (int, float)) and value >= 0 for value in table.values())
+        and all(isinstance(value, (int, float)) and 0 <= value < inf for value in table.values())
         for table in tables
     )
 
@@ -114,7 +115,7 @@ def _outlines(paths: Iterable[Path]) -> Iterable[Outline]:
     for path in paths:
         try:
             yield read_outline(path)
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
             yield Outline(path, f'{path.name} cannot be read', (), 0, {})
 
 

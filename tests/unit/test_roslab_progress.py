@@ -93,6 +93,8 @@ BROKEN = [
     '[]',
     '{"checks": {}}',
     '{"checks": {"a": "x"}, "quizzes": {}}',
+    '{"checks": {"a": Infinity}, "quizzes": {}}',
+    '{"checks": {"a": NaN}, "quizzes": {}}',
     '\x00',
     '[' * 9999,
 ]
