@@ -2,7 +2,7 @@
 # ROS 2, the course's ROS package and a Jupyter kernel. The second time that takes no time.
 # `make help` prints the lines with a bar. Students' copies have this file without instructors.mk.
 #
-#|  make lab                  open JupyterLab with the notebooks
+#|  make lab                  open JupyterLab with notebooks/START_HERE.ipynb
 #|  make publisher            run the course's publisher node in this terminal
 #|  make subscriber           run the course's subscriber node in this terminal
 #|  make prepare              prepare everything; most other goals do this first
@@ -48,6 +48,7 @@ prepare:
 lab: prepare
 	@exec $(WITH_ROS) jupyter lab $(AS_ROOT) --ServerApp.root_dir='$(CURDIR)' \
 	  --FileContentsManager.preferred_dir='$(CURDIR)/notebooks' \
+	  --LabApp.default_url=/lab/tree/notebooks/START_HERE.ipynb \
 	  --LabApp.workspaces_dir='$(abspath $(VENV))/ros2_course/workspaces' \
 	  --MultiKernelManager.default_kernel_name=ros2_jazzy $(ARGS)
 

@@ -3,6 +3,8 @@
 #|  make grade                grade everything in submitted/ (ARGS='--jobs 2' passes options)
 #|  make release              generate notebooks/ from solutions/, check the course, pack the
 #|                            students' copy
+#|  make execute              execute the solved lessons and note the date in those that ran
+#|                            (ARGS=03_topics chooses some)
 #|  make quick                check style and types and run the quick unit tests: under a minute
 #|  make test                 run all tests except browser, cluster, PostgreSQL and benchmarks
 #|  make test-browser         test JupyterLab and formgrader in headless Chromium; also
@@ -14,7 +16,7 @@
 #|  make bench                run the benchmarks; half an hour, preferably on a quiet machine
 #|  make soak                 judge the same files 200 times, with and without load; half an hour
 
-.PHONY: grade quick test test-browser test-cluster test-postgres check coverage judgement release bench soak
+.PHONY: grade quick test test-browser test-cluster test-postgres check coverage judgement release execute bench soak
 
 grade: prepare
 	@exec $(PY) -m autograder grade $(ARGS)
@@ -69,6 +71,9 @@ judgement: prepare
 
 release: prepare
 	@exec $(PY) -m autograder.authoring.release release $(ARGS)
+
+execute: prepare
+	@exec $(PY) -m autograder.authoring.execute $(ARGS)
 
 bench: prepare
 	$(PY) -m benchmarks.one_submission

@@ -59,6 +59,7 @@ c.GenerateAssignment.preprocessors = [
     'nbgrader.preprocessors.ClearMarkScheme',
     'nbgrader.preprocessors.ComputeChecksums',
     'nbgrader.preprocessors.CheckCellMetadata',
+    'autograder.authoring.lesson_frame.AddFrame',
 ]
 
 c.Autograde.exporter_class = 'autograder.gradebook.nbgrader_plugin.SubmissionExporter'

@@ -72,6 +72,16 @@ def read_facts(path: Path) -> Facts:
     return Facts(**found)
 
 
+def lesson_files(folder: Path) -> list[Path]:
+    """
+    Return the notebooks of the lessons in their order.
+
+    :param folder: ``solutions/`` or ``notebooks/`` of a course
+    """
+    # Not *: JupyterLab keeps a copy of START_HERE.ipynb in .ipynb_checkpoints/.
+    return sorted(folder.glob('[!.]*/*.ipynb'))
+
+
 @dataclass(frozen=True)
 class Layout:
     """
@@ -169,8 +179,7 @@ class Layout:
         """Return the names of all released assignments, sorted."""
         if not self.notebooks.is_dir():
             return ()
-        found = (path.parent.name for path in self.notebooks.glob('*/*.ipynb'))
-        return tuple(sorted(set(found)))
+        return tuple(sorted({path.parent.name for path in lesson_files(self.notebooks)}))
 
     def assignment_named(self, name: str) -> str:
         """

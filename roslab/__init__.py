@@ -40,6 +40,7 @@ from roslab.output import shell
 from roslab.own_domain import claim_domain, domain
 from roslab.package_files import package
 from roslab.pages import lay_out
+from roslab.progress import progress
 from roslab.qos_table import qos_table
 from roslab.quiz import quiz
 from roslab.simulating import simulate
@@ -63,6 +64,7 @@ __all__ = [
     'nodes',
     'package',
     'plot',
+    'progress',
     'qos_table',
     'quiz',
     'simulate',

@@ -13,7 +13,8 @@ The questions are in ``roslab/quizzes/NN_topic.yaml``, one file per lesson, as a
           why: Names the misconception behind it and corrects it.
 
 Options are shown in an order that depends on the key alone, so authors can put the
-right one anywhere.  What a learner chooses is not stored.
+right one anywhere.  Only whether the last answer was right is remembered, see
+:mod:`roslab.progress`.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ from typing import Any
 import anywidget
 import traitlets
 
+from roslab.progress import remember
 from roslab.quiz import Question
 
 _HERE = Path(__file__).parent
@@ -28,10 +29,17 @@ class QuizWidget(anywidget.AnyWidget):
     def __init__(self, question: Question) -> None:
         self._text = str(question)
         super().__init__(question=_to_json(question))
+        self.observe(lambda change: _note(question, change['new']), 'chosen')
 
     def __repr__(self) -> str:
         """Return the question and its lettered options, for viewers without widgets."""
         return self._text
+
+
+def _note(question: Question, chosen: int) -> None:
+    """Remember whether the last answer was right."""
+    if 0 <= chosen < len(question.options):
+        remember('quizzes', question.key, question.options[chosen].right)
 
 
 def _to_json(question: Question) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from autograder.authoring.exam_values import value_mistakes
 from autograder.exam import catalog
+from autograder.layout import lesson_files
 
 if TYPE_CHECKING:
     from autograder.exam.exam import Exam
@@ -165,7 +166,7 @@ def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
     from autograder.submission.notebook import read_release
 
     found: dict[str, AbstractSet[str]] = {}
-    for path in sorted(notebooks.glob('*/*.ipynb')):
+    for path in lesson_files(notebooks):
         try:
             cells = read_release(path)['cells']
         except (OSError, ValueError):

@@ -19,7 +19,7 @@ from autograder.authoring.portions import portions
 from autograder.authoring.student_bundle import NO_PARTS, pack
 from autograder.errors import GraderError
 from autograder.gradebook.cell_points import unfit_points
-from autograder.layout import Layout
+from autograder.layout import Layout, lesson_files
 from autograder.submission.extract import CHECK_PREFIX
 from autograder.submission.notebook import marks_of, Notebook, read_release
 
@@ -38,7 +38,9 @@ def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
 
     :param exams: instead of the course's own, for tests
     """
-    found = [*drift(layout)]
+    from autograder.authoring.lesson_frame import outlines, unknown_needs
+
+    found = [*drift(layout), *unknown_needs(outlines(layout.solutions))]
     seen: dict[str, str] = {}
     for path in notebook_files(layout):
         where = path.relative_to(layout.root).as_posix()
@@ -66,19 +68,14 @@ def unfit_exams(layout: Layout) -> Iterator[str]:
 def notebook_files(layout: Layout) -> Iterator[Path]:
     """Yield the notebooks of the course."""
     for folder in (layout.solutions, layout.notebooks):
-        yield from sorted(folder.glob('*/*.ipynb'))
+        yield from lesson_files(folder)
 
 
 def drift(layout: Layout) -> Iterator[str]:
     """Yield the generated files that differ from their sources in ``solutions/``."""
-    from autograder.gradebook import converters
-
-    assignments = sorted({path.parent.name for path in layout.solutions.glob('*/*.ipynb')})
     with tempfile.TemporaryDirectory(prefix='release_') as folder:
-        fresh = Path(folder)
-        for assignment in assignments:
-            converters.generate(layout, assignment, fresh, database=False)
-        wanted = _contents(fresh)
+        _generate(layout, Path(folder))
+        wanted = _contents(Path(folder))
     there = _contents(layout.notebooks)
     for name in sorted(wanted.keys() | there.keys()):
         if wanted.get(name) != there.get(name):
@@ -161,13 +158,20 @@ def regenerate(layout: Layout) -> tuple[str, ...]:
     :returns: the assignments
     :raises GraderError: with nbgrader's message
     """
+    if not (assignments := _generate(layout, layout.notebooks)):
+        raise GraderError(f'{layout.solutions}: expected ASSIGNMENT/NOTEBOOK.ipynb, got none.')
+    return assignments
+
+
+def _generate(layout: Layout, folder: Path) -> tuple[str, ...]:
+    """Generate the students' notebooks into a folder, and return the assignments."""
+    from autograder.authoring.lesson_frame import start_here
     from autograder.gradebook import converters
 
-    assignments = sorted({path.parent.name for path in layout.solutions.glob('*/*.ipynb')})
-    if not assignments:
-        raise GraderError(f'{layout.solutions}: expected ASSIGNMENT/NOTEBOOK.ipynb, got none.')
+    assignments = sorted({path.parent.name for path in lesson_files(layout.solutions)})
     for assignment in assignments:
-        converters.generate(layout, assignment, layout.notebooks, database=False)
+        converters.generate(layout, assignment, folder, database=False)
+    start_here(layout.solutions, folder)
     return tuple(assignments)
 
 
@@ -185,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     layout = Layout.here()
     try:
         if chosen.command == 'check':
-            for path in sorted(layout.solutions.glob('*/*.ipynb')):
+            for path in lesson_files(layout.solutions):
                 print(portions(read_release(path)).line(path.parent.name))
             lines = check(layout)
             print('\n'.join(lines) or 'The notebooks and the exams fit together.')

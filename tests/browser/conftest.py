@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import json
 import os
 from pathlib import Path
+import re
 import secrets
 import shutil
 import socket
@@ -35,6 +36,8 @@ ARGUMENTS = (
     *('--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run'),
     *('--disable-background-networking', '--disable-component-update', '--disable-sync'),
 )
+FIRST_PAGE = re.compile(r'--LabApp\.default_url=\S+')
+"""The option with which `make lab` chooses the page that JupyterLab opens."""
 UNDER_TEST = 'PYTEST_CURRENT_TEST'
 START_S = 60.0
 POLL_S = 0.1
@@ -144,6 +147,7 @@ def _running(course: Path, home: Path, config: Path | None = None) -> Iterator[L
                 *(f'--ServerApp.root_dir={course}', '--ServerApp.ip=127.0.0.1'),
                 *(f'--ServerApp.port={_free_port()}', f'--IdentityProvider.token={token}'),
                 '--MultiKernelManager.default_kernel_name=ros2_jazzy',
+                FIRST_PAGE.search((ROOT / 'Makefile').read_text(encoding='utf-8'))[0],
             ],
             cwd=course,
             env={

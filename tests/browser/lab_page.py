@@ -29,7 +29,8 @@ WITHOUT_WORDS = """() => {
 }"""
 """Pictures without a name, headers without words or direction, in what the cells show."""
 LAST_OR_TROUBLE = r"""trouble => document.querySelector(trouble) !== null
-    || /^\[\d+\]:$/.test([...document.querySelectorAll('.jp-InputPrompt')].at(-1).textContent)"""
+    || /^\[\d+\]:$/.test(
+        [...document.querySelectorAll('.jp-CodeCell .jp-InputPrompt')].at(-1).textContent)"""
 HAS_RUN = re.compile(r'^\[\d+\]:$')
 
 

@@ -14,6 +14,7 @@ import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 import pytest
 
+from roslab.progress import read_results
 from roslab.quiz import find, Question
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -58,7 +59,7 @@ def tab_to_options(page: Any) -> int:
 
 
 def test_question_is_answered_by_keyboard_alone(
-    page: Any, shots: Path, question: Question
+    lab: Lab, page: Any, shots: Path, question: Question
 ) -> None:
     """Arrows choose, Enter and Space answer, each option is explained, another try is allowed."""
     from playwright.sync_api import expect
@@ -93,6 +94,8 @@ def test_question_is_answered_by_keyboard_alone(
     expect(status).to_contain_text('Right. ' + question.options[right].why.replace('`', ''))
     expect(options.nth(right)).to_be_checked()
     page.screenshot(path=shots / 'right.png')
+    remembered = read_results(lab.course / 'autograder' / '_work' / 'progress.json')
+    assert remembered['quizzes'][KEY] is True
     # JupyterLab took none of the keys: no cell was added, deleted, cut or run again.
     assert page.locator('.jp-Cell').count() == 2
     expect(page.locator('.jp-CodeCell .jp-InputPrompt')).to_have_text('[1]:')

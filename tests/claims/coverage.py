@@ -21,6 +21,8 @@ from typing import Any
 
 import yaml
 
+from autograder.layout import lesson_files
+
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 TABLE = ROOT / 'docs' / 'coverage.md'
@@ -48,7 +50,7 @@ def claims(name: str) -> dict[str, dict[str, Any]]:
 def cells() -> dict[str, list[str]]:
     """Return where each claim is taught, as ``lesson/notebook.ipynb#cell-id``."""
     found = defaultdict(list)
-    for path in sorted(ROOT.glob('solutions/*/*.ipynb')):
+    for path in lesson_files(ROOT / 'solutions'):
         for cell in json.loads(path.read_text(encoding='utf-8'))['cells']:
             for claim in cell['metadata'].get('covers', ()):
                 found[claim].append(f'{path.parent.name}#{cell["id"]}')

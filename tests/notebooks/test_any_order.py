@@ -24,10 +24,11 @@ jupyter_client = pytest.importorskip('jupyter_client')
 
 from jupyter_client.kernelspec import NoSuchKernel
 
+from autograder.layout import lesson_files
 from tests.own_domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
-LESSONS = sorted(ROOT.glob('solutions/*/*.ipynb'))
+LESSONS = lesson_files(ROOT / 'solutions')
 KERNEL = 'ros2_jazzy'
 
 RUNS = int(os.environ.get('ANY_ORDER_RUNS', '8'))

@@ -22,12 +22,15 @@ import nbformat
 import pytest
 
 from autograder.authoring.portions import portions
+from autograder.layout import lesson_files
 from autograder.submission.cells import UNSOLVED
+from autograder.submission.outline import read_outline
 from tests.own_domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
-LESSONS = sorted(ROOT.glob('solutions/*/*.ipynb'))
-RELEASES = sorted(ROOT.glob('notebooks/*/*.ipynb'))
+LESSONS = lesson_files(ROOT / 'solutions')
+START_HERE = ROOT / 'notebooks' / 'START_HERE.ipynb'
+RELEASES = [START_HERE, *lesson_files(ROOT / 'notebooks')]
 
 KERNEL = 'ros2_jazzy'
 MOST_SECONDS = 60
@@ -229,6 +232,20 @@ def test_release_executed_raises_only_not_implemented(path: Path) -> None:
         raised
     )
     assert stderr == []
+
+
+@executed
+@pytest.mark.parametrize('path', [START_HERE], ids=['START_HERE'])
+def test_start_here_shows_a_row_for_each_lesson(path: Path) -> None:
+    """The points of all exercises are above the rows."""
+    (text,) = (output.text for _, output in run(path).outputs('stream'))
+    lessons = [read_outline(lesson) for lesson in RELEASES[1:]]
+    first, _, _, *rows = text.splitlines()
+
+    assert f' of {sum(lesson.points for lesson in lessons):g} points; ' in first
+    assert len(rows) == len(lessons)
+    for row, lesson in zip(rows, lessons):
+        assert row.startswith(f'{lesson.number} {lesson.title}  ')
 
 
 @lessons

@@ -1,0 +1,76 @@
+"""
+Execute the solved lessons: ``python -m autograder.authoring.execute [LESSON ...]``.
+
+A lesson that ends without an error gets the ROS release and the date in its metadata, from where
+the release copies them into the lesson's contents.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from datetime import date
+from pathlib import Path
+import sys
+import tempfile
+
+from nbclient import NotebookClient
+from nbclient.exceptions import CellExecutionError
+import nbformat
+
+from autograder.files import keep
+from autograder.layout import Layout, lesson_files
+from autograder.submission.outline import FACTS
+from environment.install_files import KERNEL_NAME, KERNEL_TITLE
+
+CELL_TIMEOUT_S = 400
+"""Longer than a build of messages, which may take 300 s."""
+
+
+def execute(path: Path) -> None:
+    """
+    Execute a copy of a notebook, and note in the notebook itself that this went well.
+
+    :raises CellExecutionError: if a cell raised an error
+    """
+    notebook = nbformat.read(path, as_version=4)
+    with tempfile.TemporaryDirectory() as folder:  # cells write a ROS workspace next to it
+        NotebookClient(
+            nbformat.from_dict(notebook),
+            kernel_name=KERNEL_NAME,
+            timeout=CELL_TIMEOUT_S,
+            resources={'metadata': {'path': folder}},
+        ).execute()
+    today = date.today()
+    facts = notebook.metadata.setdefault(FACTS, {})
+    facts['executed'] = f'with {KERNEL_TITLE} on {today.day} {today:%B %Y}'
+    keep(path, f'{nbformat.writes(notebook)}\n'.encode())
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """
+    Execute all lessons, or those that are named.
+
+    :returns: 0 if all of them ended without an error, else 1
+    """
+    parser = argparse.ArgumentParser(
+        prog='python -m autograder.authoring.execute', description=__doc__
+    )
+    parser.add_argument('lessons', nargs='*', metavar='LESSON', help='folder, such as 03_topics')
+    chosen = parser.parse_args(arguments).lessons
+    failed = 0
+    for path in lesson_files(Layout.here().solutions):
+        name = path.parent.name
+        if chosen and name not in chosen:
+            continue
+        try:
+            execute(path)
+            print(f'{name}: executed', flush=True)
+        except CellExecutionError as error:
+            failed += 1
+            print(f'{name}: {error}', flush=True)
+    return 1 if failed else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

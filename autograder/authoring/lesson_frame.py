@@ -1,0 +1,113 @@
+"""
+Add to the released lessons what follows from their outlines: contents, next lesson, map.
+
+nbgrader runs :class:`AddFrame` when it generates a lesson. ``solutions/START_HERE.ipynb`` has a
+cell ``map``, which :func:`start_here` replaces with the table of all lessons.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import nbformat
+from nbformat.v4 import new_markdown_cell
+from nbgrader.preprocessors import NbGraderPreprocessor
+
+from autograder.explaining.feedback import number
+from autograder.explaining.feedback_html import section_id
+from autograder.layout import lesson_files
+from autograder.submission.outline import Outline, read_outline
+
+START_HERE = 'START_HERE.ipynb'
+MAP = 'map'
+
+
+class AddFrame(NbGraderPreprocessor):
+    """Put the contents below the title of a lesson, and a link to the next lesson at its end."""
+
+    def preprocess(self, nb: Any, resources: Any) -> tuple[Any, Any]:
+        """Add both cells."""
+        folder = Path(resources['metadata']['path'])
+        lessons = outlines(folder.parent)
+        here = [lesson.path.parent.name for lesson in lessons].index(folder.name)
+        nb.cells.insert(1, new_markdown_cell(contents(lessons, here), id='lesson-contents'))
+        nb.cells.append(new_markdown_cell(next_lesson(lessons, here), id='lesson-next'))
+        return nb, resources
+
+
+def outlines(folder: Path) -> list[Outline]:
+    """
+    Return the outlines of all lessons in their order.
+
+    :param folder: ``solutions/`` of a course
+    """
+    return [read_outline(path) for path in lesson_files(folder)]
+
+
+def contents(lessons: Sequence[Outline], here: int) -> str:
+    """
+    Return the duration of a lesson, what it needs, when it was executed, and links to its parts.
+
+    :param here: index of the lesson
+    """
+    lesson = lessons[here]
+    facts = [f'{lesson.minutes} minutes.'] if lesson.minutes else []
+    if before := needed(lessons, here):
+        facts.append(f'First do {", ".join(_link(one, "../") for one in before)}.')
+    if executed := lesson.facts.get('executed'):
+        facts.append(f'Last executed {executed}.')
+    links = [f'* [{part.heading}](#{section_id(part.heading)})' for part in lesson.parts[1:]]
+    return '\n'.join([' '.join(['**In this lesson.**', *facts]), '', *links]).rstrip()
+
+
+def needed(lessons: Sequence[Outline], here: int) -> list[Outline]:
+    """Return the lessons that one needs: those it names, else the lesson before it."""
+    before = [lesson.number for lesson in lessons[:here][-1:]]
+    numbers = lessons[here].facts.get('needs', before)
+    return [lesson for lesson in lessons if lesson.number in numbers]
+
+
+def unknown_needs(lessons: Sequence[Outline]) -> Iterator[str]:
+    """Yield one line for each needed lesson that does not exist."""
+    known = {lesson.number for lesson in lessons}
+    for lesson in lessons:
+        for other in sorted({*lesson.facts.get('needs', ())} - known):
+            yield f'{lesson.path.parent.name}: it needs lesson {other}, which does not exist.'
+
+
+def next_lesson(lessons: Sequence[Outline], here: int) -> str:
+    """Return the last cell of a lesson."""
+    if here + 1 == len(lessons):
+        return 'This was the last lesson.'
+    return f'*Next lesson:* {_link(lessons[here + 1], "../")}'
+
+
+def lesson_map(lessons: Sequence[Outline]) -> str:
+    """Return the table of all lessons."""
+    lines = ['| Lesson | Do first | Minutes | Points |', '|---|---|---:|---:|']
+    for here, lesson in enumerate(lessons):
+        before = ', '.join(one.number for one in needed(lessons, here))
+        points = number(lesson.points) if lesson.points else ''
+        lines.append(f'| {_link(lesson)} | {before} | {lesson.minutes or ""} | {points} |')
+    return '\n'.join(lines)
+
+
+def _link(lesson: Outline, up: str = '') -> str:
+    path = f'{up}{lesson.path.parent.name}/{lesson.path.name}'
+    return f'[{lesson.number} {lesson.title}]({path})'
+
+
+def start_here(solutions: Path, release: Path) -> None:
+    """
+    Write ``START_HERE.ipynb`` with the map of the lessons; a course without its source has none.
+
+    :param release: folder that receives it
+    """
+    source = solutions / START_HERE
+    if source.is_file():
+        notebook = nbformat.read(source, as_version=4)
+        (cell,) = (cell for cell in notebook.cells if cell.id == MAP)
+        cell.source = lesson_map(outlines(solutions))
+        nbformat.write(notebook, release / START_HERE)

@@ -1,0 +1,94 @@
+"""Read the outline of a lesson from its notebook: title, headings, minutes, exercises, needs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+import re
+from typing import Any
+
+from autograder.submission.extract import CHECK_PREFIX
+from autograder.submission.notebook import marks_of, read_release
+
+FACTS = 'lesson'
+"""Key of a notebook's metadata with what its cells do not say: ``needs`` and ``executed``."""
+_QUIZ = re.compile(r"""^quiz\(['"]([\w-]+)['"]\)""", re.MULTILINE)
+_HEADING = re.compile(r'^(##?) (.+)$', re.MULTILINE)
+_MINUTES = re.compile(r'^\|.*\| *(\d+) *\|$', re.MULTILINE)
+_MINUTES_TITLE = re.compile(r'^\| *Part *\|.*\| *Minutes *\|$', re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Part:
+    """
+    What is below one heading of the second level.
+
+    :param checks: points of the exercises, by the name of the exam
+    :param quizzes: keys of the questions
+    """
+
+    heading: str
+    checks: dict[str, float] = field(default_factory=dict)
+    quizzes: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Outline:
+    """
+    The outline of one lesson.
+
+    :param path: the notebook
+    :param parts: the first part is what precedes the first heading, and has the title's name
+    :param minutes: estimate, the sum of the table of objectives [min]
+    :param facts: the notebook's metadata under :data:`FACTS`
+    """
+
+    path: Path
+    title: str
+    parts: tuple[Part, ...]
+    minutes: int
+    facts: Mapping[str, Any]
+
+    @property
+    def number(self) -> str:
+        """Return the number of the lesson, such as ``03``."""
+        return self.path.parent.name[:2]
+
+    @property
+    def points(self) -> float:
+        """Return the points of all checks."""
+        return sum(sum(part.checks.values()) for part in self.parts)
+
+
+def read_outline(path: Path) -> Outline:
+    """
+    Return the outline of a lesson.
+
+    :raises OSError: if the notebook cannot be read
+    :raises ValueError: if it is not a notebook
+    """
+    notebook = read_release(path)
+    parts, minutes = [Part(path.stem)], 0
+    for cell in notebook['cells']:
+        if cell['cell_type'] == 'code':
+            _add_exercises(parts[-1], cell)
+            continue
+        text = re.sub(r'```.*?```', '', cell['source'], flags=re.DOTALL)
+        for level, heading in _HEADING.findall(text):
+            if level == '##':
+                parts.append(Part(heading.strip()))
+            elif len(parts) == 1:
+                parts[0] = Part(heading.strip(), parts[0].checks, parts[0].quizzes)
+        if not minutes and _MINUTES_TITLE.search(text):
+            minutes = sum(map(int, _MINUTES.findall(text)))
+    facts = notebook.get('metadata', {}).get(FACTS, {})
+    return Outline(path, parts[0].heading, tuple(parts), minutes, facts)
+
+
+def _add_exercises(part: Part, cell: dict[str, Any]) -> None:
+    """Add what a code cell checks or asks."""
+    marks = marks_of(cell)
+    if marks.get('grade') and not marks.get('solution'):
+        part.checks[marks['grade_id'].removeprefix(CHECK_PREFIX)] = float(marks['points'])
+    part.quizzes.extend(_QUIZ.findall(cell['source']))

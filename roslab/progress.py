@@ -1,0 +1,197 @@
+"""
+Remember the last results of ``check(...)`` and ``quiz(...)``, and show them by lesson.
+
+They are in one JSON file in the course's work folder. Nothing sends it anywhere, and the grader
+never reads it: it is a note of the learner, not evidence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+import fcntl
+import html
+import json
+from math import inf
+import os
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from autograder.errors import GraderError
+from autograder.explaining.feedback import number
+from autograder.explaining.feedback_html import section_id
+from autograder.files import json_bytes, keep
+from autograder.layout import Layout, lesson_files
+from autograder.submission.outline import Outline, Part, read_outline
+from roslab.errors import RoslabError
+from roslab.output import say, show
+
+FILE = 'progress.json'
+KINDS = ('checks', 'quizzes')
+ABOUT = (
+    'The last results of check(...) and quiz(...): points, and whether the answer was right. '
+    'Only progress() reads this file; progress(forget=True) deletes it.'
+)
+HEADER = ('lesson', 'minutes', 'points', 'quiz')
+
+Results = dict[str, dict[str, float]]
+"""Points by exam in ``checks``, 1 for a right answer by key in ``quizzes``."""
+
+
+def progress(forget: bool = False) -> None:
+    """
+    Show how far you are: points, right answers to quizzes, and the Part that comes next.
+
+    :param forget: delete all remembered results instead
+    :raises RoslabError: if the file of the results holds something else
+    """
+    layout = Layout.here()
+    path = layout.work / FILE
+    if forget:
+        path.unlink(missing_ok=True)
+        say(f'Deleted {path}. Your notebooks and saved files are unchanged.')
+        return
+    results = read_results(path)
+    lessons = list(_outlines(lesson_files(layout.notebooks)))
+    show(as_text(lessons, results), _as_html(lessons, results))
+
+
+def remember(kind: str, name: str, result: float) -> None:
+    """
+    Store the last result of an exercise; if that fails, say so in one line.
+
+    Only a notebook inside the course's folder counts: a copy that is executed elsewhere, as tests
+    do, is not the learner's work.
+
+    :param kind: one of :data:`KINDS`
+    :param result: points, or whether the answer was right
+    """
+    try:
+        layout = Layout.here()
+        if not Path.cwd().is_relative_to(layout.root):
+            return
+        path = layout.work / FILE
+        path.parent.mkdir(parents=True, exist_ok=True)
+        # Two notebooks may finish at the same time; each reads, adds and writes.
+        with path.with_name(f'.{FILE}.lock').open('w') as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            results = read_results(path)
+            results[kind][name] = result
+            keep(path, json_bytes({'about': ABOUT, **results}))
+    except (GraderError, OSError, RoslabError) as error:
+        say(f'progress() will not show this result. {error}')
+
+
+def read_results(path: Path) -> Results:
+    """
+    Return the remembered results; none if there is no file.
+
+    :raises RoslabError: if the file cannot be read, or :func:`remember` did not write it
+    """
+    try:
+        found = json.loads(path.read_text(encoding='utf-8'))
+    except FileNotFoundError:
+        return {kind: {} for kind in KINDS}
+    except (OSError, ValueError, RecursionError):
+        found = None
+    if not _is_ours(found):
+        raise RoslabError(
+            f'{path}: this file does not hold the results of check() and quiz(). Try: '
+            'progress(forget=True), which deletes this file and nothing else.'
+        )
+    return {kind: found[kind] for kind in KINDS}
+
+
+def _is_ours(found: Any) -> bool:
+    tables = [found.get(kind) for kind in KINDS] if isinstance(found, dict) else [None]
+    return all(
+        isinstance(table, dict)
+        and all(isinstance(value, (int, float)) and 0 <= value < inf for value in table.values())
+        for table in tables
+    )
+
+
+def _outlines(paths: Iterable[Path]) -> Iterable[Outline]:
+    for path in paths:
+        try:
+            yield read_outline(path)
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            yield Outline(path, f'{path.name} cannot be read', (), 0, {})
+
+
+def next_part(lessons: Iterable[Outline], results: Results) -> tuple[Outline, Part] | None:
+    """Return the first Part with an unfinished exercise or an unanswered question, if any."""
+    for lesson in lessons:
+        for part in lesson.parts:
+            solved = all(
+                results['checks'].get(name, 0) >= points for name, points in part.checks.items()
+            )
+            if not solved or not results['quizzes'].keys() >= set(part.quizzes):
+                return lesson, part
+    return None
+
+
+def headline(lessons: Iterable[Outline], results: Results) -> tuple[str, str]:
+    """Return the points so far, and what comes next."""
+    points = [_points(lesson, results) for lesson in lessons]
+    so_far, most = (number(sum(column)) for column in zip((0, 0), *points))
+    found = next_part(lessons, results)
+    if found is None:
+        return f'{so_far} of {most} points', 'every exercise and question is done'
+    heading = found[1].heading.partition(':')[0]
+    return f'{so_far} of {most} points', f'next: lesson {found[0].number}, {heading}'
+
+
+def _points(lesson: Outline, results: Results) -> tuple[float, float]:
+    """Return the points of a lesson so far, and all of them."""
+    found = results['checks']
+    done = (
+        min(found.get(name, 0), points)
+        for part in lesson.parts
+        for name, points in part.checks.items()
+    )
+    return sum(done), lesson.points
+
+
+def row_of(lesson: Outline, results: Results) -> tuple[str, ...]:
+    """Return the row of a lesson: its name, minutes, points and right answers."""
+    quizzes = [key for part in lesson.parts for key in part.quizzes]
+    right = sum(bool(results['quizzes'].get(key)) for key in quizzes)
+    points, most = _points(lesson, results)
+    return (
+        f'{lesson.number} {lesson.title}',
+        str(lesson.minutes or ''),
+        f'{number(points)} of {number(most)}' if most else '',
+        f'{right} of {len(quizzes)}' if quizzes else '',
+    )
+
+
+def as_text(lessons: Sequence[Outline], results: Results) -> str:
+    """Return the headline and one row per lesson as plain text."""
+    table = [HEADER, *(row_of(lesson, results) for lesson in lessons)]
+    first, *others = (max(map(len, column)) for column in zip(*table))
+    lines = [
+        '  '.join([row[0].ljust(first), *(cell.rjust(n) for cell, n in zip(row[1:], others))])
+        for row in table
+    ]
+    return '\n'.join(['; '.join(headline(lessons, results)), '', *map(str.rstrip, lines)])
+
+
+def _as_html(lessons: Sequence[Outline], results: Results) -> str:
+    """Return the same as HTML, with links that lead from the notebook's folder."""
+    points, after = map(html.escape, headline(lessons, results))
+    if found := next_part(lessons, results):
+        after = _link(found[0].path, after, f'#{section_id(found[1].heading)}')
+    head = ''.join(f'<th scope="col">{name}</th>' for name in HEADER)
+    body = ''
+    for lesson in lessons:
+        name, *others = map(html.escape, row_of(lesson, results))
+        cells = ''.join(f'<td>{cell}</td>' for cell in others)
+        link = f'<th scope="row" style="text-align: left">{_link(lesson.path, name)}</th>'
+        body += f'<tr>{link}{cells}</tr>'
+    return f'<p><strong>{points}; {after}</strong></p><table><tr>{head}</tr>{body}</table>'
+
+
+def _link(path: Path, text: str, section: str = '') -> str:
+    address = quote(os.path.relpath(path)) + section
+    return f'<a href="{html.escape(address)}">{text}</a>'

@@ -1,0 +1,127 @@
+"""Contents, next lesson and map follow from the outlines of the lessons."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import re
+
+import nbformat
+from nbformat.v4 import new_markdown_cell, new_notebook
+import pytest
+
+from autograder.authoring import execute
+from autograder.authoring.lesson_frame import (
+    contents,
+    lesson_map,
+    next_lesson,
+    outlines,
+    start_here,
+    unknown_needs,
+)
+from autograder.explaining.feedback_html import section_id
+from autograder.layout import Layout, lesson_files
+from autograder.submission.outline import read_outline
+
+LESSONS = lesson_files(Layout.here().notebooks)
+LINK = re.compile(r'\]\(#([^)]+)\)')
+
+
+@pytest.fixture
+def solutions(tmp_path):
+    """Return the sources of a course of three lessons; the last one needs the first one."""
+    folder = tmp_path / 'solutions'
+    for name, facts in (('01_a', None), ('02_b', None), ('03_c', {'needs': ['01']})):
+        cells = [new_markdown_cell(f'# Title {name[3:]}'), new_markdown_cell('## Part 1: Go')]
+        metadata = {'lesson': facts} if facts else {}
+        path = folder / name / f'{name[3:]}.ipynb'
+        path.parent.mkdir(parents=True)
+        nbformat.write(new_notebook(cells=cells, metadata=metadata), path)
+    return folder
+
+
+def test_contents_name_what_a_lesson_needs(solutions):
+    """The lesson before it, unless its metadata says something else."""
+    lessons = outlines(solutions)
+
+    assert contents(lessons, 0).splitlines()[0] == '**In this lesson.**'
+    assert 'First do [01 Title a](../01_a/a.ipynb).' in contents(lessons, 1)
+    assert 'First do [01 Title a](../01_a/a.ipynb).' in contents(lessons, 2)
+    assert contents(lessons, 2).endswith('\n\n* [Part 1: Go](#Part-1:-Go)')
+
+
+def test_last_lesson_has_no_next_one(solutions):
+    """A new lesson changes that without an edit."""
+    lessons = outlines(solutions)
+
+    assert next_lesson(lessons, 1) == '*Next lesson:* [03 Title c](../03_c/c.ipynb)'
+    assert next_lesson(lessons, 2) == 'This was the last lesson.'
+
+
+def test_needed_lesson_that_does_not_exist_is_named(solutions):
+    """A typing mistake would leave the column empty."""
+    lessons = outlines(solutions)
+
+    assert list(unknown_needs(lessons[:2])) == []
+    assert list(unknown_needs(lessons[1:])) == ['03_c: it needs lesson 01, which does not exist.']
+
+
+def test_start_here_has_a_line_for_each_lesson(solutions, tmp_path):
+    """Its other cells are copied."""
+    release = tmp_path / 'release'
+    release.mkdir()
+    start_here(solutions, release)
+    assert list(release.iterdir()) == []
+    cells = [new_markdown_cell('# Start', id='title'), new_markdown_cell('...', id='map')]
+    nbformat.write(new_notebook(cells=cells), solutions / 'START_HERE.ipynb')
+    start_here(solutions, release)
+    written = nbformat.read(release / 'START_HERE.ipynb', as_version=4)
+
+    assert [cell.source for cell in written.cells] == ['# Start', lesson_map(outlines(solutions))]
+    assert '| [03 Title c](03_c/c.ipynb) | 01 |  |  |' in written.cells[1].source
+
+
+def test_make_lab_opens_a_page_that_exists():
+    """JupyterLab would show an error in its place."""
+    root = Layout.here().root
+    makefile = (root / 'Makefile').read_text(encoding='utf-8')
+    found = re.search(r'default_url=/lab/tree/(\S+)', makefile)
+
+    assert found
+    assert (root / found[1]).is_file()
+
+
+@pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
+def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path):
+    """Every link leads to a heading that is in the lesson."""
+    cells = nbformat.read(path, as_version=4).cells
+    outline = read_outline(path)
+    shown = cells[1].source
+
+    assert LINK.findall(shown) == [section_id(part.heading) for part in outline.parts[1:]]
+    assert shown.startswith(f'**In this lesson.** {outline.minutes} minutes. ')
+    assert 'Last executed with ROS 2 ' in shown, f'Try: make execute ARGS={path.parent.name}'
+    assert (cells[1].id, cells[-1].id) == ('lesson-contents', 'lesson-next')
+
+
+def test_executed_lesson_gets_the_date_and_no_outputs(solutions, monkeypatch):
+    """Only one that fails is reported and stays as it is."""
+    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(solutions.parent)))
+
+    class Client:
+        """Fails in the second lesson."""
+
+        def __init__(self, notebook, **options):
+            self.notebook, self.folder = notebook, options['resources']['metadata']['path']
+
+        def execute(self):
+            assert Path(self.folder).is_dir()
+            if 'Title b' in self.notebook.cells[0].source:
+                raise execute.CellExecutionError('Traceback', 'NameError', 'x')
+
+    monkeypatch.setattr(execute, 'NotebookClient', Client)
+    assert execute.main(['01_a', '02_b']) == 1
+    first, second, third = outlines(solutions)
+
+    assert re.fullmatch(r'with ROS 2 Jazzy on \d+ \w+ \d{4}', first.facts['executed'])
+    assert second.facts == {}
+    assert third.facts == {'needs': ['01']}
