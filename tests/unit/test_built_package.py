@@ -8,8 +8,9 @@ import json
 import pytest
 
 from autograder.exam import catalog
-from autograder.grading import built_package
-from autograder.grading.built_package import as_package, explained, MARK, package_name
+from autograder.grading.built_package import as_package, explained, package_name
+from autograder.judging.causes import packages
+from autograder.judging.causes.packages import MARK
 from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.runs.observe import HERE
@@ -34,7 +35,8 @@ def test_the_exam_stays_the_same_but_for_what_runs():
     assert EXAM.checks == exam.checks
     assert EXAM.scenario.steps == exam.scenario.steps
     assert (EXAM.scenario.program, EXAM.scenario.build_type) == ('package', 'thermo')
-    assert EXAM.facts == {**exam.facts, 'package': 'thermo'}
+    names = {'package': 'thermo', 'executable': 'temp_publisher'}
+    assert EXAM.facts == {**exam.facts, **names}
     assert EXAM.requires == ()
     assert exam.scenario.program == 'node'
 
@@ -120,7 +122,7 @@ def test_both_sides_mean_the_same_codes(monkeypatch):
     run_package = importlib.import_module('run_package')
 
     assert (run_package.NO_EXECUTABLE, run_package.NOT_BUILT, run_package.MARK) == (
-        built_package.NO_EXECUTABLE,
-        built_package.NOT_BUILT,
-        built_package.MARK,
+        packages.NO_EXECUTABLE,
+        packages.NOT_BUILT,
+        packages.MARK,
     )
