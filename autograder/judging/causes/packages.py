@@ -1,17 +1,23 @@
-"""Why the executable of a package did not start: the build failed, or made no such file."""
+"""Why the executable of a package did not start: the build, its place, or its entry point."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 import json
+import re
 from typing import Any
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.builds import diagnose
+from autograder.judging.causes.tracebacks import traceback_of
 
 NO_EXECUTABLE, NOT_BUILT = 97, 98
 MARK = 'run_package: '
 """As in inside/run_package.py, which imports nothing of the project."""
+_NO_ENTRY = re.compile(
+    r"No module named '(?P<module>[\w.]{1,80})'"
+    r"|module '(?P<place>[\w.]{1,80})' has no attribute '(?P<function>\w{1,60})'"
+)
 
 
 def why_no_program(run: Run) -> Cause | None:
@@ -21,7 +27,29 @@ def why_no_program(run: Run) -> Cause | None:
     if code == NOT_BUILT:
         output = ''.join(str(process.get(name, '')) for name in ('stderr', 'stdout'))
         return _why_not_built(output, run.files)
-    return _why_no_executable(run) if code == NO_EXECUTABLE else None
+    if code == NO_EXECUTABLE:
+        return _why_no_executable(run)
+    return _why_no_entry(run) if code is not None else None
+
+
+def _why_no_entry(run: Run) -> Cause | None:
+    """Explain an entry point that names what is not there."""
+    trace, package = traceback_of(run), run.facts['package']
+    found = _NO_ENTRY.search(trace.error) if trace is not None and not trace.line else None
+    if found is None:
+        return None
+    write = f"In console_scripts of setup.py: '{run.facts['executable']} = {package}.MODULE:main'"
+    if found['function']:
+        text = f'The entry point names {found["function"]}, which {found["place"]} does not have.'
+        return Cause('entry_point_function', text, write)
+    if found['module'] == package:
+        return Cause(
+            'no_modules',
+            'setup.py does not install the modules of the package.',
+            "In setup.py: packages=find_packages(exclude=['test']).",
+        )
+    text = f'The entry point names the module {found["module"]}, which is not in the package.'
+    return Cause('entry_point_module', text, f'{write}; MODULE is a file in the folder {package}.')
 
 
 def _why_not_built(output: str, files: Mapping[str, str]) -> Cause:
