@@ -246,8 +246,8 @@ package.xml does not say that the package is built with setup.py.
 Write <export><build_type>ament_python</build_type></export>.
 
 setup_py|#{number}|setup.py
-exec\(code, g\) File "<string>", line (?P<number>\d+).{0,300}? (?P<what>\w{1,20}Error: [^.\[]{1,60}?)
-  ?(?:\.|\[|File|Traceback)
+exec\(code, g\) File "<string>", line (?P<number>\d+).{0,300}?
+  (?P<what>\w{1,20}Error: [^.\[]{1,60}?) ?(?:\.|\[|File|Traceback)
 Python stops in setup.py: {what}.
 Is a comma, a quote or a bracket missing in that line or the one above? Is each name spelled right?
 
