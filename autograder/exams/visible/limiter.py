@@ -121,10 +121,11 @@ def declares_its_dependencies(run: Run) -> None:
 
 
 def parameter(run: Run) -> tuple[int, float | None]:
-    """Return the type of max_speed at the start, 0 if there is none, and its value if a float."""
+    """Return the type of max_speed at the start, 0 without one, and its value if a finite float."""
     answers = run.recording.answers(f'{run.facts["node"]}/get_parameters')
     kind = field_of(answers[0], 'values.0.type') if answers else 0
-    return kind or 0, field_of(answers[0], 'values.0.double_value') if kind == DOUBLE else None
+    value = field_of(answers[0], 'values.0.double_value') if kind == DOUBLE else None
+    return kind or 0, value if isinstance(value, float) else None  # JSON has no NaN
 
 
 def takes_the_file(run: Run) -> None:
@@ -133,7 +134,7 @@ def takes_the_file(run: Run) -> None:
     if value != IN_FILE:
         raise Failed(
             expected=f'max_speed {IN_FILE}',
-            observed='no parameter of type double' if value is None else f'max_speed {value}',
+            observed='no finite float' if value is None else f'max_speed {value}',
             why=why_silent(run) or _why_other_value(run, kind, value),
         )
 
