@@ -121,7 +121,7 @@ def declares_its_dependencies(run: Run) -> None:
 
 
 def parameter(run: Run) -> tuple[int, float | None]:
-    """Return the type of max_speed at the start, 0 without one, and its value if a finite float."""
+    """Return the type of max_speed at the start, 0 without one, and its value if it is a float."""
     answers = run.recording.answers(f'{run.facts["node"]}/get_parameters')
     kind = field_of(answers[0], 'values.0.type') if answers else 0
     value = field_of(answers[0], 'values.0.double_value') if kind == DOUBLE else None
