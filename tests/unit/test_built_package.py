@@ -9,8 +9,8 @@ import pytest
 
 from autograder.exam import catalog
 from autograder.grading.built_package import as_package, explained, package_name
-from autograder.judging.causes import packages
-from autograder.judging.causes.packages import MARK
+from autograder.judging import packages
+from autograder.judging.packages import MARK
 from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.runs.observe import HERE

@@ -14,8 +14,8 @@ import re
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes import not_answering as stalled
 from autograder.judging.causes.exceptions import exception_cause
-from autograder.judging.causes.packages import why_no_program
 from autograder.judging.causes.tracebacks import traceback_of
+from autograder.judging.packages import why_no_program
 from autograder.submission.code.learners_code import Code, texts_in
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
