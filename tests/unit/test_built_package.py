@@ -8,6 +8,7 @@ import json
 import pytest
 
 from autograder.exam import catalog
+from autograder.exam.exam import Run
 from autograder.grading.built_package import as_package, explained, package_name
 from autograder.judging import packages
 from autograder.judging.packages import MARK
@@ -71,6 +72,7 @@ def there(**places):
     [
         (['setup.py'], {}, 'entry_point_missing', 'console_scripts'),
         (['setup.py'], {'bin': ['temp_publisher']}, 'script_folder', 'install_scripts'),
+        (['setup.py'], {'others': ['other']}, 'script_folder', '$base/lib/thermo'),
         (['CMakeLists.txt'], {'lib': ['other']}, 'executable_not_installed', 'install(PROGRAMS'),
     ],
 )
@@ -84,6 +86,24 @@ def test_an_executable_that_is_not_there_is_named_with_the_file_to_mend(
     assert words in check.try_this
     assert 'ros2 run thermo temp_publisher' in check.expected
     assert ', '.join(installed.get('lib', [])) in check.observed
+
+
+@pytest.mark.parametrize(
+    ('error', 'cause_id', 'words'),
+    [
+        ("ModuleNotFoundError: No module named 'thermo'", 'no_modules', 'find_packages'),
+        ("ModuleNotFoundError: No module named 'a'", 'entry_point_module', 'thermo.MODULE:main'),
+        ("AttributeError: module 'thermo.a' has no attribute 'b'", 'entry_point_function', 'b'),
+    ],
+)
+def test_entry_point_that_leads_nowhere_is_named(error, cause_id, words):
+    """The traceback has no line of the student."""
+    head = 'Traceback (most recent call last):\n  File "/ws/lib/thermo/temp_publisher", line 33\n'
+    process = {'event': 'process', 'exit': 1, 'stderr': f'{head}{error}\n'}
+    why = packages.why_no_program(Run({'setup.py': ''}, Recording({}, [process]), EXAM.facts))
+
+    assert why.cause_id == cause_id
+    assert words in f'{why.text} {why.try_this}'
 
 
 @pytest.mark.parametrize(

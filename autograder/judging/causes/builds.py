@@ -256,7 +256,7 @@ can't copy '(?P<file>[^']{1,80})': doesn't exist
 data_files of setup.py has '{file}', and there is no such file.
 Name each file from the package folder; the one in resource/ has the name of the package.
 """
-"""The same for packages with a setup.py, which have no messages."""
+"""The same for packages with a setup.py."""
 
 
 def _mistakes(table: str) -> tuple[Mistake, ...]:
@@ -266,7 +266,11 @@ def _mistakes(table: str) -> tuple[Mistake, ...]:
     )
 
 
-MISTAKES, PYTHON_MISTAKES = _mistakes(_TABLE), _mistakes(_PYTHON_TABLE)
+MISTAKES = _mistakes(_TABLE)
+PYTHON_MISTAKES = (
+    *_mistakes(_PYTHON_TABLE),
+    *(one for one in MISTAKES if one.file == 'package.xml' and one.cause != 'wrong_build_type'),
+)
 MISSING_AMENT_PACKAGE = Diagnosis(
     'missing_ament_package',
     'It was built, but ROS 2 cannot find it: nothing was registered.',
