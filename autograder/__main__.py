@@ -40,7 +40,7 @@ COMMANDS = {
         'rejudge:options',
         'judge stored recordings again with the edited exam; runs no program',
     ),
-    'forget': ('forget:options', 'list what the course has of a student; --yes removes it'),
+    'forget': ('forget:options', 'list all data about a student; --yes removes it'),
     'explain': ('explain:options', 'show the evidence behind a verdict'),
     'report': ('stats:report_options', 'write the statistics page of a class again'),
     'stats': ('stats:options', 'print statistics of the last grading: marks, checks, causes'),
@@ -49,7 +49,7 @@ COMMANDS = {
     'new-course': ('authoring:new_course_options', 'create a new course in a separate folder'),
     'new-exam': ('authoring:new_exam_options', 'create an exercise: a lesson and its two exams'),
 }
-"""By name: the function in ``commands`` that describes its options, and its line of help."""
+"""Commands by name: the function in ``commands`` that describes the options, and the help text."""
 GOES_ON = {
     'grade': 'Finished runs are kept; run the same command again to continue.',
     'collect': 'Collected files are kept; run the same command again to continue.',
@@ -97,10 +97,10 @@ def _nobody_reads() -> bool:
     """
     try:
         output = sys.stdout.fileno()
-    except (OSError, ValueError):  # no file of the system's
+    except (OSError, ValueError):  # not a file of the operating system
         return False
     looked_at = select.poll()
-    looked_at.register(output, 0)  # errors are always reported
+    looked_at.register(output, 0)  # poll() reports errors without being asked
     if not any(what & select.POLLERR for _, what in looked_at.poll(0)):
         return False
     os.dup2(os.open(os.devnull, os.O_WRONLY), output)
@@ -132,7 +132,7 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
 
     for name, (options, text) in COMMANDS.items():
         command = commands.add_parser(name, help=text)
-        if name in arguments:  # the modules of the others need not be imported
+        if name in arguments:  # the modules of other commands need not be imported
             resolve_name(f'autograder.commands.{options}')(command)
     return parser
 

@@ -9,7 +9,7 @@ The faults of the grader, as classes of exceptions.
     |- TooBusy                   the machine gave a program too little of its time
     |- RecordingInvalid          a recording does not follow its format
     |- ExamInvalid               an exam contradicts itself
-    `- UsageError                a command line asks for something that is not there
+    `- UsageError                a command line names something that does not exist
 
 A mistake in a *submission* is never an exception that leaves this package: it is a
 :class:`~autograder.results.Problem` or a failed check.

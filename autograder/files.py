@@ -15,7 +15,7 @@ import uuid
 from autograder.errors import GraderError
 
 LONGEST_NAME = 150
-"""Bytes of a file name that :func:`safe_name` makes; systems take 255, endings included."""
+"""Bytes of a name from :func:`safe_name`; file systems allow 255, with the suffix."""
 DIGEST_CHARS = 16
 
 
@@ -24,7 +24,7 @@ def refuse_existing(paths: Iterable[Path], force: bool) -> None:
     Raise if files exist, unless replacing them is allowed.
 
     :param force: whether replacing is wanted
-    :raises GraderError: naming the first file that is there, or a folder in its place
+    :raises GraderError: naming the first file that exists, or a folder in its place
     """
     for path in paths:
         if path.is_dir():
@@ -40,12 +40,13 @@ def write_file(path: Path, data: bytes, force: bool = False, mode: int = 0o644) 
     """
     Write a file atomically, replacing an existing one only if allowed.
 
-    :param force: replace a file that is there
+    :param force: replace an existing file
     :param mode: permissions, less what the process's umask takes away
-    :raises GraderError: if the file is there and is not to be replaced
+    :raises GraderError: if the file exists and must not be replaced
     """
     refuse_existing([path], force)
-    keep(path, data, mode, lambda: refuse_existing([path], force))  # it may have come meanwhile
+    # Another program may have created it meanwhile.
+    keep(path, data, mode, lambda: refuse_existing([path], force))
 
 
 def json_bytes(data: Any) -> bytes:
@@ -79,16 +80,17 @@ def keep(
     The file gets its name after its content is on the disk; otherwise a power cut could leave an
     empty file.
 
-    :param path: its folder is made
+    :param path: the file; its folder is created
     :param mode: permissions, less what the process's umask takes away
-    :param at_last: called right before the name appears; what it raises leaves nothing
+    :param at_last: called right before the name appears; if it raises, no file is left
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_name(f'.{path.name}.{uuid.uuid4().hex}')
     try:
         descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
         with os.fdopen(descriptor, 'wb') as file:
-            fcntl.flock(file, fcntl.LOCK_EX)  # while its writer lives, no clean-up removes it
+            # Keeps the clean-up of another command from removing it.
+            fcntl.flock(file, fcntl.LOCK_EX)
             file.write(data)
             file.flush()
             os.fsync(descriptor)

@@ -37,8 +37,8 @@ class Facts:
     :param package: the course's own ROS package, a folder of the root; ``''`` if there is none.
         Programs see only its messages, as its nodes would be answers
     :param work: folder of everything that grading writes, from the root
-    :param messages: the course's own message types -> the field that is meant where a learner
-        gives a whole message; for advice
+    :param messages: the course's own message types -> the field that advice suggests if a learner
+        uses a whole message instead of a value
     """
 
     name: str = 'course'
@@ -52,7 +52,7 @@ def read_facts(path: Path) -> Facts:
     """
     Return the content of a ``course.toml``, with the defaults of :class:`Facts`.
 
-    :raises GraderError: if it is no TOML, or a name or a type in it is wrong
+    :raises GraderError: if it is not valid TOML, or a name or a type in it is wrong
     """
     try:
         found = tomllib.loads(path.read_text(encoding='utf-8')) if path.is_file() else {}

@@ -81,8 +81,9 @@ class Recording:
         """
         Return what was received on a topic, in order.
 
-        :param listener: the subscription that joined under this name; None for the one that was
-            there from the beginning and hears every publisher, whatever its quality of service
+        :param listener: the subscription that joined under this name; None for the one that
+            existed from the beginning and receives from every publisher, whatever its quality of
+            service
         """
         return self.of('message', topic=topic, listener=listener)
 
@@ -135,7 +136,7 @@ class Recording:
         Return the distinct endpoints seen in any graph of the run.
 
         :param kind: ``'publisher'`` or ``'subscription'``
-        :param topic: full topic name, or None for all but the plumbing every node has
+        :param topic: full topic name, or None for all except the topics that every node has
         """
         seen: dict[str, Event] = {}
         for graph in self.of('graph'):
@@ -178,7 +179,7 @@ class Recording:
         Read what :meth:`to_bytes` wrote.
 
         :param where: how to name it in messages
-        :raises RecordingInvalid: if it is not a whole recording of this version
+        :raises RecordingInvalid: if it is not a complete recording of this version
         """
         first, _, rest = data.partition(b'\n')
         try:
@@ -211,7 +212,7 @@ class Recording:
         """
         Read a file.
 
-        :raises RecordingInvalid: if it is not a whole recording of this version
+        :raises RecordingInvalid: if it is not a complete recording of this version
         """
         try:
             return cls.from_bytes(path.read_bytes(), str(path))

@@ -1,7 +1,8 @@
 """
 The documents that the grader's stages exchange, as immutable data classes.
 
-Nothing here knows ROS, Jupyter or nbgrader.  Everything converts to and from JSON types.
+This module does not depend on ROS, Jupyter or nbgrader.  Everything converts to and from JSON
+types.
 """
 
 from __future__ import annotations
@@ -121,9 +122,9 @@ class ExamResult:
     :param mode: isolation mode the code ran in, see :mod:`autograder.sandboxes.isolation`
     :param not_protected: what that mode lacks, in words; empty for full isolation
     :param flags: what an instructor should look at, in words
-    :param timing: wall-clock facts [s]; never part of a verdict.  ``run_s`` is of a run in this
-        grading, ``kept_run_s`` of the earlier run whose recording was judged
-    :param recording: name of the kept recording, empty if nothing was run or kept
+    :param timing: wall-clock facts [s]; never part of a verdict.  ``run_s`` is the time of a run
+        in this grading, ``kept_run_s`` the time of the earlier run whose recording was judged
+    :param recording: name of the stored recording, empty if there is none
     :param pictures: by the name of a check, what its picture shows; JSON types, see
         :mod:`autograder.explaining.picture_data`; never part of a verdict
     """
@@ -175,8 +176,8 @@ class SubmissionResult:
     """
     All results for one student's notebook.
 
-    :param fault: our own fault in words; then the submission needs a person and has no grade
-    :param noticed: what an instructor should look at in the notebook itself, in words
+    :param fault: a fault of the grader as text; then the submission is for review and has no grade
+    :param noticed: what an instructor should look at in the notebook itself, as text
     """
 
     student: str

@@ -19,7 +19,7 @@ import subprocess
 from environment.places import Places, PROJECT, write_atomically
 
 STAND_IN = PROJECT / 'autograder' / 'inside' / 'hand_over.py'
-"""What CMake takes for Python in the grader's builds: it saves them the start of a Python."""
+"""Replaces Python in CMake's steps of the grader's builds, which saves many starts of Python."""
 LONGEST_FIRST_LINE = 127  # of a script, on every kernel: execve(2)
 # An entry of CMakeCache.txt is NAME:TYPE=VALUE.
 ENTRY = re.compile(r'^(\w+):\w+=(.*)$', re.M)

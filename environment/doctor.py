@@ -181,7 +181,7 @@ def check_bubblewrap(failure: str) -> Finding:
         fix = system.command_to_type([t for t in system.TOOLS if t.command == 'bwrap'])
     else:
         fix = _UBUNTU_FIX
-    return Finding('bubblewrap', WEAK, f'{failure}: lessons work, grading refuses', fix)
+    return Finding('bubblewrap', WEAK, f'{failure}: lessons work, but grading does not', fix)
 
 
 def check_packages(places: Places, python_version: str, ros: bool) -> Iterator[Finding]:

@@ -18,7 +18,7 @@ from environment.places import stated
 SETTING = 'COURSE_EXCHANGE'
 """The environment variable that replaces the course's own folder."""
 ROOT_MODE = 0o1777
-"""Everybody may hand in; nbgrader asks for 0777."""
+"""Every user may write; nbgrader itself asks for 0777, without the sticky bit."""
 
 
 def exchange_root(project: Path, environ: Mapping[str, str]) -> Path:

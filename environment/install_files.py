@@ -14,10 +14,10 @@ from environment.ros2_command import discovery_variables, installed_ros2
 KERNEL_NAME = 'ros2_jazzy'
 KERNEL_TITLE = 'ROS 2 Jazzy'
 GUIDE = 'roslab.guide'
-"""Extension that every kernel loads; a kernel starts as well where it is missing."""
+"""IPython extension that every kernel loads; a kernel also starts without it."""
 INSTRUCTORS_PANELS = ('course-list', 'create-assignment', 'formgrader', 'validate-assignment')
 INSTRUCTORS_SERVERS = ('course_list', 'formgrader', 'validate_assignment')
-"""Parts of nbgrader that students have no use for, as JupyterLab and its server call them."""
+"""Parts of nbgrader that students do not need, by their names in JupyterLab and its server."""
 AUTOSAVE_S = 10
 """JupyterLab's own default is two minutes."""
 STYLE = """\

@@ -24,9 +24,9 @@ from environment.steps import Job, StepError
 
 TITLE = f'{MESSAGES_FILE.parent.name}/{MESSAGES_FILE.name}'
 REQUIREMENT = re.compile(r'^(?P<name>[\w.-]+)\s*(?:(?P<sign>~=|==)\s*(?P<version>[\d.]+)$)?')
-"""What a wheel of ROS requires, such as ``ros-std-msgs~=5.3.6``."""
+"""A requirement of a ROS wheel, such as ``ros-std-msgs~=5.3.6``."""
 VERSION = re.compile(r'<version>\s*([\w.]+)\s*</version>')
-"""Of a package.xml."""
+"""The version in a package.xml."""
 
 
 def wanted(text: str) -> dict[str, str]:

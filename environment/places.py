@@ -14,9 +14,9 @@ MESSAGES_FILE = PROJECT / 'environment' / 'messages.txt'
 CLOCK_SOURCES = PROJECT / 'autograder' / 'clock'
 FILE = 'course.toml'
 UNSTATED = {'exams': 'exams', 'package': '', 'work': 'autograder/_work'}
-"""What counts where a ``course.toml`` is without one of these lines."""
+"""Values for lines that a ``course.toml`` does not have."""
 NO_PACKAGE = '-'
-"""Name of the prefix where the course has no ROS package; no package can have it."""
+"""Name of the prefix if the course has no ROS package; no package can have this name."""
 
 
 def stated(project: Path, name: str) -> str:

@@ -62,7 +62,7 @@ def prepare(places: Places, environ: Mapping[str, str]) -> bool:
         screen.say(f'prepared: {places.venv} ({words})')
         if missing := system.missing_tools():
             names = ', '.join(tool.title for tool in missing)
-            screen.say(f'  without {names}: lessons work, grading refuses')
+            screen.say(f'  without {names}: lessons work, but grading does not')
             screen.say(f'  try: {system.command_to_type(missing)}')
     return True
 
@@ -111,14 +111,14 @@ def steps_of(plan: Plan) -> list[Step]:
             lambda: unstamped('workspace'),
             lambda job: build_workspace(plan, job),
             about='ten to thirty seconds',
-            try_this='read the whole log; make doctor tells what the machine lacks',
+            try_this='read the whole log; make doctor lists what is missing',
         ),
         Step(
             'clock',
             "Virtual clock of the grader's runs",
             lambda: unstamped('clock'),
             lambda job: build_clock(plan, job),
-            try_this='make doctor tells what the machine lacks',
+            try_this='make doctor lists what is missing',
         ),
         Step(
             'files',
@@ -195,8 +195,8 @@ def clear_venv(places: Places) -> None:
         return
     if places.venv.is_symlink():
         raise StepError(
-            f'{places.venv}: expected a folder of this copy of the course, got a link to '
-            f'{places.venv.resolve()}, where another copy may have its environment',
+            f'{places.venv}: this is a link to {places.venv.resolve()}, which may be the '
+            'environment of a different copy of the course',
             f'remove the link: rm {places.venv}',
         )
     content = {path.name for path in places.venv.iterdir()}

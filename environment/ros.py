@@ -17,7 +17,7 @@ from environment.places import NO_PACKAGE
 
 FILE_NAME = 'ros_environment.json'
 MESSAGES_NAME = 'ros_messages.json'
-"""Beside it: the packages of environment/messages.txt that are installed."""
+"""File next to it, which lists the installed packages of environment/messages.txt."""
 
 
 class EnvironmentError_(RuntimeError):  # noqa: N801 - EnvironmentError is a builtin

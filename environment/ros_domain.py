@@ -14,9 +14,9 @@ import errno
 import socket
 
 DOMAINS = range(1, 102)
-"""0 is for programs that name none; above 101, Linux lends the ports to other programs."""
+"""0 is the default of ROS; above 101, Linux may give the ports to other programs."""
 NAME = 'ros2-course-domain-'
-"""What the name of a socket begins with; the number follows."""
+"""The beginning of a socket's name; the number of the domain follows."""
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ class Tool:
 TOOLS = (
     Tool('C++ compiler', 'g++', 'g++', 'gcc-c++'),
     Tool('make', 'make', 'make', 'make'),
-    # Lessons and their visible checks work without it; grading refuses and says so.
+    # Lessons and their visible checks work without it; grading stops and prints the reason.
     Tool('bubblewrap', 'bwrap', 'bubblewrap', 'bubblewrap', required=False),
 )
 

@@ -1,8 +1,8 @@
 """
 The functions that the course's notebooks import.
 
-``import roslab`` in a notebook makes the cell magics ``%%node``, ``%%rosmsg``, ``%%rospkg`` and
-``%%answer`` known.  ROS 2 itself is started by the first call that needs it.
+``import roslab`` in a notebook registers the cell magics ``%%node``, ``%%rosmsg``, ``%%rospkg``
+and ``%%answer``.  ROS 2 itself is started by the first call that needs it.
 """
 
 from __future__ import annotations
@@ -42,6 +42,7 @@ from roslab.package_files import package
 from roslab.pages import lay_out
 from roslab.qos_table import qos_table
 from roslab.quiz import quiz
+from roslab.simulating import simulate
 from roslab.spinning import make_spinning_interruptible, refuse_to_spin_twice
 
 __all__ = [
@@ -64,6 +65,7 @@ __all__ = [
     'plot',
     'qos_table',
     'quiz',
+    'simulate',
     'start',
     'stop',
     'stop_all',

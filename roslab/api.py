@@ -1,4 +1,4 @@
-"""The short functions of a lesson, on the session of the running kernel."""
+"""The short functions that lessons call; they use the session of the running kernel."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from autograder.simulation.result import Simulation, TopicRecord
 from roslab.graph_picture import Graph, graph_now
 from roslab.introspection import print_info, print_messages, print_rate, print_topics
 from roslab.listening import Listener
@@ -27,7 +28,7 @@ def start(
     parameters: Mapping[str, Any] | None = None,
 ) -> Node:
     """
-    Make a node and run it in the background, in place of an older one of the same name.
+    Create a node and run it in the background; it replaces an older node of the same name.
 
     :param factory: a subclass of Node, a function that returns a node, or a node
     :param name: replaces the node's own name, as ``-r __node:=name`` does in a terminal
@@ -59,7 +60,7 @@ def listen(
     topic: str, msg_type: type, *, depth: int = 10, qos: QoSProfile | None = None
 ) -> Listener:
     """
-    Listen to a topic; what is heard is kept in ``messages``.
+    Subscribe to a topic and store the received messages in ``messages``.
 
     :param topic: name of the topic
     :param msg_type: class of its messages
@@ -71,20 +72,20 @@ def listen(
 
 def wait_until(condition: Callable[[], T], timeout: float = 5.0, what: str = 'a condition') -> T:
     """
-    Wait until something is true, while nodes go on.
+    Wait until a condition is true, while nodes continue to run.
 
-    :param condition: called after each callback, until it returns something true
+    :param condition: called after each callback, until it returns a true value
     :param timeout: the longest time to wait [s]
     :param what: the condition in words, for the message after a timeout
     :returns: what the condition returned
-    :raises TimeoutError: with what may explain it
+    :raises TimeoutError: with possible reasons
     """
     return wait_until_in(session(), condition, timeout, what)
 
 
 def logs(node: Node | str | None = None) -> LogTable:
     """
-    Return what was logged here so far, as a table.
+    Return the log lines of this notebook so far, as a table.
 
     :param node: only this node, or the node of this name
     """
@@ -96,9 +97,9 @@ def logs(node: Node | str | None = None) -> LogTable:
 
 def graph(topic: str | None = None, *, all: bool = False) -> Graph:
     """
-    Return the nodes and topics that are seen now: a picture, or lines of text with ``str()``.
+    Return the nodes and topics of the current graph: a picture, or lines of text with ``str()``.
 
-    Nodes of this notebook are seen at once, those of other programs when they are discovered.
+    Nodes of this notebook appear at once, those of other programs after discovery.
 
     :param topic: only this topic and its nodes
     :param all: include hidden nodes, ``/rosout`` and ``/parameter_events``
@@ -107,29 +108,39 @@ def graph(topic: str | None = None, *, all: bool = False) -> Graph:
 
 
 def timeline(
-    *sources: Listener | Plot,
+    *sources: Listener | Plot | Simulation | TopicRecord,
     marks: Mapping[str, Iterable[float]] | None = None,
     seconds: float | None = None,
 ) -> Timeline:
     """
     Return messages against time: a picture, or a table of text with ``str()``.
 
-    :param sources: listeners; the axis begins when the first of them began to listen
-    :param marks: what else happened and when, as the first listener's ``now`` told it [s]
+    :param sources: listeners; the axis begins when the first of them began to listen. A simulation
+        stands for all its topics
+    :param marks: names and times of other events, on the scale of the first listener's ``now`` [s]
     :param seconds: only so many seconds before the newest event [s]
     """
     return make_timeline(sources, marks, seconds)
 
 
-def plot(topic: str, field: str, *, seconds: float = 20.0, threshold: float | None = None) -> Plot:
+def plot(
+    topic: str | TopicRecord,
+    field: str,
+    *,
+    seconds: float | None = None,
+    threshold: float | None = None,
+) -> Plot:
     """
-    Show a number of a topic against time, in this cell, while later cells run.
+    Plot a number of a topic against time, in this cell, while later cells run.
 
-    :param topic: its name; the type is found in the graph
+    :param topic: its name; the type is found in the graph. Or the messages of a simulation, as in
+        ``plot(run['temperature_topic'], 'temperature_value')``
     :param field: such as ``temperature``, ``header.stamp.sec`` or ``data[0]``
-    :param seconds: length of the time axis [s]
+    :param seconds: length of the time axis [s]; None for 20 s, or for a whole simulation
     :param threshold: a level to compare the values with
     """
+    if seconds is None:
+        seconds = topic.seconds if isinstance(topic, TopicRecord) else 20.0
     made = Plot(session(), topic, field, seconds, threshold)
     made.begin()
     return made
@@ -162,7 +173,7 @@ def hz(topic: str, count: int = 5, timeout: float = 10.0) -> None:
 
 def info(name: str) -> None:
     """
-    Print what ``ros2 topic info -v`` says of a topic, or ``ros2 node info`` of a node.
+    Print the output of ``ros2 topic info -v`` for a topic, or of ``ros2 node info`` for a node.
 
     :param name: of a topic or a node
     """

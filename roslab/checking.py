@@ -1,8 +1,8 @@
 """
 Visible checks: the grader's own engine, run on the learner's saved files.
 
-The learner's code never runs in the kernel for this.  A child process runs it, in a sandbox where
-there is one, and prints its verdicts as one line of JSON.
+The learner's code never runs in the kernel for this.  A child process runs it, in a sandbox if one
+is available, and prints its verdicts as one line of JSON.
 """
 
 from __future__ import annotations
@@ -14,8 +14,6 @@ import json
 import os
 from pathlib import Path
 import re
-import sys
-import tempfile
 from typing import Any
 
 from IPython import get_ipython
@@ -23,12 +21,11 @@ from IPython import get_ipython
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
-from autograder.layout import CHOSEN, Layout
+from autograder.layout import Layout
 from autograder.results import ExamResult, Problem
 from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED
 from roslab import child
 from roslab.guide import texts_now
-from roslab.output import ElapsedTime
 from roslab.package_files import learner_package, LearnerPackage
 from roslab.report import CheckReport
 from roslab.saved_files import describe, edited_since, look_up
@@ -41,8 +38,8 @@ def check(exam: Any = None) -> CheckReport:
     """
     Run the visible checks of an exercise and show the result.
 
-    :param exam: name of the exercise, such as 'temperature_publisher'; for anything else, the
-        report says which names there are
+    :param exam: name of the exercise, such as 'temperature_publisher'; for any other name, the
+        report lists the names
     :returns: the report, true if every check passed
     :raises AssertionError: only under nbgrader's Validate, if a check failed
     """
@@ -73,19 +70,12 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
                 try_this='run the cells of the exercise first, those that begin with %%',
             ),
         )
-    command = [sys.executable, '-m', 'autograder.commands.check', exam]
-    # In an empty folder: a file of the learner's beside the notebook must not replace a module.
-    with (
-        tempfile.TemporaryDirectory(prefix='check-') as empty,
-        ElapsedTime(f'Checking {exam}') as elapsed,
-    ):
-        outcome = child.run(
-            [*command, '--files', str(package.folder), '--visible', '--json'],
-            cwd=Path(empty),
-            env={**os.environ, CHOSEN: str(Layout.here().root)},
-            deadline_s=_DEADLINE_S,
-            on_tick=elapsed.tick,
-        )
+    outcome = child.run_grader(
+        'autograder.commands.check',
+        *(exam, '--files', str(package.folder), '--visible', '--json'),
+        text=f'Checking {exam}',
+        deadline_s=_DEADLINE_S,
+    )
     report = _read(exam, outcome)
     report.judged, report.edited = describe(saved), tuple(edited_since(saved))
     report.unfinished = tuple(name for name, text in own.items() if _is_stub(name, text))
@@ -95,7 +85,7 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
 
 
 def _no_name(given: Any) -> Problem:
-    """Say that an exercise is asked for by its name, and which one may be meant."""
+    """Explain that ``check`` needs the name of an exercise, and suggest one."""
     meant = _exercise_of(given)
     names = [meant] if meant else _exercises_here() or catalog.names(hidden=False)
     got = 'nothing' if given is None else f'a {type(given).__name__}'
@@ -169,7 +159,7 @@ def _is_stub(name: str, text: str) -> bool:
 
 
 def _left_over(files: Collection[str]) -> tuple[str, ...]:
-    """Return the files that no cell of the notebook makes any more, as if one was renamed."""
+    """Return the files that no cell of the notebook saves any more, for example after a rename."""
     shell = get_ipython()
     texts = texts_now(shell) if shell is not None else []
     made = set()
@@ -181,7 +171,7 @@ def _left_over(files: Collection[str]) -> tuple[str, ...]:
 
 
 def _read(exam: str, outcome: child.Outcome) -> CheckReport:
-    """Read what the child printed last; anything else is the checker's fault and says so."""
+    """Read the last line of the child; report any other output as a fault of the checker."""
     answer = _last_json(outcome.output)
     try:
         if 'error' in answer:

@@ -1,7 +1,7 @@
 """
-Running a command for a cell: bounded, interruptible, and without leaving processes behind.
+Run a command for a cell, with a time limit, interruptible, leaving no processes behind.
 
-The command stays in the kernel's process group, so that a kernel that is killed takes it along.
+The command stays in the kernel's process group, so that it ends if the kernel is killed.
 """
 
 from __future__ import annotations
@@ -12,12 +12,15 @@ from dataclasses import dataclass
 import os
 from pathlib import Path
 import subprocess
+import sys
 import tempfile
 import time
 
 import psutil
 
+from autograder.layout import CHOSEN, Layout
 from roslab.interrupts import HeldInterrupts
+from roslab.output import ElapsedTime
 
 _MOST_BYTES = 2_000_000
 _TAIL_BYTES = 4_000
@@ -30,7 +33,7 @@ class Outcome:
     The outcome of a command.
 
     :param returncode: None if it was ended at its deadline
-    :param output: the end of what it wrote on stdout and stderr
+    :param output: the end of its output on stdout and stderr
     :param seconds: how long it took [s]
     """
 
@@ -49,13 +52,13 @@ def run(
     tick_s: float = 0.5,
 ) -> Outcome:
     """
-    Run a command to its end, or to its deadline.
+    Run a command until it ends or its deadline passes.
 
-    :param on_tick: called now and then with the seconds that have passed and the end of the output
+    :param on_tick: called regularly with the seconds that have passed and the end of the output
     :raises OSError: if the command cannot be started
     """
     begin = time.monotonic()
-    # Interrupts only while waiting: a process is either not started or known, and then ended.
+    # Allow interrupts only while waiting, so that every started process is known and ended.
     with tempfile.TemporaryFile() as log, HeldInterrupts() as interrupts:
         process = subprocess.Popen(
             command,
@@ -83,8 +86,26 @@ def run(
     return Outcome(process.returncode if ended else None, output, time.monotonic() - begin)
 
 
+def run_grader(module: str, *arguments: str, text: str, deadline_s: float) -> Outcome:
+    """
+    Run a module of the grader on the learner's files.
+
+    :param text: what is going on, for the line that counts the seconds
+    :param deadline_s: when to end it [s]
+    """
+    # In an empty folder: a file of the learner's beside the notebook must not replace a module.
+    with tempfile.TemporaryDirectory(prefix='check-') as empty, ElapsedTime(text) as elapsed:
+        return run(
+            [sys.executable, '-m', module, *arguments],
+            cwd=Path(empty),
+            env={**os.environ, CHOSEN: str(Layout.here().root)},
+            deadline_s=deadline_s,
+            on_tick=elapsed.tick,
+        )
+
+
 def _end_of(log: int) -> str:
-    """Return the last lines of a file that a process still writes, without moving its place."""
+    """Return the last lines of a file that a process still writes; keep the file offset."""
     size = os.fstat(log).st_size
     return os.pread(log, _TAIL_BYTES, max(0, size - _TAIL_BYTES)).decode('utf-8', 'replace')
 
@@ -105,7 +126,7 @@ def _wait(
 
 
 def _kill_tree(process: subprocess.Popen[bytes]) -> None:
-    """End a process that still runs, and all that it has started."""
+    """End a process that still runs, with all its children."""
     if process.poll() is not None:
         return
     try:

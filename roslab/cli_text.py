@@ -1,8 +1,8 @@
 """
 Format facts as ROS 2's command line tools print them.
 
-These functions know no node, no session and no terminal: the notebook functions ``echo``, ``hz``,
-``info`` and ``topics`` print them, and so do the commands of the same names.
+These functions need no node, session or terminal.  The notebook functions ``echo``, ``hz``,
+``info`` and ``topics`` print their results, and so do the ``ros2`` commands.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def message_dict(message: Any, options: _Options | None = None) -> dict[str, Any
 
 
 def _plain(value: Any, field_type: str, options: _Options) -> Any:
-    """Return a field's value as something that YAML knows."""
+    """Return a field's value as a type that YAML can represent."""
     if isinstance(value, bytes):
         value = value.decode('latin-1')
     if isinstance(value, str):
@@ -116,7 +116,7 @@ def _plain(value: Any, field_type: str, options: _Options) -> Any:
         return message_dict(value, options)
     if isinstance(value, (list, tuple, array.array)) or hasattr(value, 'tolist'):
         if not hasattr(value, '__len__'):
-            return value.item()  # one number of numpy
+            return value.item()  # a single NumPy number
         return _sequence(value, field_type, options)
     return value
 
@@ -181,8 +181,8 @@ def topic_info_text(
     """
     Return what ``ros2 topic info`` prints.
 
-    :param types: of the topic; more than one is a mistake of somebody's, and is shown as a list
-    :param publishers: rclpy's ``TopicEndpointInfo``, which know how to write themselves
+    :param types: types of the topic; if there are several by mistake, they are shown as a list
+    :param publishers: rclpy's ``TopicEndpointInfo``, whose ``str()`` is printed
     :param subscriptions: in the same form
     :param verbose: also each endpoint, as ``-v`` asks for
     """
@@ -202,7 +202,7 @@ def node_info_text(name: str, entities: Mapping[str, NamesAndTypes]) -> str:
 
     :param name: full name of the node
     :param entities: names and types by section: 'Subscribers', 'Publishers', 'Service Servers',
-        'Service Clients', 'Action Servers', 'Action Clients'; what is missing is empty
+        'Service Clients', 'Action Servers', 'Action Clients'; a missing section is empty
     """
     lines = [name]
     for section in _SECTIONS:

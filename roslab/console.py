@@ -1,13 +1,12 @@
 """
-Lines that C code of ROS writes to the console.
+Handle the lines that C code of ROS writes to the console.
 
 ``rclpy`` hands each line to C code, which writes it to stdout of the process, publishes it on
-``/rosout`` and appends it to a file.  In a notebook the first of these comes too late: it reaches
-the kernel through a pipe, when nobody knows any more which node it came from.  So the console is
-told to put marks around each line (its format is an environment variable that ROS reads once).
-Lines that came from Python are dropped where the kernel reads them, because they were printed
-when they were logged; lines that C code wrote by itself, without their marks, go to the running
-cell.
+``/rosout`` and appends it to a file.  In a notebook, stdout is too late: the line reaches the
+kernel through a pipe, when its node can no longer be determined.  So a format, set in an
+environment variable that ROS reads once, puts marks around each line.  Lines that came from Python
+are dropped where the kernel reads them, because they were printed when they were logged; lines
+that C code wrote by itself, without their marks, go to the running cell.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from typing import Any
 import rclpy.context
 import rclpy.logging
 
-_BEGIN, _NEXT, _END = '\x1e', '\x1f', '\x1d\n'  # separators of ASCII that no text contains
+_BEGIN, _NEXT, _END = '\x1e', '\x1f', '\x1d\n'  # ASCII separators, which no log text contains
 _VARIABLES = {
     'RCUTILS_LOGGING_USE_STDOUT': '1',
     'RCUTILS_COLORIZED_OUTPUT': '0',
@@ -29,10 +28,10 @@ _VARIABLES = {
     f'{_NEXT}{{message}}{_END[0]}',
 }
 MARK = f'{_BEGIN}{_NEXT}{_NEXT}{_NEXT}{_END}'.encode()
-"""A line from no node: a reader that gets it has read everything that was written before it."""
+"""A line from no node: when it arrives, everything written before it has been read."""
 _C_FILES = ('.c', '.cc', '.cpp', '.cxx', '.h', '.hpp')
-# Letters and background of the word for the level.  ROS gives the colour to the whole line, but no
-# shade of yellow is readable on a white page and on a black one.
+# Colours of the level's name and its background.  ROS colours the whole line, but no shade of
+# yellow is readable on both a white and a black page.
 _COLOURS = {
     'DEBUG': '38;5;231;48;5;240',
     'WARN': '38;5;16;48;5;220',
@@ -43,7 +42,7 @@ _COLOURS = {
 
 def log_text(level: str, logger: str, message: str) -> str:
     """
-    Return a log line as it is shown: the word for its level, on the level's colour.
+    Return a log line as it is shown, with the name of its level on the level's colour.
 
     :param level: such as 'WARN'
     :param logger: name of the logger
@@ -57,9 +56,9 @@ def log_text(level: str, logger: str, message: str) -> str:
 
 def mark_console() -> bool:
     """
-    Have the console put its marks around each line.
+    Make ROS put marks around each console line.
 
-    :returns: whether it does; not if ROS was started before, for its outputs are set up then
+    :returns: whether this worked; it does not if ROS has already set up its outputs
     """
     if rclpy.context.g_logging_ref_count:
         return False
@@ -71,7 +70,7 @@ def mark_console() -> bool:
 
 def spare_the_terminal(stream: Any) -> None:
     """
-    Have the kernel no longer copy what C code prints to the terminal of the Jupyter server.
+    Stop the kernel from copying the output of C code to the terminal of the Jupyter server.
 
     :param stream: the kernel's stdout, whose file number is the terminal, not the notebook
     """
@@ -83,7 +82,7 @@ def spare_the_terminal(stream: Any) -> None:
 
 
 class ConsoleLines:
-    """Takes marked lines out of a text that comes in pieces."""
+    """Removes marked lines from a text that arrives in pieces."""
 
     def __init__(self) -> None:
         self._rest = ''
@@ -92,7 +91,7 @@ class ConsoleLines:
 
     def feed(self, text: str) -> str:
         """
-        Return what is to be shown of a piece.
+        Return the part of a piece that should be shown.
 
         :param text: the next piece
         """

@@ -1,9 +1,9 @@
 """
-Making a node that replaces the older one of the same name.
+Create a node that replaces the older node of the same name.
 
-Running a cell twice makes a second node of the same name.  ROS 2 allows that but warns, and breaks
-the logging of both when one of them goes.  A cell only says ``start(Talker)``; which name the node
-has is known when ``Node.__init__`` is called, so that is where the older one is sent away.
+Running a cell twice creates a second node of the same name.  ROS 2 allows that but warns, and
+breaks the logging of both when one of them is destroyed.  A cell only calls ``start(Talker)``.
+The node's name is known when ``Node.__init__`` is called, so the older node is destroyed there.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from roslab.interrupts import HeldInterrupts
 @dataclass
 class Construction:
     """
-    What to change while a node is made, and what was made.
+    Changes to apply while a node is created, and the created nodes.
 
     :param context: for nodes that name no other
-    :param make_room: called with the key of a node that is about to be made
+    :param make_room: called with the key of a node that is about to be created
     :param name: replaces the name that the class gives, as ``-r __node:=`` does
     :param parameters: initial values, as ``-p name:=value`` does
     """
@@ -40,9 +40,9 @@ class Construction:
     made: list[Node] = field(default_factory=list)
 
     def arguments(self, name: str, given: dict[str, Any]) -> tuple[str, dict[str, Any]]:
-        """Return what ``Node.__init__`` is called with instead."""
+        """Return the changed arguments of ``Node.__init__``."""
         arguments = {**given, 'context': given.get('context') or self.context}
-        if self.made:  # name and parameters are meant for the first node of a factory
+        if self.made:  # name and parameters apply to the first node that a factory creates
             return name, arguments
         if self.parameters:
             overrides = {item.name: item for item in given.get('parameter_overrides') or ()}
@@ -55,7 +55,7 @@ class Construction:
 
 def key_of(name: str, namespace: str | None) -> str:
     """
-    Return how a node is called in a notebook: its name, or its full name inside a namespace.
+    Return the key of a node in a notebook: its name, or its full name inside a namespace.
 
     :param name: the node's own name
     :param namespace: as given to ``Node`` or returned by ``get_namespace``
@@ -65,7 +65,7 @@ def key_of(name: str, namespace: str | None) -> str:
 
 
 def _remapped(name: str, arguments: Mapping[str, Any]) -> tuple[str, str | None]:
-    """Return name and namespace of a node after the rules of its ``cli_args``."""
+    """Return the name and namespace of a node after applying the rules of its ``cli_args``."""
     given = list(arguments.get('cli_args') or ())
     found = {'__node': name, '__ns': arguments.get('namespace')}
     rules = [rule for option, rule in pairwise(given) if option in ('-r', '--remap')]
@@ -81,7 +81,7 @@ def _remapped(name: str, arguments: Mapping[str, Any]) -> tuple[str, str | None]
 @contextmanager
 def constructing(construction: Construction) -> Iterator[None]:
     """
-    Apply a construction to the nodes that this thread makes, and to no others.
+    Apply a construction to the nodes that this thread creates, and to no others.
 
     :param construction: collects the nodes in ``made``
     """

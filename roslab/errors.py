@@ -1,8 +1,8 @@
 """
 Errors that a notebook shows as one line.
 
-IPython asks an exception how it wants to be shown; these leave out the frames of this package,
-in which no learner has anything to look for.
+IPython lets an exception choose how it is shown.  These exceptions leave out the frames of this
+package, which do not help learners.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class NodeSyntaxError(RoslabError):
 
 
 class NotHereError(RoslabError):
-    """Something that has to exist first does not; the message says what to run."""
+    """Something is missing that has to exist first; the message says what to run."""
 
 
 E = TypeVar('E', bound=BaseException)
@@ -40,7 +40,7 @@ def shown_as(error: E, text: str) -> E:
     """
     Let a notebook show an error as a given text instead of a traceback.
 
-    :param error: any error; its type stays what it is
+    :param error: any error; its type is unchanged
     :param text: all that is shown
     """
     error._render_traceback_ = lambda: [text]  # type: ignore[attr-defined]

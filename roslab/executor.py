@@ -1,10 +1,10 @@
 """
-The one background executor of a kernel.
+The background executor of a kernel.
 
 All nodes of a notebook are served by a single thread, one callback at a time, like a program that
-calls ``rclpy.spin``.  Two things differ from ``SingleThreadedExecutor``: what a callback raises is
-handed to a function instead of ending the loop, and other threads can ask for something to be
-done between two callbacks, so that entities are added and destroyed while no wait set holds them.
+calls ``rclpy.spin``.  Two things differ from ``SingleThreadedExecutor``: an exception in a
+callback goes to a function instead of ending the loop, and other threads can request actions
+between two callbacks, so that entities are added and destroyed while no wait set holds them.
 """
 
 from __future__ import annotations
@@ -47,15 +47,15 @@ def destroy_wholly(node: Node) -> None:
 
 
 class CallbackStopped(BaseException):
-    """Raised inside a callback that does not come to an end, to get its thread back."""
+    """Raised inside a callback that does not return, to free its thread."""
 
 
 class Progress:
     """
-    Wakes cells that wait, each time a callback has run.
+    Wakes waiting cells each time a callback has run.
 
-    Built on queues in C instead of a condition variable: an interrupt of the kernel may fall at
-    any instruction of the waiting cell, and must never leave a lock behind that callbacks need.
+    Built on queues in C instead of a condition variable: an interrupt of the kernel may happen at
+    any instruction of the waiting cell, and must never leave a lock locked that callbacks need.
     """
 
     def __init__(self) -> None:
@@ -69,12 +69,12 @@ class Progress:
 
     def wait(self, reached: Callable[[], Any], timeout_s: float, slice_s: float) -> Any:
         """
-        Return what ``reached`` returns as soon as that is true, or its last value at the end.
+        Return the value of ``reached`` as soon as it is true, or its last value at the end.
 
         :param reached: called in this thread, after each callback and at least once each slice
         :param timeout_s: how long to wait [s]
-        :param slice_s: the longest time between two looks [s]; what discovery does in the
-            background runs no callback, so it is seen only by looking again
+        :param slice_s: the longest time between two looks [s]; discovery runs in the background
+            without a callback, so only another look shows its results
         """
         waiter: SimpleQueue[None] = SimpleQueue()
         end = time.monotonic() + timeout_s
@@ -90,12 +90,12 @@ class Progress:
 
 class GuardedExecutor(Executor):
     """
-    Runs callbacks one at a time and survives what they raise.
+    Runs callbacks one at a time and survives their exceptions.
 
     :param context: the context of all its nodes
     :param on_failure: called in the spinning thread with the node and what its callback raised
     :param on_progress: called in the spinning thread after each callback and request
-    :param around: returns what is entered for each callback of a node
+    :param around: returns the context manager that is entered for each callback of a node
     """
 
     def __init__(
@@ -115,13 +115,13 @@ class GuardedExecutor(Executor):
         """The node whose callback runs now and since when (``time.monotonic``), or None."""
 
     def ask(self, request: Callable[[], None]) -> None:
-        """Have something done between two callbacks; safe in any thread and in finalizers."""
+        """Request an action between two callbacks; safe in any thread and in finalizers."""
         self._asked.put(request)
         self.wake()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """
-        Serve what was asked for, then wait for one callback and run it.
+        Run the requested actions, then wait for one callback and run it.
 
         :param timeout_sec: how long to wait [s], None for as long as it takes
         """
@@ -138,7 +138,7 @@ class GuardedExecutor(Executor):
         self, future: Future, timeout_sec: Any | None = None
     ) -> None:
         """
-        Do as :meth:`spin_once` does.
+        Do the same as :meth:`spin_once`.
 
         :param future: wakes this executor when it is done
         :param timeout_sec: how long to wait [s]
@@ -155,7 +155,7 @@ class GuardedExecutor(Executor):
             with self._around(node):
                 task()
             failure = task.exception()
-        except BaseException as stop:  # a task keeps an Exception, SystemExit comes through
+        except BaseException as stop:  # a task stores an Exception but lets SystemExit through
             task.cancel()
             failure = stop
         finally:
@@ -211,7 +211,7 @@ class BackgroundExecutor:
 
     def destroy(self, node: Node, patience_s: float = 1.0) -> None:
         """
-        Stop serving a node and destroy it, even if its callback does not come to an end.
+        Stop serving a node and destroy it, even if its callback does not return.
 
         :param patience_s: how long a running callback may still take [s]
         """
@@ -225,12 +225,13 @@ class BackgroundExecutor:
         running = self.running
         if running is not None and running[0] is node:
             self._break_callback()
-        # Again: the thread may only have been slow. To destroy a node twice does no harm.
+        # Try again, because the thread may only have been slow.  Destroying a node twice is
+        # harmless.
         if not self._do(go, patience_s):
-            go()  # another node blocks the thread; no wait set is in use meanwhile
+            go()  # another node blocks the thread, so no wait set is in use
 
     def ask(self, request: Callable[[], None]) -> None:
-        """Have something done between two callbacks, without waiting for it."""
+        """Request an action between two callbacks, without waiting for it."""
         self._executor.ask(request)
 
     def stop(self, patience_s: float = 1.0) -> bool:
@@ -278,9 +279,9 @@ class BackgroundExecutor:
             except ExternalShutdownException:
                 return
             except CallbackStopped:
-                continue  # arrived after its callback had ended by itself
+                continue  # arrived after the callback had already returned
             except Exception as error:
-                # A node destroyed by a cell while the wait set is built; the next round is clean.
+                # A cell destroyed a node while the wait set was built; the next round succeeds.
                 failures += 1
                 if failures >= _MOST_FAILURES_IN_A_ROW:
                     print(f'roslab: the executor stopped. {type(error).__name__}: {error}')
@@ -288,7 +289,7 @@ class BackgroundExecutor:
 
 
 class _Request:
-    """An action that either the executor runs or its asker takes back, never both."""
+    """An action that either the executor runs or the requester withdraws, never both."""
 
     def __init__(self, action: Callable[[], object]) -> None:
         self._action = action
@@ -297,7 +298,7 @@ class _Request:
         self._done: SimpleQueue[BaseException | None] = SimpleQueue()
 
     def __call__(self) -> None:
-        """Run the action if it was not taken back."""
+        """Run the action if it was not withdrawn."""
         try:
             self._tickets.get_nowait()
         except Empty:
@@ -312,12 +313,12 @@ class _Request:
     def _carry_out(self) -> None:
         try:
             self._action()
-        except CallbackStopped:  # meant for a callback that had ended by itself
+        except CallbackStopped:  # intended for a callback that has already returned
             self._action()
 
     def wait(self, timeout_s: float) -> bool:
         """
-        Wait until the action has run, then take it back.
+        Wait until the action has run; withdraw it after the timeout.
 
         :returns: whether it ran
         """
@@ -327,7 +328,7 @@ class _Request:
             with suppress(Empty):
                 self._tickets.get_nowait()
                 return False
-            error = None  # it is running: as good as done
+            error = None  # the action is running and counts as done
         if error is not None:
             raise error
         return True

@@ -2,7 +2,7 @@
 One field of a message, named by a path such as ``temperature``, ``header.stamp.sec``, ``data[0]``.
 
 A path is checked against the definition of the message before the first message arrives, so that a
-mistake is answered at once, with the fields that exist.
+mistake is reported at once, with the fields that exist.
 """
 
 from __future__ import annotations
@@ -50,10 +50,11 @@ def _numeric(msg_type: Any, prefix: str, depth: int) -> list[str]:
 
 def number_getter(msg_type: Any, path: str) -> Callable[[Any], float | None]:
     """
-    Return a function that reads a number from a message; it returns None if an array is too short.
+    Return a function that reads a number from a message.
 
     :param msg_type: class of the messages
     :param path: names with dots, items of arrays with brackets
+    :returns: the function, which returns None if an array is too short
     :raises RoslabError: if there is no such field, or it is not a number
     """
     steps: list[str | int] = []
@@ -91,13 +92,13 @@ def _value(message: Any, steps: list[str | int]) -> float | None:
 
 
 def _item_type(kind: str) -> str | None:
-    """Return the type of an array's items, None if it is no array."""
+    """Return the type of an array's items, None if the type is not an array."""
     match = _LIST.fullmatch(kind)
     return (match['item'] or match['fixed']) if match else None
 
 
 def _class_of(kind: str) -> Any:
-    """Return the class of a field that is a message: its type is written ``package/Name``."""
+    """Return the class of a field that is a message, from its type ``package/Name``."""
     package, _, name = kind.partition('/')
     return message_class(f'{package}/msg/{name.split("/")[-1]}')
 
@@ -119,7 +120,7 @@ def _no_number(msg_type: Any, path: str, kind: str) -> RoslabError:
 
 
 def _offer(msg_type: Any) -> str:
-    """Return which numeric fields there are, as a sentence."""
+    """Return a sentence that lists the numeric fields."""
     found = numeric_fields(msg_type)
     if not found:
         every = ', '.join(msg_type.get_fields_and_field_types()) or 'none'

@@ -1,8 +1,8 @@
 """
 Explain errors: search the gallery of lesson 08 by the text of a message.
 
-The entries are data, in ``gallery.yaml``.  Errors of a build are looked up in the table that
-``build_messages`` uses, too.
+The entries are data, in ``gallery.yaml``.  Build errors are also looked up in the table that
+``build_messages`` uses.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Entry:
 
     :param key: its name, and the id of the cell of lesson 08 that makes the mistake
     :param heading: of that exhibit
-    :param patterns: regular expressions of the message, or of how people describe silence
+    :param patterns: regular expressions that match the message, or a description of silence
     :param cause: what happened
     :param repair: what to do
     """
@@ -60,7 +60,7 @@ class Entry:
 
     def matched(self, text: str) -> int:
         """
-        Return how much of a text is this entry's message, 0 if it is not.
+        Return how much of a text matches this entry, 0 if nothing does.
 
         :param text: a message in which all white space is one space
         """
@@ -86,7 +86,7 @@ def entries() -> tuple[Entry, ...]:
 
 def nearest(text: str) -> list[Entry]:
     """
-    Return the entries that a message is about, the best first.
+    Return the entries that match a message, the best match first.
 
     :param text: an error message, or the end of a log
     """
@@ -133,7 +133,7 @@ def explain(error: str | BaseException | None = None) -> None:
 
 
 def _misspelt_module(text: str) -> str:
-    """Return the module whose name differs by one slip from one that Python does not find."""
+    """Return the module whose name differs by one typing mistake from the missing module."""
     found = _NO_MODULE.search(text)
     if found is None:
         return ''
@@ -153,7 +153,7 @@ def _one_slip(written: str, right: str) -> bool:
 
 
 def _ways_on(text: str, error: str | BaseException | None) -> tuple[str, ...]:
-    """Return where to look further: in Python's manual, or among the issues of ROS."""
+    """Return further places to search: Python's manual, or the issues of ROS."""
     name = text.partition(':')[0].strip()
     kind = getattr(builtins, name, None)
     pythons_own = isinstance(kind, type) and issubclass(kind, BaseException)
@@ -165,7 +165,7 @@ def _ways_on(text: str, error: str | BaseException | None) -> tuple[str, ...]:
 
 
 def _raised_by_ros(error: str | BaseException | None) -> bool:
-    """Return whether the innermost code that an exception went through is rclpy's or rosidl's."""
+    """Return whether the innermost frame of an exception is in rclpy or rosidl."""
     trace = error.__traceback__ if isinstance(error, BaseException) else None
     innermost = list(traceback.walk_tb(trace))[-1:]
     return any(_OF_ROS.match(str(frame.f_globals.get('__name__'))) for frame, _ in innermost)

@@ -2,7 +2,7 @@
 Read the publishers and subscriptions of the live ROS graph as plain data.
 
 An endpoint is *matched* if one on the other side has the same type and a QoS that fits.  The graph
-knows of endpoints that will never be matched too, so both are told apart here.
+also lists endpoints that will never be matched, so this module distinguishes them.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Endpoint:
 
     :param node: full name of the node that has it
     :param type: such as ``std_msgs/msg/String``
-    :param here: whether it belongs to this kernel's own participant, as far as that was asked
+    :param here: whether it belongs to this kernel's own participant, if that was determined
     """
 
     node: str
@@ -66,7 +66,7 @@ class Topic:
 
     @property
     def types(self) -> list[str]:
-        """All types of its endpoints; more than one is somebody's mistake."""
+        """All types of its endpoints; more than one type is a mistake."""
         return sorted({end.type for end in (*self.publishers, *self.subscriptions)})
 
 
@@ -77,7 +77,7 @@ class Edge:
 
     :param outward: from the node to the topic: the node publishes
     :param matched: whether an endpoint on the other side fits
-    :param remark: why not, or who listens unseen
+    :param remark: why not, or a hidden listener
     """
 
     node: str
@@ -106,7 +106,7 @@ class Facts:
     """
     The graph at one moment.
 
-    :param nodes: full names; one that several nodes have is there several times
+    :param nodes: full names; a name that several nodes have is listed several times
     :param everything: hidden nodes are part of the picture
     """
 
@@ -124,7 +124,7 @@ class Facts:
             for into in self._shown(topic.subscriptions)
         }
         connected = {(p.publisher, p.topic, p.subscription) for p in found if not p.reason}
-        # Of several endpoints of the same two nodes, one connection is enough.
+        # If two nodes have several pairs of endpoints, one connected pair is enough.
         kept = (
             pair
             for pair in found
@@ -149,7 +149,7 @@ class Facts:
 
     def label(self, node: str) -> str:
         """
-        Return how a node is called in text and picture.
+        Return the name of a node in text and picture.
 
         :param node: its full name
         """
@@ -164,7 +164,7 @@ class Facts:
     def _verdict(
         self, own: Sequence[Endpoint], others: Sequence[Endpoint], outward: bool
     ) -> tuple[bool, str]:
-        """Return whether a node's endpoints are matched, and what there is to say."""
+        """Return whether a node's endpoints are matched, with a remark."""
         fitting = [other for other in others if any(not _between(e, other, outward) for e in own)]
         if self._shown(fitting):
             return True, ''
@@ -178,12 +178,12 @@ class Facts:
 
 
 def _between(end: Endpoint, other: Endpoint, outward: bool) -> str:
-    """Return why an endpoint does not connect to one of the other side."""
+    """Return why two endpoints do not connect; empty if they do."""
     return mismatch(end, other) if outward else mismatch(other, end)
 
 
 def _unseen(ends: Iterable[Endpoint], outward: bool) -> str:
-    """Return who is on the other side, of which the picture shows nothing."""
+    """Return the endpoints of the other side that the picture does not show."""
     if not outward:
         return HIDDEN_PUBLISHES
     helpers = [end for end in ends if end.node == f'/{HELPER_NAME}']
@@ -194,10 +194,10 @@ def _unseen(ends: Iterable[Endpoint], outward: bool) -> str:
 
 def mismatch(publisher: Endpoint, subscription: Endpoint) -> str:
     """
-    Return why two endpoints of a topic do not connect, or an empty text.
+    Return why two endpoints of a topic do not connect, or an empty string.
 
-    :param publisher: which offers
-    :param subscription: which wants
+    :param publisher: the offering side
+    :param subscription: the requesting side
     """
     if publisher.type != subscription.type:
         return f'type differs: {publisher.type} | {subscription.type}'
@@ -232,9 +232,9 @@ def _policy(qos: QoSProfile, policy: str) -> str:
 
 def read_graph(node: Node, everything: bool = False) -> Facts:
     """
-    Return the graph as a node sees it at this moment.
+    Return the current graph as one node knows it.
 
-    :param node: any node; what it sees is what its process has discovered
+    :param node: any node; it knows what its process has discovered
     :param everything: include hidden nodes and topics, ``/rosout`` and ``/parameter_events``
     """
     helpers = nodes_now(node, hidden=True).count(f'/{HELPER_NAME}')
@@ -263,7 +263,7 @@ def read_graph(node: Node, everything: bool = False) -> Facts:
 
 def only_topic(facts: Facts, topic: str) -> Facts:
     """
-    Return the part of a graph that has to do with one topic.
+    Return the part of a graph that concerns one topic.
 
     :param topic: its full name
     """
@@ -274,7 +274,7 @@ def only_topic(facts: Facts, topic: str) -> Facts:
 
 def _participant_of(node: Node) -> bytes:
     """Return the bytes with which the ids of a node's own endpoints begin."""
-    # Another kernel's node may have the same name, but only this one has the topic.
+    # A node of another kernel may have the same name, but not this topic.
     topic = f'/_roslab/of_{uuid.uuid4().hex}'
     publisher = node.create_publisher(ParameterEvent, topic, 1)
     try:
@@ -287,7 +287,7 @@ def _endpoints(infos: Iterable[Any], own: bytes) -> tuple[Endpoint, ...]:
     found = []
     for info in infos:
         name = info.node_name
-        # Discovery may know an endpoint a moment before it knows the endpoint's node.
+        # Discovery may report an endpoint a moment before it reports the endpoint's node.
         full = f'/?{name}' if name == _UNKNOWN else f'{info.node_namespace.rstrip("/")}/{name}'
         here = bytes(info.endpoint_gid).startswith(own)
         found.append(Endpoint(full, info.topic_type, info.qos_profile, here))

@@ -1,4 +1,4 @@
-"""The ROS graph of one moment as a picture and as lines of text."""
+"""Show the ROS graph of one moment as a picture and as lines of text."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Graph:
     """
     The nodes and topics of one moment: a picture in a notebook, lines of text elsewhere.
 
-    :param facts: what was seen
+    :param facts: the graph that was read
     """
 
     def __init__(self, facts: Facts) -> None:
@@ -54,11 +54,11 @@ class Graph:
 
 def graph_now(session: Session, topic: str | None = None, everything: bool = False) -> Graph:
     """
-    Return the graph as this kernel sees it now.
+    Return the current graph of this kernel.
 
     :param topic: only this topic and its nodes
-    :param everything: also what is hidden
-    :raises NotHereError: if nobody has the topic
+    :param everything: include hidden nodes and topics
+    :raises NotHereError: if no endpoint has the topic
     """
     node = session.helper
     if topic is None:
@@ -71,7 +71,7 @@ def graph_now(session: Session, topic: str | None = None, everything: bool = Fal
 
 
 def graph_text(facts: Facts) -> str:
-    """Return one line per connection, and one for each endpoint that has none."""
+    """Return one line per connection and one per unconnected endpoint."""
     lines = []
     for topic in facts.topics:
         lines += _topic_lines(facts, topic)
@@ -140,7 +140,7 @@ def _whole(
 ) -> str:
     legend = 'rounded: node \u00b7 square: topic \u00b7 dashed with a cross: not connected'
     width = max(layout.width, svg.text_width(legend, 11), svg.text_width(_summary(facts), 11))
-    # Above a box with remarks there is room that nothing is drawn in.
+    # Above a box with remarks there is empty room.
     room = {f't{name}': _LINE * len(found) for name, found in remarks.items()}
     tops = (s.y - s.height / 2 + room.get(s.key, 0.0) for s in layout.spots.values())
     top = min(tops, default=0.0)
@@ -172,7 +172,7 @@ def _remarks(facts: Facts, topic: Topic) -> list[str]:
             found.append(f'{facts.label(pair.publisher)} - -> {facts.label(pair.subscription)}:')
         found.append(pair.reason)
     lone = [edge for edge in edges if edge.remark and not pairs]
-    if len({edge.remark for edge in lone}) == 1:  # said once, it is true of all
+    if len({edge.remark for edge in lone}) == 1:  # print a common remark only once
         found.append(lone[0].remark)
     else:
         found += [f'{facts.label(edge.node)}: {edge.remark}' for edge in lone]
@@ -184,7 +184,7 @@ def _remarks(facts: Facts, topic: Topic) -> list[str]:
 
 
 def _ports(arrows: Sequence[Arrow]) -> dict[str, int]:
-    """Return for each box how many lines end on it."""
+    """Return the number of lines that end on each box."""
     found: dict[str, int] = {}
     for arrow in arrows:
         for key in arrow:
@@ -203,7 +203,7 @@ def _topic_size(topic: Topic, remarks: list[str], ports: dict[str, int]) -> tupl
     widths += [svg.text_width(remark, 11) - 10 for remark in remarks]
     height = _TOPIC_HEIGHT + _LINE * (len(lines) - 2) if len(lines) > 1 else _NODE_HEIGHT
     height = _height(height, ports, f't{topic.name}')
-    # The remarks are below the box; equal space above keeps the lines of the box in the middle.
+    # The remarks are below the box; equal space above it keeps the box in the middle.
     return max(100.0, max(widths) + 20), height + 2 * _LINE * len(remarks)
 
 
@@ -231,7 +231,7 @@ def _topic(spot: Spot, topic: Topic, remarks: list[str]) -> str:
 
 
 def _edge(points: list[tuple[float, float]], edge: Edge) -> str:
-    """Return a line that leaves and enters its boxes level, with a head and perhaps a cross."""
+    """Return an arrow that leaves and enters its boxes horizontally, perhaps with a cross."""
     path = f'M{points[0][0]:.1f} {points[0][1]:.1f}'
     for (x1, y1), (x2, y2) in pairwise(points):
         half = (x2 - x1) / 2

@@ -1,10 +1,10 @@
 """
 Print what to do next instead of a traceback.
 
-An IPython extension that the course's kernel loads.  Some errors say less about the code than
-about the order in which cells were run, or about the notebook itself; each of these is shown as
-one sentence.  The exception stays what it is, so code that catches it sees no difference, and
-every other error is shown as always.
+An IPython extension that the course's kernel loads.  Some errors come from the order in which
+cells were run, or from the notebook itself; each of these errors is shown as one sentence.  The
+exception itself is unchanged, so code that catches it sees no difference.  All other errors are
+shown as usual.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class NotebookCell:
 
     @property
     def place(self) -> str:
-        """Return where to find it, in words."""
+        """Return the place of the cell as text."""
         first = next((line.strip() for line in self.source.splitlines() if line.strip()), '')
         shown = textwrap.shorten(first, _SHOWN, placeholder=' ...')
         section = f'in "{self.heading}", ' if self.heading else ''
@@ -84,7 +84,7 @@ class NotebookCell:
 
 def load_ipython_extension(shell: Any) -> None:
     """
-    Show sentences instead of tracebacks where a sentence helps more.
+    Show a sentence instead of a traceback if a sentence helps more.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -96,10 +96,10 @@ def load_ipython_extension(shell: Any) -> None:
 
 def advice(error: BaseException, shell: Any) -> str | None:
     """
-    Return what to show instead of the traceback of an error.
+    Return the text to show instead of the traceback of an error.
 
     :param error: any error that a cell has raised
-    :returns: None for an error that is best shown as it is
+    :returns: None for an error that should be shown unchanged
     """
     at_once = isinstance(error, KeyboardInterrupt) or isinstance(
         error.__context__, KeyboardInterrupt
@@ -147,7 +147,7 @@ def advice_shown(error: BaseException) -> str:
 
 
 def notebook_path() -> Path | None:
-    """Return the file of this notebook, if it can be told."""
+    """Return the file of this notebook, None if it is unknown."""
     named = os.environ.get('JPY_SESSION_NAME', '')  # set by Jupyter servers
     if named.endswith('.ipynb') and Path(named).is_file():
         return Path(named)
@@ -157,7 +157,7 @@ def notebook_path() -> Path | None:
 
 def running_cell(shell: Any) -> NotebookCell | None:
     """
-    Return the running cell as the notebook was saved last, None if it cannot be told.
+    Return the running cell as it was last saved, None if it is unknown.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -182,10 +182,10 @@ def read_cells(path: Path) -> list[NotebookCell]:
 
 def texts_now(shell: Any) -> list[str]:
     """
-    Return the texts of the notebook's code cells: as they ran last, or else as they were saved.
+    Return the source of the notebook's code cells, as last run or otherwise as saved.
 
     :param shell: what ``get_ipython()`` returns
-    :returns: nothing if the notebook cannot be told
+    :returns: nothing if the notebook is unknown
     """
     path = notebook_path()
     saved = read_cells(path) if path else []
@@ -200,7 +200,7 @@ def texts_now(shell: Any) -> list[str]:
 
 def defined_names(source: str) -> frozenset[str]:
     """
-    Return what a cell defines in the notebook: assigned, imported, or made by a loop.
+    Return the names that a cell defines in the notebook: by assignment, import or loop.
 
     :param source: text of a cell, magics and shell commands included
     """
@@ -219,24 +219,24 @@ def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: An
     if (inside := _inside_magic(trace)) is not None:
         trace, tb_offset = inside, 0
     own_words = getattr(error, '_render_traceback_', None)
-    # Whatever goes wrong here, the learner's own error is what matters.
+    # If this code fails, still show the learner's own error.
     with suppress(Exception):
         if own_words is None or not isinstance(error, _SENTENCES):
             said = advice(error, shell)
             alone = said is not None and own_words is None
             if not isinstance(error, _WRITTEN_WRONGLY):
                 said = said or _out_of_order(shell)
-        # All above cannot be run to the end before the exercises there are written.
+        # NotImplementedError is normal: the exercises above may not be solved yet.
         if not isinstance(error, NotImplementedError):
             _failed.add(len(_history(shell)) - 1)
     if said is None:
-        # Without a frame of the learner's, the cell is no Python; those of IPython help nobody.
+        # Without a frame of the learner, the cell is not valid Python; hide IPython's own frames.
         own = any(not is_library(frame.filename) for frame in _frames(error))
         shell.showtraceback((kind, error, trace), tb_offset=tb_offset, running_compiled_code=own)
         return
-    # As IPython does for a traceback, so that explain() finds the error that was shown last.
+    # Store the error as IPython does, so that explain() finds it.
     sys.last_type, sys.last_value, sys.last_traceback = kind, error, trace
-    with suppress(AttributeError):  # an error without room for more
+    with suppress(AttributeError):  # errors with __slots__ accept no attributes
         error._course_advice = said  # type: ignore[attr-defined]
     lines: list[str] = []
     if own_words is not None:
@@ -271,7 +271,7 @@ def _note(shell: Any) -> None:
 
 
 def _out_of_order(shell: Any) -> str | None:
-    """Return a hint if the cells above the running one were not run in their order."""
+    """Return a hint if the cells above the running one were not run in order."""
     path = notebook_path()
     cells = read_cells(path) if path is not None else []
     here = _running_index(cells, shell)
@@ -323,7 +323,8 @@ def _is_given_to_check(name: str, shell: Any) -> bool:
 def _raised_by_learner(error: BaseException) -> bool:
     frames = [f for f in _frames(error) if not f.filename.startswith('<frozen importlib')]
     own = bool(frames) and not is_library(frames[-1].filename)
-    return own or (bool(frames) and frames[-1].filename == '<string>')  # exec in a cell
+    # Code that a cell runs with exec().
+    return own or (bool(frames) and frames[-1].filename == '<string>')
 
 
 def _frames(error: BaseException) -> Sequence[traceback.FrameSummary]:
@@ -331,7 +332,7 @@ def _frames(error: BaseException) -> Sequence[traceback.FrameSummary]:
 
 
 def _first_cell_with(name: str, as_module: bool, shell: Any) -> NotebookCell | None:
-    """Return the cell that defines a name: the nearest above the running one, or below it."""
+    """Return the nearest cell that defines a name, above the running cell if possible."""
     path = notebook_path()
     cells = read_cells(path) if path is not None else []
     here = _running_index(cells, shell)

@@ -1,11 +1,11 @@
 """
-Interrupt, at any moment and without harm.
+Let the kernel's Interrupt work at any moment without harm.
 
 The kernel's Interrupt raises KeyboardInterrupt between any two instructions of a cell.  Three
-moments are bad: between making a node and writing down that it exists, where it would leave a node
-nobody knows of; inside a finalizer, where Python drops the exception and the cell runs on; and
-in the kernel's own code before and after a cell, where it would lose a message, or have IPython
-give up showing errors as :mod:`roslab.guide` does.
+moments are bad: between creating a node and registering it, which would leave an unknown node;
+inside a finalizer, where Python drops the exception and the cell continues; and in the kernel's
+own code before and after a cell, which would lose a message, or stop IPython from showing errors
+as :mod:`roslab.guide` does.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import weakref
 from IPython.core import interactiveshell
 
 _RETRY_S = 0.01
-_LEAVES_HALF_MADE = frozenset({'rclpy', 'ptyprocess'})  # their packages' folders
+_LEAVES_HALF_MADE = frozenset({'rclpy', 'ptyprocess'})  # names of their packages' folders
 _SHOWING_ERRORS = frozenset(
     {'wrapped', 'showtraceback', 'showsyntaxerror', '_format_exception_for_storage'}
 )
@@ -39,9 +39,9 @@ kernel would lose the message that asks for a cell, which would then never come 
 
 class HeldInterrupts:
     """
-    Holds SIGINT back for a short, bounded step, and delivers it after it.
+    Delays SIGINT during a short, bounded step, and delivers it afterwards.
 
-    In any other thread than the main one, where Python delivers no signals, this does nothing.
+    Python delivers signals only in the main thread; in other threads this does nothing.
     """
 
     def __init__(self) -> None:
@@ -67,7 +67,7 @@ class HeldInterrupts:
 
     @contextmanager
     def allowed(self) -> Iterator[None]:
-        """Let interrupts through for a while: a learner's own code may never end."""
+        """Allow interrupts for a while, because a learner's own code may never end."""
         if not self._active:
             yield
             return
@@ -85,7 +85,7 @@ class HeldInterrupts:
 
 @contextmanager
 def no_interrupts() -> Iterator[None]:
-    """Ignore interrupts for a moment in which nothing of a learner's is running."""
+    """Ignore interrupts for a moment in which no learner's code is running."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -98,16 +98,16 @@ def no_interrupts() -> Iterator[None]:
 
 def watch_cells(shell: Any) -> None:
     """
-    Deliver the interrupts of this kernel's cells where they do no harm.
+    Deliver the interrupts of this kernel's cells only where they do no harm.
 
     :param shell: what ``get_ipython()`` returns
     """
-    # ipykernel puts its own handler in place for each message, and the older one back after it.
+    # ipykernel installs its own handler for each message and restores the old one afterwards.
     shell.events.register('pre_run_cell', _watch_cell)
     kernel = getattr(shell, 'kernel', None)
     if kernel is None:
         return
-    from ipykernel import zmqshell  # not there outside of a kernel
+    from ipykernel import zmqshell  # not installed outside a kernel
 
     put_in_place = kernel.pre_handler_hook
 
@@ -117,13 +117,13 @@ def watch_cells(shell: Any) -> None:
         _watch_cell()
 
     kernel.pre_handler_hook = before_a_message
-    # Interrupted commands end, and IPython goes on with the cell; their names in its modules.
+    # IPython continues the cell after an interrupted command.  Wrap the functions that run
+    # commands.
     for module, name in ((zmqshell, 'system'), (interactiveshell, 'getoutput')):
         setattr(module, name, _ending_the_cell(getattr(module, name)))
     sys.unraisablehook = _bringing_back_interrupts(sys.unraisablehook)
-    # A signal that comes while the kernel ends would break off what others still have to do:
-    # an interrupt, or Jupyter's reminder to an end that takes seconds on a busy machine.
-    # Registered late, these run before them.
+    # Ignore signals while the kernel ends: an interrupt, or Jupyter's second signal if the end
+    # takes seconds, would cut off other exit functions.  Functions registered last run first.
     for reminder in (signal.SIGINT, signal.SIGTERM):
         atexit.register(signal.signal, reminder, signal.SIG_IGN)
 
@@ -136,7 +136,7 @@ def interrupted() -> bool:
 @dataclass
 class _Watched:
     """
-    What is known of the message that the kernel handles.
+    The state of the message that the kernel is handling.
 
     :param message: its number
     :param interrupted: whether an interrupt was delivered since the cell began
@@ -160,13 +160,13 @@ def _bringing_back_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any
     """
     Return a function for exceptions that Python drops, which sends an interrupt again.
 
-    Not every place where that happens can be told by :func:`_moment`: the callback of a weak
-    reference is any function.
+    Any function can be the callback of a weak reference, so :func:`_moment` does not recognise
+    every such place.
 
-    It also keeps quiet about what an interrupted ``Executor()`` or the start of a ``!command``
-    leaves: its ``__del__``, some time later and in another cell, misses what was not there yet.
+    It also hides the errors of an ``Executor()`` or ``!command`` whose start was interrupted: its
+    ``__del__`` runs later, in a different cell, and misses attributes that were not set yet.
 
-    :param tell: for all other exceptions
+    :param tell: called for all other exceptions
     """
 
     def dropped(unraisable: Any) -> None:
@@ -179,7 +179,7 @@ def _bringing_back_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any
 
 
 def _half_made(unraisable: Any) -> bool:
-    """Return whether a library misses an attribute in an object whose creation was interrupted."""
+    """Return whether an error is about an attribute that an interrupted creation did not set."""
     trace = unraisable.exc_traceback
     if unraisable.exc_type is not AttributeError or trace is None:
         return False
@@ -188,14 +188,14 @@ def _half_made(unraisable: Any) -> bool:
 
 
 def _ending_the_cell(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that runs a command, and whose cell ends if the command is interrupted."""
+    """Return a function that runs a command and ends the cell if the command is interrupted."""
 
     def run(*arguments: Any) -> Any:
         _watched.interrupted = False
         try:
             result = command(*arguments)
         except UnboundLocalError:
-            # IPython's answer to an interrupt that comes before its child was started.
+            # IPython raises this if an interrupt arrives before it has started the child.
             if not interrupted():
                 raise
             raise KeyboardInterrupt from None
@@ -207,7 +207,7 @@ def _ending_the_cell(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _deliver(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt, a little later if it would be lost here, never in an ended cell."""
+    """Raise KeyboardInterrupt, later if it would be lost now, never after the cell."""
     moment = _moment(frame)
     if moment == 'now':
         _watched.interrupted = True
@@ -223,13 +223,13 @@ def _try_later() -> None:
 
 
 def _send_again(message: int) -> None:
-    if message == _watched.message:  # or it would hit the next cell
+    if message == _watched.message:  # otherwise the signal would interrupt the next cell
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
 
 def _moment(frame: FrameType | None) -> str:
     """
-    Return when an interrupt is to be delivered: ``now``, ``later`` or ``never``.
+    Return when to deliver an interrupt: ``now``, ``later`` or ``never``.
 
     :param frame: where the main thread is
     """

@@ -1,8 +1,8 @@
 """
-``echo``, ``hz``, ``info`` and ``topics``: what the command line tools print, inside the notebook.
+``echo``, ``hz``, ``info`` and ``topics``: the output of the command line tools in a notebook.
 
-They ask the notebook's own hidden node and are served by its one executor, so they may be called
-while the nodes of the notebook run.
+They use the notebook's own hidden node and its executor, so they may be called while the nodes of
+the notebook run.
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ def listen_as_found(
     session: Session, topic: str, qos: QoSProfile | None = None, depth: int = _MOST_KEPT
 ) -> Listener:
     """
-    Listen to a topic with the type and, unless told, the QoS that its publishers use.
+    Subscribe to a topic with the type of its publishers and, by default, their QoS.
 
     :param topic: with or without the leading slash
     :param qos: profile of the subscription instead
     :param depth: messages kept until the next callback, for a profile that is found
-    :raises NotHereError: if nobody has the topic, or its type cannot be imported
+    :raises NotHereError: if no endpoint has the topic, or its type cannot be imported
     """
     name, kind = find_topic(session, topic)
     profile = qos or matching_qos(session.helper.get_publishers_info_by_topic(name), depth)
@@ -78,7 +78,7 @@ def print_messages(
 
 def print_rate(session: Session, topic: str, count: int, timeout: float) -> None:
     """
-    Print at what rate messages are heard, as ``ros2 topic hz`` does.
+    Print the rate at which messages arrive, as ``ros2 topic hz`` does.
 
     :param count: messages to measure, at least two
     :param timeout: how long to wait for them [s]
@@ -95,10 +95,10 @@ def print_rate(session: Session, topic: str, count: int, timeout: float) -> None
 
 def print_info(session: Session, name: str) -> None:
     """
-    Print what ``ros2 topic info -v`` or ``ros2 node info`` prints.
+    Print the output of ``ros2 topic info -v`` or ``ros2 node info``.
 
     :param name: of a topic or a node, with or without the leading slash
-    :raises NotHereError: if nobody has it
+    :raises NotHereError: if there is no such topic or node
     """
     if not isinstance(name, str) or not name.strip():
         raise RoslabError(f"info() expected a name, as in info('/chatter'), got {name!r}.")
@@ -112,7 +112,7 @@ def print_info(session: Session, name: str) -> None:
 
 def print_topics(session: Session, types: bool) -> None:
     """
-    Print what ``ros2 topic list`` prints.
+    Print the output of ``ros2 topic list``.
 
     :param types: print the type of each topic too, as ``-t`` does
     """
@@ -120,7 +120,7 @@ def print_topics(session: Session, types: bool) -> None:
 
 
 def _texts(node: Node, name: str) -> list[str]:
-    """Return what is known about the topic and about the node of a name."""
+    """Return what the graph says about the topic and about the node with a name."""
     texts = []
     types = topics_now(node).get(name)
     if types:
@@ -148,9 +148,9 @@ def _ordered(infos: Sequence[Any]) -> list[Any]:
 
 def node_entities(node: Node, full_name: str) -> dict[str, list[tuple[str, list[str]]]]:
     """
-    Return what a node has, by the sections of ``ros2 node info``.
+    Return the entities of a node, by the sections of ``ros2 node info``.
 
-    :param node: any node, which asks
+    :param node: any node, which reads the graph
     :param full_name: of the node that is asked about
     """
     space, _, name = full_name.rpartition('/')

@@ -1,4 +1,4 @@
-"""The state machine of a lifecycle node, drawn with the state it is in."""
+"""Draw the state machine of a lifecycle node with its current state."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class LifecyclePicture:
     A state machine at one moment.  The last line of a cell shows it; ``str()`` gives the text.
 
     :param name: full name of the node
-    :param state: label of the state it is in, which may be a transition state
+    :param state: label of the current state, which may be a transition state
     """
 
     def __init__(self, name: str, state: str) -> None:
@@ -60,7 +60,7 @@ class LifecyclePicture:
         return f'{self.name} is {self.state}\n{row}\n{self._next()}'
 
     def _next(self) -> str:
-        """Return what can be asked for, as a sentence."""
+        """Return a sentence that lists the possible transitions."""
         if self.state not in STATES:
             return 'a transition state: its callback has not returned'
         ways = [f'{how} to {goal}' for how, goal in WAYS[self.state].items()]
@@ -71,7 +71,7 @@ class LifecyclePicture:
         )
 
     def _on_the_way(self) -> str:
-        """Return words for a state that has no box."""
+        """Return a description of a state that has no box."""
         return '' if self.state in STATES else f', {self._next()}'
 
     def _repr_html_(self) -> str:
@@ -101,7 +101,7 @@ class LifecyclePicture:
         )
 
     def _arrow(self, how: str, path: str, label: tuple[int, int]) -> str:
-        """Return a transition; those that can be asked for now are solid."""
+        """Return a transition as a line, which is solid if the transition is possible now."""
         possible = path in _possible(self.state)
         dashes = '' if possible else ' stroke-dasharray="3 4" opacity="0.6"'
         x, y = label
@@ -143,7 +143,7 @@ def _head(path: str) -> str:
 
 def lifecycle(node: Node | str) -> LifecyclePicture:
     """
-    Return a picture of a lifecycle node's states, with the one it is in.
+    Return a picture of a lifecycle node's states, with the current one.
 
     :param node: the node, or the name of one, here or in another process
     :raises RoslabError: if it is an ordinary node
@@ -160,7 +160,7 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
             'which has no states. Try: class X(LifecycleNode), from rclpy.lifecycle.'
         )
     machine: Any = getattr(node, '_state_machine', None)
-    if machine is None:  # it went with the node, see destroy_wholly
+    if machine is None:  # destroyed with the node, see destroy_wholly
         raise NotHereError('lifecycle() expected a running node, but this one was stopped.')
     return LifecyclePicture(node.get_fully_qualified_name(), str(machine.current_state[1]))
 

@@ -1,4 +1,4 @@
-"""Listening to a topic from a notebook cell."""
+"""Listen to a topic from a notebook cell."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Listener:
     """
     Keeps what arrives on a topic.
 
-    It hears as long as a name refers to it, so a cell that is run again replaces its listener.
-    ``stop_all()`` ends its subscription, too, and keeps what was heard; ``wait`` and ``clear``
-    begin to listen again.
+    It receives messages as long as a name refers to it, so a cell that runs again replaces its
+    listener.  ``stop_all()`` also ends its subscription and keeps the received messages; ``wait``
+    and ``clear`` subscribe again.
 
     :param session: whose hidden node subscribes
     :param topic: name of the topic
@@ -46,17 +46,17 @@ class Listener:
 
     @property
     def messages(self) -> list[Any]:
-        """All messages heard so far, oldest first."""
+        """All messages received so far, oldest first."""
         return [message for _, message in tuple(self._heard)]
 
     @property
     def times(self) -> list[float]:
-        """When each of the messages was heard, in seconds since listening began."""
+        """Times at which the messages arrived, in seconds since listening began."""
         return [heard - self.began for heard, _ in tuple(self._heard)]
 
     @property
     def now(self) -> float:
-        """The time on the same scale as ``times``, to mark what else happens [s]."""
+        """The current time on the scale of ``times``, to mark other events [s]."""
         return time.monotonic() - self.began
 
     @property
@@ -72,12 +72,13 @@ class Listener:
     def _begin(self) -> None:
         self._node = self._session.helper
         with HeldInterrupts():
-            # The callback holds the deque, not the listener, which has to be free to go.
+            # The callback refers to the deque, not to the listener, so the listener can be
+            # collected.
             subscription = _subscribe(self._node, self.topic, self.msg_type, self.qos, self._heard)
             self._end = weakref.finalize(
                 self, _unsubscribe, self._session, self._node, subscription
             )
-            # At exit the session destroys its nodes as a whole.
+            # At exit, the session destroys whole nodes with their subscriptions.
             self._end.atexit = False
 
     def _begin_again(self) -> None:
@@ -88,12 +89,12 @@ class Listener:
 
     def wait(self, count: int = 1, timeout: float = 10.0) -> list[Any]:
         """
-        Wait until that many messages have been heard since listening began.
+        Wait until that many messages have arrived since listening began.
 
         :param count: how many messages
         :param timeout: how long to wait [s]
-        :returns: all messages heard so far
-        :raises TimeoutError: with what the ROS graph says about the reason
+        :returns: all messages received so far
+        :raises TimeoutError: with a reason, if the ROS graph shows one
         """
         heard = self._heard
         try:
@@ -102,11 +103,12 @@ class Listener:
                 raise self.too_little(count, timeout)
             return self.messages
         finally:
-            del self  # a kernel keeps the last traceback, which must not keep the subscription
+            # The kernel stores the last traceback, which would keep the subscription alive.
+            del self
 
     def too_little(self, count: int, timeout: float) -> TimeoutError:
         """
-        Return the error of a wait that timed out, with what may explain it.
+        Return the error of a wait that timed out, with possible reasons.
 
         :param count: how many messages were expected
         :param timeout: how long the caller waited for them [s]
@@ -119,12 +121,12 @@ class Listener:
         )
 
     def clear(self) -> None:
-        """Forget what was heard, to wait for new messages."""
+        """Discard all received messages, to wait for new ones."""
         self._begin_again()
         self._heard.clear()
 
     def stop(self) -> None:
-        """Stop listening; what was heard is kept."""
+        """Stop listening and keep the received messages."""
         self._end()
 
     def __len__(self) -> int:
@@ -155,7 +157,7 @@ def _subscribe(
             f'listen({topic!r}, ...) expected a message class, as in '
             f'listen({topic!r}, String) after "from std_msgs.msg import String", got {msg_type!r}.'
         )
-    # Asked first, because the middleware refuses a second type with misleading words on stderr.
+    # Check first, because the middleware reports a second type with a misleading text on stderr.
     known = dict(node.get_topic_names_and_types()).get(node.resolve_topic_name(topic), [])
     if known and type_name(msg_type) not in known:
         raise RoslabError(

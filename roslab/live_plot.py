@@ -13,6 +13,7 @@ import math
 import threading
 from typing import Any
 
+from autograder.simulation.result import TopicRecord
 from roslab.errors import RoslabError
 from roslab.fields import number_getter
 from roslab.interrupts import HeldInterrupts
@@ -25,24 +26,30 @@ from roslab.session import Session
 _PERIOD_S = 0.2
 _STOPPING_S = 1.0
 
-_plots: dict[tuple[str, str], Plot] = {}
+_plots: dict[tuple[str, str, bool], Plot] = {}
 
 
 class Plot:
     """
-    A picture that follows a topic.
+    A picture that follows a topic, or shows one of a simulation.
 
     :param session: whose hidden node listens
-    :param topic: with or without the leading slash; its type is found in the graph
+    :param topic: with or without the leading slash; its type is found in the graph. Or what a
+        simulation recorded of it, ``run['topic']``
     :param field: path of a numeric field, such as ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]
     :param threshold: a level to compare the values with
-    :raises NotHereError: if nobody has the topic
+    :raises NotHereError: if no endpoint has the topic
     :raises RoslabError: if there is no such field, or it is not a number
     """
 
     def __init__(
-        self, session: Session, topic: str, field: str, seconds: float, threshold: float | None
+        self,
+        session: Session,
+        topic: str | TopicRecord,
+        field: str,
+        seconds: float,
+        threshold: float | None,
     ) -> None:
         _require_numbers(seconds, threshold)
         self.field = field
@@ -53,7 +60,9 @@ class Plot:
         self._painted: tuple[int, float] | None = None
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
-        self.listener: Listener = listen_as_found(session, topic)
+        self.listener: Listener | TopicRecord = (
+            topic if isinstance(topic, TopicRecord) else listen_as_found(session, topic)
+        )
         try:
             self._number = number_getter(self.listener.msg_type, field)
         except RoslabError:
@@ -75,12 +84,12 @@ class Plot:
 
     def wait(self, count: int = 1, timeout: float = 10.0) -> list[float]:
         """
-        Wait until that many messages have been heard and the picture shows them.
+        Wait until that many messages have arrived and the picture shows them.
 
         :param count: how many messages since the plot was begun
         :param timeout: how long to wait [s]
         :returns: all values so far
-        :raises TimeoutError: with what may explain it
+        :raises TimeoutError: with possible reasons
         """
         try:
             self.listener.wait(count, timeout)
@@ -90,7 +99,7 @@ class Plot:
         return self.values
 
     def stop(self) -> None:
-        """Stop listening and drawing; the picture stays as it is."""
+        """Stop listening and drawing; the picture no longer changes."""
         with HeldInterrupts():
             self._ended.set()
             self.listener.stop()
@@ -115,14 +124,14 @@ class Plot:
         self._keep_up()
 
     def _keep_up(self) -> None:
-        """Make the picture follow, even after stop_all() has ended its subscription."""
+        """Make the picture follow the topic, even after stop_all() has ended its subscription."""
         with HeldInterrupts():
             if self._handle is None or self._ended.is_set():
                 return
             _plots.setdefault(self._key, self)
             running = self._thread is not None and self._thread.is_alive()
             if has_frontend() and not running:
-                # Where nobody looks, wait() and the end of each cell paint often enough.
+                # Without a frontend, redrawing in wait() and at the end of each cell is enough.
                 self._thread = threading.Thread(
                     target=self._follow, name='roslab plot', daemon=True
                 )
@@ -135,12 +144,13 @@ class Plot:
             if self._handle is None or newest == self._painted:
                 return
             self._painted = newest
-            with suppress(Exception):  # a closed connection ends no cell and no thread
+            with suppress(Exception):  # a closed connection must not end a cell or a thread
                 self._handle.update(self._bundle(), raw=True)
 
     @property
-    def _key(self) -> tuple[str, str]:
-        return self.topic, self.field
+    def _key(self) -> tuple[str, str, bool]:
+        # A picture of a simulation does not end the one that follows the topic of that name.
+        return self.topic, self.field, isinstance(self.listener, TopicRecord)
 
     def _newest(self) -> tuple[int, float]:
         times = self.listener.times
@@ -172,7 +182,7 @@ class Plot:
         return str(self)
 
     def _ipython_display_(self) -> None:
-        """Show a copy as the value of a later cell; its own cell has the picture that moves."""
+        """Show a copy as the value of a later cell; only its own cell shows updates."""
         cell = current_cell()
         if cell is None or cell.number != self._shown_in:
             from IPython.display import display
@@ -181,7 +191,7 @@ class Plot:
 
 
 def paint_all(_: Any = None) -> None:
-    """Bring the pictures up to date at the end of a cell, and forget those that have ended."""
+    """Update the pictures at the end of a cell, and drop those that have ended."""
     for key, plot in tuple(_plots.items()):
         plot.paint()
         if not plot.listener.alive:
@@ -189,7 +199,7 @@ def paint_all(_: Any = None) -> None:
 
 
 def _stop_all() -> None:
-    """End the threads before the interpreter is torn down under them."""
+    """End the threads before the interpreter shuts down."""
     for plot in tuple(_plots.values()):
         plot.stop()
 

@@ -1,9 +1,9 @@
 """
 Show the log lines of nodes as a table.
 
-The lines are taken where rclpy hands them to the logging library, after levels and filters such as
-``once``.  Nothing is lost to discovery or to queues, loggers that belong to no node are seen too,
-and a line is in the table when the call that logged it returns.
+The lines are recorded where rclpy passes them to the logging library, after levels and filters
+such as ``once``.  Discovery and queues lose no line, loggers without a node are included, and a
+line is in the table when the call that logged it returns.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class LogLine:
 
 class LogTable:
     """
-    Log lines in order: a sequence that shows itself as a table.
+    Log lines in order, shown as a table.
 
     :param lines: oldest first
     """
@@ -51,7 +51,7 @@ class LogTable:
 
     @property
     def messages(self) -> list[str]:
-        """The texts alone."""
+        """The messages without their levels and names."""
         return [line.message for line in self.lines]
 
     def at_level(self, level: str) -> LogTable:
@@ -106,20 +106,21 @@ class _Recorder:
 
     def __call__(self, severity: Any, name: str, message: str, *place: Any) -> None:
         if not isinstance(message, str):
-            self._write(severity, name, message, *place)  # raises, so there is no line to keep
+            # Raises an exception, so there is no line to store.
+            self._write(severity, name, message, *place)
             return
         level = _LEVELS.get(int(severity), str(severity))
         line = LogLine(time.time(), level, str(name), message)
         self.on_line(line)
         self._write(severity, name, message, *place)
-        self.lines.append(line)  # last: a cell that waits for the line has shown it then
+        self.lines.append(line)  # stored last: a cell that waits for the line must already show it
 
 
 _recorder: _Recorder | None = None
 
 
 def record_logs() -> None:
-    """Begin to keep log lines; later calls do nothing."""
+    """Start recording log lines; later calls do nothing."""
     global _recorder
     if _recorder is None:
         _recorder = _Recorder()
@@ -127,7 +128,7 @@ def record_logs() -> None:
 
 def show_logs(on_line: Callable[[LogLine], object]) -> None:
     """
-    Have each line shown in the thread that logs it, when it logs it.
+    Show each line at once, in the thread that logs it.
 
     :param on_line: called with the line
     """
@@ -138,7 +139,7 @@ def show_logs(on_line: Callable[[LogLine], object]) -> None:
 
 def log_table(logger: str | None = None) -> LogTable:
     """
-    Return what was logged in this kernel so far.
+    Return the lines logged in this kernel so far.
 
     :param logger: only this logger and its children
     """

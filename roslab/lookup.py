@@ -1,8 +1,8 @@
 """
-Finding things in the live ROS graph by name: a topic, its type, the class of its messages.
+Find things in the live ROS graph by name: a topic, its type, the class of its messages.
 
-Nodes of this kernel are known at once; those of other processes when discovery has found them,
-so a name that nobody has is looked for a moment longer before it is called unknown.
+Nodes of this kernel are known at once, those of other processes after discovery.  So the search
+for a missing name takes a moment longer before the name counts as unknown.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _QUIET = ('/parameter_events', '/rosout')
 
 def is_hidden(name: str) -> bool:
     """
-    Return whether tools leave a name out: one of its parts begins with an underscore.
+    Return whether tools hide a name, because one of its parts begins with an underscore.
 
     :param name: full name of a topic or a node
     """
@@ -36,9 +36,9 @@ def is_hidden(name: str) -> bool:
 
 def topics_now(node: Node) -> dict[str, list[str]]:
     """
-    Return the types of all topics that a node sees now, without hidden ones.
+    Return the types of all topics that a node knows now, without hidden ones.
 
-    :param node: any node; what it sees is what its process has discovered
+    :param node: any node; it knows what its process has discovered
     """
     return {
         name: list(types)
@@ -49,7 +49,7 @@ def topics_now(node: Node) -> dict[str, list[str]]:
 
 def nodes_now(node: Node, hidden: bool = False) -> list[str]:
     """
-    Return the full names of all nodes seen now; a name may occur twice.
+    Return the full names of all nodes in the current graph; a name may occur twice.
 
     :param node: any node
     :param hidden: include those whose names begin with an underscore
@@ -66,11 +66,11 @@ def resolved(node: Node, topic: str) -> str:
     Return the full name of a topic.
 
     :param topic: with or without the leading slash
-    :raises RoslabError: if no topic can have that name
+    :raises RoslabError: if the name is not a valid topic name
     """
     try:
         name: str = node.resolve_topic_name(topic)
-    except Exception as error:  # those of rclpy and rcl about names have no class in common
+    except Exception as error:  # rclpy and rcl raise unrelated classes for bad names
         words = str(error).partition(', at ')[0].splitlines() or ['']
         why = words[0].removeprefix('failed to resolve name: ').rstrip(':')
         raise RoslabError(f'{topic!r} cannot be the name of a topic: {why}.') from None
@@ -83,7 +83,7 @@ def find_topic(session: Session, topic: str, patience_s: float = DISCOVERY_S) ->
 
     :param topic: with or without the leading slash
     :param patience_s: how long to wait for it to be discovered [s]
-    :raises NotHereError: if nobody has it
+    :raises NotHereError: if no endpoint has it
     :raises RoslabError: if its endpoints disagree about the type
     """
     node = session.helper
@@ -103,7 +103,7 @@ def not_here(kind: str, name: str, known: Iterable[str]) -> NotHereError:
     """
     Return the error for a name that no node has.
 
-    :param kind: 'topic', 'node' or both in words
+    :param kind: 'topic', 'node' or both as text
     :param name: what was asked for
     :param known: the names that exist
     """
@@ -137,7 +137,7 @@ def message_class(type_name: str) -> Any:
 
 def matching_qos(publishers: Sequence[Any], depth: int = 10) -> QoSProfile:
     """
-    Return a profile that receives from all publishers of a topic, as ``ros2 topic echo`` chooses.
+    Return a profile that receives from all publishers of a topic, as ``ros2 topic echo`` does.
 
     :param publishers: rclpy's ``TopicEndpointInfo``; with none, rclpy's default for a depth
     :param depth: messages that are kept until the next callback

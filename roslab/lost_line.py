@@ -1,8 +1,8 @@
 """
-Refuse a whole program that runs as an ordinary cell, because its line ``%%node`` was lost.
+Refuse to run a whole program as an ordinary cell if its line ``%%node`` is missing.
 
 In a notebook ``__name__`` is always ``'__main__'``, so the program's ``main()`` would run in the
-cell, spin there and not come back.
+cell, spin there and never return.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from roslab.guide import running_cell
 
 
 class NodeLineMissingError(RoslabError, InputRejected):
-    """A cell is a whole program and does not say which file it is; it was not run."""
+    """A cell is a whole program without the name of its file, so it was not run."""
 
 
 class ProgramsRefused(ast.NodeTransformer):
@@ -34,9 +34,9 @@ class ProgramsRefused(ast.NodeTransformer):
 
     def visit_Module(self, tree: ast.Module) -> ast.Module:
         """
-        Return a cell as it is.
+        Return a cell unchanged.
 
-        :raises NodeLineMissingError: if it starts a ROS program that does not end by itself
+        :raises NodeLineMissingError: if the cell starts a ROS program that never ends
         """
         if _goes_on(tree) and any(map(_is_start, tree.body)):
             raise NodeLineMissingError(
@@ -46,11 +46,11 @@ class ProgramsRefused(ast.NodeTransformer):
         return tree
 
     def _name(self) -> str:
-        """Return the name of the file that the cell was before, as far as that can be told."""
+        """Return the file name that the cell probably had, or a placeholder."""
         cell = running_cell(self._shell)
         if cell is None:
             return 'my_node'
-        if cell.module:  # the notebook was saved when the line was still there
+        if cell.module:  # the saved notebook still has the line
             return cell.module
         for name in catalog.names(hidden=False):
             exam = catalog.load(name, hidden=False)
@@ -62,7 +62,7 @@ class ProgramsRefused(ast.NodeTransformer):
 
 def refuse_programs(shell: Any) -> None:
     """
-    Refuse cells that are whole programs from now on.
+    Start refusing cells that are whole programs.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -83,7 +83,7 @@ def _called(node: ast.AST) -> str:
 
 
 def _is_start(statement: ast.stmt) -> bool:
-    """Return whether a statement begins the program: the usual ``if``, or a bare ``main()``."""
+    """Return whether a statement starts the program: the usual ``if``, or a bare ``main()``."""
     if isinstance(statement, ast.If):
         return ast.unparse(statement.test) in (
             "__name__ == '__main__'",

@@ -1,9 +1,9 @@
 """
-The cell magics ``%%node``, ``%%rosmsg``, ``%%rospkg`` and ``%%answer``: a cell that is a file.
+Save a cell as a file: the magics ``%%node``, ``%%rosmsg``, ``%%rospkg`` and ``%%answer``.
 
-Each saves its cell in the learner's package, so that what runs in the notebook, what colcon builds
-and what is graded are the same text.  ``%%node`` also runs it, as a module of that name;
-``%%answer`` says which letter it read.
+Each saves its cell in the learner's package, so that the notebook runs, colcon builds and the
+grader judges the same text.  ``%%node`` also runs the cell as a module of that name; ``%%answer``
+prints the letter that it read.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ KINDS = ('node', 'rosmsg', 'rospkg', 'answer')
 
 def register(shell: Any) -> None:
     """
-    Make the magics known to an IPython shell.
+    Register the magics with an IPython shell.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -72,9 +72,9 @@ def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None
     Save a cell and, if it is a node, run it.
 
     :param kind: one of :data:`KINDS`
-    :param line: what follows the name of the magic
-    :param cell: the text below
-    :param namespace: where the public names of a node go
+    :param line: the rest of the magic line
+    :param cell: the text below it
+    :param namespace: receives the public names of a node
     """
     __tracebackhide__ = True
     package = learner_package()
@@ -105,7 +105,7 @@ def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None
 
 
 def _say_letter(file: CellFile) -> None:
-    """Say how an answer will be read; the file is saved whatever it is, as the cell is kept."""
+    """Print how the grader will read an answer; the file is saved in any case."""
     __tracebackhide__ = True
     try:
         letter = chosen_letter(file.body)
@@ -131,7 +131,7 @@ def _read(kind: str, line: str, cell: str) -> CellFile:
 
 
 def _refuse_known_module(file: CellFile, package: LearnerPackage) -> None:
-    """Refuse a name under which Python already knows something else, such as rclpy."""
+    """Refuse a name that is already the name of a different module, such as rclpy."""
     __tracebackhide__ = True
     loaded = sys.modules.get(file.name)
     origin = getattr(loaded, '__file__', None)
@@ -153,7 +153,7 @@ def _refuse_known_module(file: CellFile, package: LearnerPackage) -> None:
 def _run_node(file: CellFile, path: Path) -> ModuleType:
     """Run the saved text as a module; its tracebacks show the lines of the cell."""
     __tracebackhide__ = True
-    # Compiled as the cell that it is: every message names the cell and counts its lines.
+    # Compile under the name of the cell, so that every message shows the cell and its lines.
     name = code_name(f'%%node {file.name}\n{file.body}', str(path))
     tree = _without_main_call(_parse(file, name))
     module = ModuleType(file.name)
@@ -186,7 +186,7 @@ def _parse(file: CellFile, name: str) -> ast.Module:
 
 
 def _without_main_call(tree: ast.Module) -> ast.Module:
-    """Leave out a bare ``main()`` on the outermost level, which would block the notebook."""
+    """Remove a bare ``main()`` at the outermost level, which would block the notebook."""
     kept = []
     for statement in tree.body:
         call = statement.value if isinstance(statement, ast.Expr) else None

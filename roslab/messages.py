@@ -1,9 +1,9 @@
 """
-Building the learner's messages from a notebook, with colcon and the real generators.
+Build the learner's messages from a notebook, with colcon and the real generators.
 
-A package that has not changed is not built again.  What was built is made importable in the
-running kernel: it takes the place of the course's own package of that name, unless that has been
-imported already, because a process cannot load two versions of one message library.
+A package that has not changed is not built again.  The built package becomes importable in the
+running kernel.  It replaces the course's own package of that name, unless that has been imported
+already, because a process cannot load two versions of one message library.
 """
 
 from __future__ import annotations
@@ -63,8 +63,8 @@ class BuildReport:
     :param messages: names such as 'Temperature'
     :param seconds: how long the build took [s], 0 if nothing had changed
     :param diagnosis: why it failed
-    :param restart: whether the kernel must be restarted to import what was built
-    :param log: all that the build printed
+    :param restart: whether the kernel must be restarted to import the built package
+    :param log: the complete output of the build
     """
 
     package: str
@@ -107,15 +107,15 @@ class BuildReport:
         )
 
     def _ipython_display_(self) -> None:
-        """Stay silent as the value of a cell: the report was shown when it was made."""
+        """Show nothing as the value of a cell, because the report has already been shown."""
 
 
 def build_messages(package_dir: str | Path | None = None) -> BuildReport:
     """
     Build the learner's package and make its messages importable here.
 
-    :param package_dir: folder of a package, by default the one that the cells are saved in
-    :returns: a report, true if the messages can be used; it has been shown
+    :param package_dir: folder of a package, by default the one in which cells are saved
+    :returns: a report, true if the messages can be used; it has already been shown
     :raises NotHereError: if there is no package to build
     """
     package = _package(package_dir)
@@ -185,11 +185,11 @@ def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> 
     """
     Run colcon.
 
-    :param clean: whether messages changed, so that nothing of the older ones may be left
+    :param clean: whether messages changed, so that no older files may remain
     """
     workspace = package.workspace
-    # Always from an empty install folder: libraries that this kernel has loaded must not be
-    # overwritten in place, and files of removed messages must go.
+    # Always build into an empty install folder: libraries that this kernel has loaded must not be
+    # overwritten in place, and files of removed messages must disappear.
     shutil.rmtree(workspace / 'install', ignore_errors=True)
     if clean:
         shutil.rmtree(workspace / 'build', ignore_errors=True)
@@ -215,7 +215,7 @@ def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> 
 
 def _progress(output: str) -> str:
     """
-    Return how far a build is, by the last mark that Ninja or make has printed.
+    Return the progress of a build from the last mark that Ninja or make has printed.
 
     :param output: such as ``[12/40] Building C object ...`` or ``[ 30%] Building ...``
     """
@@ -224,12 +224,12 @@ def _progress(output: str) -> str:
 
 
 def _generator(variables: dict[str, str]) -> tuple[str, ...]:
-    """Return the option for Ninja where it is: it runs more steps of a message build at a time."""
+    """Return the option for Ninja if it is installed; it runs more steps in parallel."""
     return ('-GNinja',) if shutil.which('ninja', path=variables.get('PATH')) else ()
 
 
 def _lacking(package: LearnerPackage) -> Diagnosis | None:
-    """Return what a build that succeeded has left out."""
+    """Return what a successful build did not include."""
     prefix = _prefix(package)
     if not _site_packages(package).joinpath('msg', '__init__.py').is_file():
         return NO_MESSAGES
@@ -250,7 +250,7 @@ _loaded: dict[str, str] = {}
 
 def _make_importable(package: LearnerPackage, interfaces: str) -> bool:
     """
-    Let this process import what was built.
+    Let this process import the built package.
 
     :returns: False if another version of it is in use already
     """
@@ -266,7 +266,8 @@ def _make_importable(package: LearnerPackage, interfaces: str) -> bool:
         ctypes.CDLL(str(library), ctypes.RTLD_GLOBAL)
     sys.path.insert(0, str(_site_packages(package).parent))
     _put_first('AMENT_PREFIX_PATH', str(_prefix(package)))
-    # For what cells start, such as `!ros2 interface show`; this process has its own by now.
+    # For processes that cells start, such as `!ros2 interface show`; this process is set up
+    # already.
     _put_first('PYTHONPATH', str(_site_packages(package).parent))
     _put_first('LD_LIBRARY_PATH', str(_prefix(package) / 'lib'))
     importlib.invalidate_caches()
@@ -292,8 +293,8 @@ def _site_packages(package: LearnerPackage) -> Path:
 
 
 def _digest(package: LearnerPackage, variables: dict[str, str]) -> dict[str, str]:
-    """Return digests of all that the build reads, and of the part that messages depend on."""
-    # The generator too: CMake refuses to go on with a folder that another one has made.
+    """Return digests of all inputs of the build, and of the inputs that affect messages."""
+    # Include the generator: CMake refuses a build folder that a different generator has created.
     base = f'{sys.version} {variables.get("AMENT_PREFIX_PATH", "")} {_generator(variables)}'
     texts = package.files()
     interfaces = {name: text for name, text in texts.items() if not name.endswith('.py')}

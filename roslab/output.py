@@ -3,7 +3,7 @@ Print text and tables to the right place.
 
 A notebook frontend gets a table as HTML; a notebook that is executed without a frontend (nbclient,
 nbgrader) gets the same facts as plain text on stdout.  Nothing is ever written to stderr: nbgrader
-takes a single line there for a failed cell.
+reads a single line there as a failed cell.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Cell:
         """
         Return whether a frontend shows the output.
 
-        Frontends name the cell they execute, nbclient and a console do not.
+        Frontends name the cell that they execute; nbclient and a console do not.
         """
         return 'cellId' in self.request.get('metadata', {})
 
@@ -67,9 +67,9 @@ def say(text: str) -> None:
 
 def show(text: str, html: str) -> None:
     """
-    Show a table: HTML where a frontend is looking, else text on stdout.
+    Show a table: HTML in a frontend, otherwise text on stdout.
 
-    :param text: the complete facts as plain text; also kept beside the HTML in the notebook file
+    :param text: the complete facts as plain text; also stored with the HTML in the notebook file
     :param html: the same facts
     """
     if not has_frontend():
@@ -84,9 +84,9 @@ class ElapsedTime:
     """
     One line that counts the seconds if a frontend shows it, and never changes otherwise.
 
-    :param text: what is going on
-    :param always: say it also where nobody is looking
-    :param progress: returns how far it is, from the end of the output so far
+    :param text: describes the current work
+    :param always: print the line even without a frontend
+    :param progress: returns the progress, given the end of the output so far
     """
 
     def __init__(
@@ -110,14 +110,14 @@ class ElapsedTime:
         return self
 
     def tick(self, seconds: float, output: str) -> None:
-        """Show how long it has taken so far [s], and how far it is."""
+        """Show the elapsed time [s] and the progress."""
         if self._handle is not None:
             how_far = self._progress(output)
             text = f'{self._text} ... {seconds:.0f} s{how_far and f", {how_far}"}'
             self._handle.update(self._line(text), raw=True)
 
     def __exit__(self, *_: object) -> None:
-        """Take the line away."""
+        """Remove the line."""
         if self._handle is not None:
             self._handle.update(self._line(''), raw=True)
 

@@ -1,8 +1,8 @@
 """
-The ROS domain of a kernel: its own, so that notebooks do not hear each other.
+Give each kernel a different ROS domain, so that notebooks do not receive each other's messages.
 
 ``ROS_DOMAIN_ID`` is set when the kernel starts, before ROS is, and whatever a cell starts inherits
-it.  A number that the user has set stays: that is how two notebooks share a domain.
+it.  A number that the user has set is kept, so that two notebooks can share a domain.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ def claim_domain(shell: Any) -> None:
     """
     global _claimed
     if chosen := os.environ.get(VARIABLE):
-        with suppress(OSError, ValueError):  # other kernels leave it out, if the system can tell
+        # Claimed so that other kernels avoid it, if the system allows.
+        with suppress(OSError, ValueError):
             _claimed = _claimed or claim([int(chosen)])
         return
     try:
@@ -53,7 +54,7 @@ def claim_domain(shell: Any) -> None:
 
 
 def domain() -> None:
-    """Print the ROS domain of this notebook, and the line with which a terminal joins it."""
+    """Print the ROS domain of this notebook, and the command that connects a terminal to it."""
     running = rclpy.ok()
     number = get_default_context().get_domain_id() if running else os.environ.get(VARIABLE, '0')
     say(
@@ -70,7 +71,7 @@ def _in_order() -> Iterator[int]:
 
 
 def _say_once(shell: Any, text: str) -> None:
-    """Say something in the first cell that runs."""
+    """Print a text in the first cell that runs."""
 
     def tell(_: Any) -> None:
         shell.events.unregister('pre_run_cell', tell)

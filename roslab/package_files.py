@@ -1,5 +1,5 @@
 """
-The learner's package on disk: where cells are saved, and what the grader is given.
+The learner's package on disk: where cells are saved, and which files the grader reads.
 
 Everything is next to the notebook, in a colcon workspace of the usual shape::
 
@@ -48,9 +48,9 @@ class LearnerPackage:
 
     def path_of(self, cell: CellFile) -> Path:
         """
-        Return where a cell is saved: nodes in the inner folder, as in any Python ROS package.
+        Return the path of a cell's file: nodes in the inner folder, as in any Python ROS package.
 
-        :raises NameRefusedError: if that is outside the package
+        :raises NameRefusedError: if the path is outside the package
         """
         inside = f'{self.name}/{cell.path}' if cell.kind == 'node' else cell.path
         path = self.folder / inside
@@ -63,7 +63,7 @@ class LearnerPackage:
 
     def find(self, name: str) -> Path:
         """
-        Return where a file of the package is.
+        Return the path of a file of the package.
 
         :param name: as :meth:`files` gives it
         """
@@ -71,7 +71,7 @@ class LearnerPackage:
         return inner if name.endswith('.py') and inner.is_file() else self.folder / name
 
     def save(self, cell: CellFile) -> Path:
-        """Write a cell's file; readers see the old file or the new one, never a half."""
+        """Write a cell's file; readers see the complete old file or the complete new one."""
         path = self.path_of(cell)
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_name(f'.{path.name}.{os.getpid()}.part')
@@ -102,12 +102,12 @@ def _is_source(path: Path, inside: str) -> bool:
     return path.is_file() and not hidden
 
 
-_name = ''  # until one is chosen, it is that of the course's own package
+_name = ''  # until a package is chosen, the name of the course's own package
 
 
 def package(name: str | None = None) -> str:
     """
-    Choose the package that cells are saved in, or just return its name.
+    Choose the package in which cells are saved, or only return its name.
 
     :param name: lower case, digits and single underscores, as ROS 2 asks
     :raises NameRefusedError: for any other name

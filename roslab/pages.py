@@ -1,14 +1,15 @@
 """
 Show the output of a node below the cell that started it.
 
-The kernel gives every line to the cell that is running.  A node that one cell started would talk
-below whatever is run next.  So each cell that starts a node has a :class:`Page`, and what the
-callbacks of its nodes print or log goes there: into the cell's own output while the cell runs, and
-after that into one block below it, which is updated in place and shows the newest lines only.
+The kernel gives every line to the cell that is running.  Without this module, the lines of a node
+would appear below the next cell that runs.  So each cell that starts a node has a :class:`Page`,
+which gets what the callbacks of its nodes print or log: into the cell's own output while the cell
+runs, and afterwards into one block below it, which is updated in place and shows only the newest
+lines.
 
-An executed notebook keeps that block too.  ``nbclient`` takes nothing for a cell that is over
-except new contents for a display it already knows, so there the block is made, still empty, at the
-end of the cell, and filled at the end of later ones.
+An executed notebook also contains that block.  After a cell has ended, ``nbclient`` accepts only
+new contents for an existing display.  So there the block is created, still empty, at the end of
+the cell, and filled at the end of later cells.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ MOST_IN_CELL = 50
 """Lines of its nodes that a running cell shows before the rest goes into the block."""
 MOST_IN_BLOCK = 12
 _UPDATE_S = 0.25
-_SETTLE_S = 2.0  # bounds a wait that takes a fraction of a millisecond
+_SETTLE_S = 2.0  # limit of a wait that normally takes a fraction of a millisecond
 _LINE_S = 0.05
 
 
@@ -40,7 +41,7 @@ class Page:
     """
     The lines of the nodes that one cell has started.
 
-    Written by the executor's thread alone; every other thread only reads.
+    Only the executor's thread writes to it; all other threads only read.
 
     :param cell: the cell
     """
@@ -72,10 +73,10 @@ class Page:
 
 class Pages:
     """
-    Sends what threads print to the right cell.
+    Sends the output of each thread to the right cell.
 
     :param stream: the kernel's stdout
-    :param console: takes the lines of C code out of what the kernel reads from its own stdout
+    :param console: removes the lines of C code from what the kernel reads from its own stdout
     """
 
     def __init__(self, stream: Any, console: ConsoleLines) -> None:
@@ -84,7 +85,7 @@ class Pages:
         self._console = console
         self._watcher = getattr(stream, 'watch_fd_thread', None)
         self._arrived = threading.Event()
-        self._whole = threading.Event()  # whether what Python prints has come to the end of a line
+        self._whole = threading.Event()  # whether Python's output is at the end of a line
         self._whole.set()
         self._here = threading.local()
         running = current_cell()
@@ -105,7 +106,7 @@ class Pages:
     @contextmanager
     def beside(self, page: Page | None) -> Iterator[None]:
         """
-        Let this thread write on a page.
+        Let this thread write to a page.
 
         :param page: None to leave things as they are
         """
@@ -122,12 +123,12 @@ class Pages:
             self._stream.reset_thread_parent(token)
 
     def write(self, text: str) -> int | None:
-        """Do what ``write`` of the kernel's stdout does, for the right cell."""
+        """Write to the right cell, like ``write`` of the kernel's stdout."""
         if threading.current_thread() is self._watcher:
             mark = self._console.marks
             text = self._console.feed(text)
-            # `print` writes a line and its end one after the other; where no end comes, that was
-            # waited for once.
+            # `print` writes a line and its line end separately.  If no line end follows, wait only
+            # once.
             if text and not self._whole.wait(_LINE_S):
                 self._whole.set()
             written = self._plain(text) if text else 0
@@ -145,7 +146,7 @@ class Pages:
         return len(text)
 
     def _written(self, text: Any) -> int | None:
-        """Write what Python prints, so that no line of C code gets into the middle of it."""
+        """Write Python's output without a line of C code in the middle of it."""
         open_line = isinstance(text, str) and text != '' and not text.endswith('\n')
         if open_line:
             self._whole.clear()
@@ -164,7 +165,7 @@ class Pages:
         self._running, self._of_running = current_cell(), None
 
     def end_cell(self, _: Any = None) -> None:
-        """Bring everything to its place before the kernel says that the cell is over."""
+        """Deliver all output before the kernel reports the end of the cell."""
         with no_interrupts():
             self._settle()
             over, page = self._running, self._of_running
@@ -176,11 +177,11 @@ class Pages:
 
     def _settle(self) -> None:
         """
-        Wait until what C code has printed belongs to the running cell.
+        Wait until the output of C code has reached the running cell.
 
         ROS writes log lines into a pipe, and the kernel gives what it reads there to the cell that
-        is running then: the next one, if this one was quick.  What comes last in the pipe is a
-        mark of ours.
+        runs at that moment, which is the next cell if this one was quick.  This method writes a
+        mark as the last line in the pipe.
         """
         watcher = self._watcher
         if watcher is None or not watcher.is_alive() or not stat.S_ISFIFO(os.fstat(1).st_mode):
@@ -205,7 +206,7 @@ class Pages:
     def _update(self, page: Page, parent: Cell | None) -> None:
         if parent is None or not page.changed:
             return
-        page.changed = False  # first, so that a line that comes now is shown by another update
+        page.changed = False  # reset first, so that a line that arrives now causes another update
         self._changed.pop(page.display_id, None)
         if page.cell.has_frontend:
             parent = page.cell
@@ -228,7 +229,7 @@ _pages: Pages | None = None
 
 def lay_out(shell: Any) -> None:
     """
-    Begin to give lines to the cells that they belong to.
+    Start sending lines to the cells that they belong to.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -239,7 +240,8 @@ def lay_out(shell: Any) -> None:
         return
     _pages = Pages(stream, ConsoleLines())
     spare_the_terminal(stream)
-    # A kernel that does not read its own stdout shows no line of C code, so none comes twice.
+    # A kernel that does not read its own stdout never shows lines of C code, so none appears
+    # twice.
     if getattr(stream, 'watch_fd_thread', None) is None or mark_console():
         show_logs(_pages.write_log)
     shell.events.register('pre_run_cell', _pages.begin_cell)

@@ -1,4 +1,4 @@
-"""A number against time as a picture and in words; knows nothing of ROS."""
+"""Draw a number against time as a picture and as text, without ROS."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Point = tuple[float, float]
 @dataclass(frozen=True)
 class Curve:
     """
-    What there is to draw.
+    The data to draw.
 
     :param name: topic and field
     :param points: in the order of their times; a value that is not finite is a gap
@@ -51,7 +51,7 @@ class Curve:
 
 
 def curve_words(curve: Curve) -> str:
-    """Return what can be seen in the picture, in one sentence."""
+    """Return one sentence that describes the picture."""
     points = curve.finite
     if not points:
         return f'{curve.name}: waiting for messages.'
@@ -69,7 +69,7 @@ def curve_words(curve: Curve) -> str:
 
 
 def curve_text(curve: Curve) -> str:
-    """Return the plot for those who see no pictures: the sentence and the newest values."""
+    """Return the plot as text: the sentence and the newest values."""
     newest = curve.points[-_MOST_LISTED:]
     lines = [curve_words(curve)]
     for time, value in newest:
@@ -150,7 +150,7 @@ def _y_tick(y: float, tick: float) -> str:
 
 
 def _threshold(y: float, level: float) -> list[str]:
-    """Return the line; its name is in the title row, where no curve comes in its way."""
+    """Return the threshold's line; its label is in the title row, where no curve overlaps it."""
     right = _WIDTH - _RIGHT
     return [
         svg.line(_LEFT, y, right, y, colour=svg.RED, width=1.5, dashed=True),
@@ -159,7 +159,7 @@ def _threshold(y: float, level: float) -> list[str]:
 
 
 def _drawn(points: list[tuple[float, float, float]], threshold: float | None) -> list[str]:
-    """Return the line, interrupted where a value is not finite, and its points."""
+    """Return the curve, interrupted where a value is not finite, and its points."""
     parts = []
     stretch: list[str] = []
     for x, y, value in [*points, (0.0, 0.0, math.nan)]:

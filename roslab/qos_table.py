@@ -1,10 +1,10 @@
 """
 Find out which offers satisfy which requests, with real publishers and subscriptions.
 
-``qos_table('reliability')`` makes one pair for each combination, each on a topic of its own, and
-waits until *every* pair has said what became of it: matched, or refused with the event that names
-the policy.  No silence is waited for.  Beside what happened stands what ``qos_check_compatible``
-predicts and what the documented rule says.
+``qos_table('reliability')`` creates one pair for each combination, each on a separate topic, and
+waits until *every* pair has reported its outcome: matched, or refused with the event that names
+the policy.  A missing event never counts as an outcome.  The table also shows what
+``qos_check_compatible`` predicts and what the documented rule says.
 """
 
 from __future__ import annotations
@@ -94,15 +94,14 @@ class Cell:
     """
     One pair of endpoints.
 
-    :param offered: what the publisher offers, in words
-    :param requested: what the subscription asks for
+    :param offered: what the publisher offers, as text
+    :param requested: what the subscription requests
     :param matched: whether the two were connected
     :param refused_for: names of the policies in the events of the two sides
     :param check: verdict of ``qos_check_compatible``: OK, WARNING or ERROR
-    :param reason: its words
-    :param documented: what the documented rule says; None where it leaves the value open
-    :param became: what the middleware made of each side's choice, in the order publisher,
-        subscription
+    :param reason: the text of the verdict
+    :param documented: what the documented rule says; None if it does not decide
+    :param became: the values that the middleware chose for publisher and subscription
     """
 
     offered: str
@@ -122,7 +121,7 @@ class Cell:
 
     @property
     def explanation(self) -> str:
-        """Why the check disagrees, or an empty string if nothing explains it."""
+        """The reason why the check disagrees, or an empty string if it is unknown."""
         if self.agrees:
             return ''
         if self.check == 'WARNING' and 'SYSTEM_DEFAULT' in (self.offered, self.requested):
@@ -144,7 +143,7 @@ class Cell:
 
     @property
     def shown(self) -> str:
-        """Return the outcome with a sign."""
+        """Return the outcome with a tick or a cross."""
         return f'{_SIGNS[self.matched]} {self.outcome}'
 
     @property
@@ -168,7 +167,7 @@ class QosTable:
     """
 
     def __init__(self, policy: str, first: str, cells: Sequence[Cell]) -> None:
-        """Keep what was found out."""
+        """Store the outcomes."""
         self.policy = policy
         self.first = first
         self.cells = tuple(cells)
@@ -179,7 +178,7 @@ class QosTable:
 
     @property
     def disagreements(self) -> list[Cell]:
-        """Pairs about which the check or the documented rule says something else."""
+        """Pairs for which the check or the documented rule gives a different outcome."""
         return [cell for cell in self.cells if not cell.agrees]
 
     @property
@@ -206,7 +205,7 @@ class QosTable:
         return '\n'.join([self.caption, *lines])
 
     def _repr_html_(self) -> str:
-        """Return a table with a caption and header cells, that needs no colour to be read."""
+        """Return a table with a caption and header cells, which is readable without colours."""
         rule = 'border: 1px solid currentColor; padding: 0.3em 0.6em; text-align: left'
         head = ''.join(
             f'<th scope="col" style="{rule}">{escape(name)}</th>' for name in CHOICES[self.policy]
@@ -277,7 +276,7 @@ def _laboratory() -> Iterator[tuple[Node, SingleThreadedExecutor]]:
 
 
 class _Pair:
-    """A publisher and a subscription on a topic of their own, and the events of both."""
+    """A publisher and a subscription on a separate topic, and the events of both."""
 
     def __init__(
         self,
@@ -290,7 +289,7 @@ class _Pair:
         self.node = node
         self.topic = f'pair_{number}'
         self.names = (offered[0], requested[0])
-        # AUTOMATIC spelt out: the check cannot judge the SYSTEM_DEFAULT that it is otherwise.
+        # AUTOMATIC is explicit, because the check cannot judge the default, SYSTEM_DEFAULT.
         base = {'depth': 1, 'liveliness': LivelinessPolicy.AUTOMATIC}
         self.profiles = (
             QoSProfile(**{**base, **offered[1]}),
@@ -315,14 +314,14 @@ class _Pair:
 
     @property
     def matched(self) -> bool:
-        """Return whether each side counts the other."""
+        """Return whether each side has counted the other as matched."""
         return bool(
             self.publisher.get_subscription_count() and self.subscription.get_publisher_count()
         )
 
     @property
     def decided(self) -> bool:
-        """Return whether both sides have reported what became of the pair."""
+        """Return whether both sides have reported the outcome of the pair."""
         return self.matched or all(self.refusals)
 
     def cell(self, policy: str) -> Cell:
@@ -344,7 +343,7 @@ class _Pair:
 
 
 def _value(profile: QoSProfile, policy: str) -> str:
-    """Return what an endpoint in the graph says about a policy that has a name, or nothing."""
+    """Return the value of a named policy of an endpoint in the graph, or nothing."""
     return str(getattr(getattr(profile, policy, None), 'name', ''))
 
 
@@ -363,10 +362,10 @@ def _await_all(pairs: Sequence[_Pair], executor: SingleThreadedExecutor) -> None
 
 def documented(policy: str, offered: str, requested: str) -> bool | None:
     """
-    Say what the documented rule expects: an offer must be at least as strong as the request.
+    Return what the documented rule expects: an offer must be at least as strong as the request.
 
     :param policy: name of the table
-    :returns: None where the value is left to the middleware or to the moment
+    :returns: None if the middleware or the situation decides
     """
     if policy in _NEVER_MATTERS:
         return True

@@ -41,7 +41,7 @@ _MOST_IN_ONE_PLACE = 0.5
 
 
 class QuizError(RoslabError):
-    """A question does not exist, or its file is not as it has to be."""
+    """A question does not exist, or its file has a mistake."""
 
 
 @dataclass(frozen=True)
@@ -87,11 +87,11 @@ def quiz(key: str) -> Any:
     Show a question to answer here; the choice is explained at once and may be changed.
 
     :param key: as in the lesson, such as '03-matched'
-    :raises QuizError: if there is no such question, with the names that are near
+    :raises QuizError: if there is no such question, with similar names
     """
     __tracebackhide__ = True
     question = find(key)
-    from roslab.quiz_widget import QuizWidget  # takes a while, and only some lessons need it
+    from roslab.quiz_widget import QuizWidget  # slow to import, and only some lessons need it
 
     return QuizWidget(question)
 
@@ -127,7 +127,7 @@ def load(path: Path) -> list[Question]:
     """
     Read one file.
 
-    :raises QuizError: for the first thing that is wrong in it, with the place
+    :raises QuizError: for the first mistake in it, with its place
     """
     __tracebackhide__ = True
     try:
@@ -218,7 +218,7 @@ def _one_line(error: Exception) -> str:
 
 def problems(folder: Path = FOLDER) -> list[str]:
     """
-    Return what is wrong with the questions of the course, one line each; empty if all is well.
+    Return the mistakes in the course's questions, one line each; empty if there are none.
 
     :param folder: instead of the course's own, for tests
     """

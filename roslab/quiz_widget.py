@@ -1,4 +1,4 @@
-"""The question on the page: a widget in the browser, a plain text everywhere else."""
+"""Show a question: a widget in the browser, plain text everywhere else."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class QuizWidget(anywidget.AnyWidget):
         super().__init__(question=_to_json(question))
 
     def __repr__(self) -> str:
-        """Return the question and its lettered options: what a viewer without widgets shows."""
+        """Return the question and its lettered options, for viewers without widgets."""
         return self._text
 
 

@@ -1,4 +1,4 @@
-"""The result of visible checks, in HTML and in plain text, in the grader's own words."""
+"""Show the result of visible checks as HTML and as plain text, with the grader's own sentences."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class CheckReport:
     :param problem: why there are none
     :param unfinished: files that still have their stub
     :param judged: the files that were judged, and which cells have saved them
-    :param edited: files whose cell has another text by now
-    :param left_over: files that no cell of the notebook makes any more
-    :param lesson: file name of the lesson's notebook, for links to what to read
+    :param edited: files whose cell has been edited since
+    :param left_over: files that no cell of the notebook saves any more
+    :param lesson: file name of the lesson's notebook, for links to its sections
     """
 
     exam: str
@@ -65,7 +65,7 @@ class CheckReport:
         show(str(self), self._repr_html_())
 
     def _ipython_display_(self) -> None:
-        """Show it as the value of a later cell; the cell that made it has shown it."""
+        """Show the report as the value of a later cell; its own cell has already shown it."""
         cell = current_cell()
         if cell is None or cell.number != self._shown_in:
             self.show()

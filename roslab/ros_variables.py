@@ -13,8 +13,8 @@ def build_variables() -> dict[str, str]:
     """
     Return the variables for building the learner's package.
 
-    The course's own package of the same name must not be seen by that build, so what only its
-    workspace needs is taken out of the kernel's variables.
+    That build must not find the course's own package of the same name, so the variables that only
+    the course's workspace needs are removed.
 
     :raises NotHereError: if the set-up has not been run
     """

@@ -1,9 +1,9 @@
 """
-Know which cell has saved a file and when, and whether the notebook shows something else by now.
+Record which cell has saved a file and when, and compare the file with the saved notebook.
 
-``check`` judges files, not the screen: a cell that was edited and not run is still the old file.
-A kernel does not see what a browser shows.  It compares with the notebook's file, which JupyterLab
-saves every few seconds.
+``check`` judges files, not the screen: if a cell was edited but not run, the file is still the old
+one.  A kernel does not see what a browser shows.  So this module reads the notebook's file, which
+JupyterLab saves every few seconds.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ class SavedFile:
     """
     A file of an exercise.
 
-    :param execution: the n of the ``In [n]`` that has saved it, None if no cell of this kernel has
+    :param execution: the n of the ``In [n]`` that has saved it, None if no cell of this kernel
+        saved it
     :param modified_s: when it was changed last [s since 1970]
     """
 
@@ -38,7 +39,7 @@ class SavedFile:
     modified_s: float
 
     def __str__(self) -> str:
-        """Return when it was saved and by whom, in words."""
+        """Return the time of the save, and the cell that saved the file, as text."""
         by = (
             f'In [{self.execution}]' if self.execution is not None else 'another kernel or program'
         )
@@ -48,17 +49,17 @@ class SavedFile:
 def note_save(path: Path) -> None:
     """Remember that the running cell has saved a file."""
     history = getattr(getattr(shell(), 'history_manager', None), 'input_hist_raw', ())
-    # The history ends with the running cell; the shell's own counter may have gone on already.
+    # The history ends with the running cell; the shell's own counter may already be higher.
     _saves[path] = max(0, len(history) - 1), path.stat().st_mtime_ns
 
 
 def look_up(paths: Iterable[Path]) -> list[SavedFile]:
-    """Return what is known of files, the one that was saved last at the end."""
+    """Return what is known about files, the file that was saved last at the end."""
     found = []
     for path in paths:
         status = path.stat()
         number, saved_ns = _saves.get(path, (None, 0))
-        # Another program has written it since: no cell of this kernel has that text.
+        # A different time means that another program wrote the file, not a cell of this kernel.
         execution = number if saved_ns == status.st_mtime_ns else None
         found.append(SavedFile(path, execution, status.st_mtime))
     return sorted(found, key=lambda file: file.modified_s)
@@ -66,7 +67,7 @@ def look_up(paths: Iterable[Path]) -> list[SavedFile]:
 
 def describe(files: Sequence[SavedFile]) -> str:
     """
-    Return what was judged, as one line.
+    Return the judged files as one line of text.
 
     :param files: as :func:`look_up` returns them
     """
@@ -85,7 +86,8 @@ def edited_since(files: Collection[SavedFile]) -> list[str]:
     found = []
     for file in files:
         bodies = [cell.body for cell in cells if Path(cell.path).name == file.path.name]
-        # The notebook may have been saved before the cell ran: then its text is the older one.
+        # Ignore a notebook that was saved before the cell ran: its text may be older than the
+        # file.
         if (
             bodies
             and shown_s > file.modified_s

@@ -1,12 +1,12 @@
 """
 The ROS 2 session of a kernel: its context, its executor and the nodes that cells have started.
 
-There is one :class:`Session` per kernel, made by :func:`session`.  It is ended at exit: nodes are
-destroyed and the context is shut down, because a process that dies with live nodes leaves its
+There is one :class:`Session` per kernel, created by :func:`session`.  It is ended at exit: nodes
+are destroyed and the context is shut down, because a process that dies with live nodes leaves its
 shared memory behind.
 
 A node whose callback raises is stopped and destroyed, as its program would end in a terminal; the
-other nodes go on.  Starting it again is enough to have it back.
+other nodes continue.  To get the node back, start it again.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Session:
     """
     Nodes that run in the background of a kernel.
 
-    :param context: a private context, by default the one that ``rclpy.init`` makes
+    :param context: a private context, by default the one that ``rclpy.init`` creates
     :param domain_id: for a private context
     """
 
@@ -67,7 +67,7 @@ class Session:
         self._started: dict[str, Started] = {}
         self._lost: dict[str, str] = {}
         self._has_looked = False
-        # A thread that still spins while the interpreter is torn down aborts the process.
+        # A thread that still spins during interpreter shutdown would abort the process.
         atexit.register(self.close)
 
     @property
@@ -85,7 +85,7 @@ class Session:
 
     @property
     def helper(self) -> Node:
-        """A hidden node for what the notebook itself listens to."""
+        """A hidden node with the subscriptions of the notebook itself."""
         with HeldInterrupts():
             executor = self.executor
             if self._helper is None:
@@ -100,7 +100,7 @@ class Session:
 
     def owns(self, node: Node) -> bool:
         """
-        Return whether a node is the hidden node that is served now.
+        Return whether a node is the current hidden node.
 
         :param node: what :attr:`helper` returned before
         """
@@ -111,7 +111,7 @@ class Session:
         """
         Destroy a subscription between two callbacks, soon; safe in finalizers.
 
-        :param node: the node that owns it, which may be gone already
+        :param node: the node that owns it, which may be destroyed already
         """
         background, destroy = self._background, node.destroy_subscription
         if background is not None and self.owns(node):
@@ -131,12 +131,12 @@ class Session:
         parameters: Mapping[str, Any] | None = None,
     ) -> Node:
         """
-        Make a node and run it in the background.
+        Create a node and run it in the background.
 
         :param factory: a subclass of Node, a function that returns a node, or a node
         :param name: replaces the node's own name
         :param parameters: initial values of parameters that the node declares
-        :raises RoslabError: if the factory makes no node
+        :raises RoslabError: if the factory creates no node
         """
         with HeldInterrupts() as interrupts:
             executor = self.executor
@@ -148,7 +148,7 @@ class Session:
             key = key_of(node.get_name(), node.get_namespace())
             if key in self._started and self._started[key].node is not node:
                 self.stop(key)
-            # First, because its first callback may raise before `add` returns.
+            # Register the node first, because its first callback may raise before `add` returns.
             self._lost.pop(key, None)
             self._started[key] = Started(node, page_here())
             try:
@@ -203,16 +203,16 @@ class Session:
             _destroy_quietly(node)
         background.context.try_shutdown()
         if self._private is None and not rclpy.ok():
-            rclpy.try_shutdown()  # makes room for a new default context
+            rclpy.try_shutdown()  # allows a new default context
 
     def losses(self) -> str:
-        """Return which nodes were stopped by an exception, as sentences."""
+        """Return sentences about nodes that an exception has stopped."""
         return ' '.join(
             f'Node {key} {why}.' for key, why in tuple(self._lost.items()) if why != 'was stopped'
         )
 
     def hints(self) -> str:
-        """Return what may explain that something awaited does not happen, as sentences."""
+        """Return sentences with possible reasons for a wait that timed out."""
         said = [losses] if (losses := self.losses()) else []
         running = self._background.running if self._background else None
         if running is not None and time.monotonic() - running[1] > _SLOW_CALLBACK_S:
@@ -262,11 +262,12 @@ class Session:
                     f'{type(node).__name__}. A class must inherit from Node, a function return it.'
                 )
         except BaseException as error:
-            for half_made in making.made:  # or it would stay in the graph without a name
+            # Otherwise the node would stay in the graph without a name.
+            for half_made in making.made:
                 _destroy_quietly(half_made)
             if not isinstance(error, Exception):
-                # An interrupt may fall between rclpy's making of a publisher and its noting it:
-                # then a frame has it, and it has the node.
+                # An interrupt may arrive after rclpy has created a publisher and before rclpy has
+                # stored it.  Then only a frame refers to the publisher, which refers to the node.
                 traceback.clear_frames(error.__traceback__)
             if isinstance(error, Exception) and not isinstance(error, RoslabError):
                 said = f'start({called}) created no node, because it raised an exception:'
@@ -301,7 +302,7 @@ class Session:
 
     def _on_failure(self, node: Node | None, error: BaseException) -> None:
         """
-        Say what a callback raised and stop its node; runs in the executor's thread.
+        Print the exception of a callback and stop its node; runs in the executor's thread.
 
         The reason is stored and printed before the node is removed, so it can be read at once.
         """
@@ -345,7 +346,7 @@ def _is_alive(node: Node) -> bool:
 
 
 def _destroy_quietly(node: Node) -> None:
-    """Destroy a node that may be half made, already destroyed or without a context."""
+    """Destroy a node that may be incomplete, already destroyed or without a context."""
     with suppress(Exception):
         destroy_wholly(node)
 
@@ -354,7 +355,7 @@ _session: Session | None = None
 
 
 def session() -> Session:
-    """Return the session of this kernel; the first call makes it."""
+    """Return the session of this kernel; the first call creates it."""
     global _session
     if _session is None:
         _session = Session()

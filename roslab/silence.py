@@ -1,4 +1,4 @@
-"""Why nothing is heard on a topic, read from the ROS graph."""
+"""Explain from the ROS graph why no messages arrive on a topic."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def type_name(msg_type: type) -> str:
 
 def why_silent(node: Node, topic: str, msg_type: type, qos: QoSProfile) -> str:
     """
-    Return one sentence on why a subscription heard too little.
+    Return one sentence on why a subscription received too few messages.
 
     :param node: the node that subscribes
     :param topic: as given to the subscription

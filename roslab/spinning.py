@@ -1,16 +1,16 @@
 """
-``rclpy.spin`` and its relatives, typed in a cell.
+Make ``rclpy.spin`` and similar functions work in a cell.
 
-Three things that are right in a program go wrong in a notebook, and are put right here for the
-kernel's main thread:
+Three things that work in a program fail in a notebook.  This module corrects them for the kernel's
+main thread:
 
-* A wait without a bound never comes back to Python, so Interrupt has no effect.  The kernel puts
-  Python's own SIGINT handler in place for each cell, which is why rclpy's handler, made for this,
-  does not hear it.  Waits are cut into slices instead.
+* A wait without a limit never returns to Python, so Interrupt has no effect.  rclpy has a SIGINT
+  handler for this case, but the kernel installs Python's own handler for each cell.  So waits are
+  cut into slices.
 * ``rclpy.init`` in a cell installs a handler that shuts ROS down when that cell is interrupted,
   and every later cell fails.  In a notebook, only the end of the kernel shuts ROS down.
-* ``rclpy.spin(node)`` takes the node away from the background executor, and after an interrupt
-  nobody serves it any more.  It is refused, with what to do instead.
+* ``rclpy.spin(node)`` takes the node away from the background executor, and after an interrupt no
+  executor serves it any more.  So the call is refused, with advice.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _WaitSet: Any = rclpy_implementation.WaitSet
 
 
 class InterruptibleWaitSet(_WaitSet):  # type: ignore[misc]
-    """A wait set that comes back to Python now and then while it waits in the main thread."""
+    """A wait set that returns to Python regularly while it waits in the main thread."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
@@ -45,11 +45,11 @@ class InterruptibleWaitSet(_WaitSet):  # type: ignore[misc]
         """
         Wait until something is ready.
 
-        A wait set forgets what was not ready, so everything is added again after a slice.  What
-        adds itself in C code cannot be: then this returns early, with nothing ready, which an
-        executor takes for a reason to look again.
+        A wait set drops entities that were not ready, so everything is added again after a slice.
+        Entities that C code adds cannot be added again: then this returns early, with nothing
+        ready, and the executor tries again.
 
-        :param timeout_ns: how long, negative for ever [ns]
+        :param timeout_ns: how long, negative for no limit [ns]
         """
         if threading.current_thread() is not threading.main_thread():
             super().wait(timeout_ns)
@@ -66,7 +66,7 @@ class InterruptibleWaitSet(_WaitSet):  # type: ignore[misc]
                 add(handle)
 
     def clear_entities(self) -> None:
-        """Forget what was added."""
+        """Remove all added entities."""
         self._added.clear()
         super().clear_entities()
 
@@ -89,9 +89,9 @@ for _kind in _ENTITIES:
 
 
 def make_spinning_interruptible() -> None:
-    """Let waits of this process's main thread be interrupted, and ROS survive it."""
+    """Make waits in this process's main thread interruptible without shutting ROS down."""
     rclpy_implementation.WaitSet = InterruptibleWaitSet
-    # rclpy.init looks the name up in its module; SIGTERM ends a kernel without it, too.
+    # rclpy.init looks this name up in its module; SIGTERM also ends a kernel without the handler.
     rclpy.install_signal_handlers = lambda *_: None
 
 

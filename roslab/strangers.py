@@ -1,8 +1,8 @@
 """
-Find the nodes that run in this notebook's domain before the notebook has any.
+Find nodes that already run in this notebook's domain before the notebook starts its own.
 
-They belong to a terminal that has joined the domain, or to a notebook that was given the same
-one.  All that they publish is heard here, where the lesson does not expect it.
+They belong to a terminal that has joined the domain, or to a notebook with the same domain.  This
+notebook receives everything that they publish, which the lesson does not expect.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def _nodes_of_this_process(node: Node) -> list[str]:
     """
     Return the full names of the nodes that share the process of a node.
 
-    :param node: no other node has its name
+    :param node: a node whose name no other node has
     """
     # Every node has a publisher on this topic.
     infos = node.get_publishers_info_by_topic('/parameter_events')
@@ -66,7 +66,7 @@ def _process_of(info: TopicEndpointInfo) -> bytes:
 
 
 def tell_of_strangers() -> None:
-    """Say which nodes of other processes are here already, if there are any."""
+    """Print the nodes of other processes that are in the domain already, if there are any."""
     names = nodes_of_others()
     if not names:
         return

@@ -1,4 +1,4 @@
-"""Messages against time: a row for each listener, a tick for each message."""
+"""Draw messages against time: a row for each listener, a tick for each message."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ class Row:
     One row of the picture.
 
     :param label: a topic, or the name of a mark
-    :param times: when, in order [s]
-    :param mark: not messages but something else that happened
+    :param times: times of the events, in order [s]
+    :param mark: whether the row shows other events instead of messages
     :param more: a second, fainter label
     """
 
@@ -36,7 +36,7 @@ class Row:
 
     @property
     def rate(self) -> float | None:
-        """Messages a second between the first and the last, None with fewer than two."""
+        """Messages per second between the first and the last, None with fewer than two."""
         if self.mark or len(self.times) < 2 or self.times[-1] <= self.times[0]:
             return None
         return (len(self.times) - 1) / (self.times[-1] - self.times[0])
@@ -51,7 +51,7 @@ class Row:
 
 class Timeline:
     """
-    A picture of messages against time, a table where there are no pictures.
+    A picture of messages against time, or a table if pictures are not available.
 
     :param rows: from top to bottom
     :param begin: left end of the axis [s]
@@ -88,16 +88,20 @@ def make_timeline(
     """
     Return the timeline of listeners.
 
-    :param sources: listeners; the axis begins when the first of them began to listen
-    :param marks: what else happened and when, on the time scale of the first listener [s]
+    :param sources: listeners; the axis begins when the first of them began to listen. A simulation
+        stands for all its topics
+    :param marks: names and times of other events, on the time scale of the first listener [s]
     :param seconds: show only so many seconds before the newest event [s]
-    :raises RoslabError: if a source is no listener, or a mark has no times
+    :raises RoslabError: if a source is not a listener, or a mark has no times
     """
+    sources = [one for source in sources for one in getattr(source, 'listeners', (source,))]
+    sources = [getattr(source, 'listener', source) for source in sources]  # a live plot has one
     if not sources:
         raise RoslabError(
             "timeline() expected listeners, as in timeline(listen('chatter', String))."
         )
-    zero = getattr(sources[0], 'began', 0.0)
+    # A simulation began at 0, and its times are those of the axis.
+    zero = next((began for one in sources if (began := getattr(one, 'began', 0.0))), 0.0)
     rows = [_row_of(source, zero) for source in sources]
     rows += [_row_of_mark(label, times) for label, times in (marks or {}).items()]
     stamps = [stamp for row in rows for stamp in row.times]
@@ -112,15 +116,14 @@ def make_timeline(
 
 
 def _row_of(source: Any, zero: float) -> Row:
-    listener = getattr(source, 'listener', source)  # a live plot has one
-    if not (hasattr(listener, 'times') and hasattr(listener, 'began')):
+    if not (hasattr(source, 'times') and hasattr(source, 'began')):
         raise RoslabError(
             f'timeline() expected a listener, as listen() returns it, got {source!r}. '
             'Times of other things go into marks={"label": [seconds, ...]}.'
         )
-    shift = listener.began - zero
-    times = tuple(time + shift for time in listener.times)
-    return Row(listener.topic, times, more=type_name(listener.msg_type))
+    shift = source.began - zero if source.began else 0.0
+    times = tuple(time + shift for time in source.times)
+    return Row(source.topic, times, more=type_name(source.msg_type))
 
 
 def _row_of_mark(label: str, times: Iterable[float]) -> Row:
@@ -181,7 +184,7 @@ def _row(row: Row, y: float, left: float, right: float, xs: list[float], marks: 
         svg.line(left + 6, y, right - 6, y, faint=True),
         svg.text(right + 4, y + 4, row.amount, size=11),
     ]
-    # Ticks on the same half pixel look like one, and a picture must not grow without end.
+    # Draw ticks on the same half pixel once, to limit the size of the picture.
     for x in sorted({round(x * 2) / 2 for x in xs}):
         if row.mark:
             kind = _MARK_SHAPES[marks % len(_MARK_SHAPES)]

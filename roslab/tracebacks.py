@@ -34,7 +34,7 @@ def short_traceback(error: BaseException) -> str:
 
 
 def last_line(error: BaseException) -> str:
-    """Return the type of an error and the first line of what it says."""
+    """Return the type of an error and the first line of its message."""
     said = str(error).strip().splitlines()
     return f'{type(error).__name__}: {said[0]}' if said else type(error).__name__
 
@@ -43,7 +43,7 @@ def is_library(filename: str) -> bool:
     """Return whether a file belongs to Python, to an installed package or to roslab."""
     if filename.startswith('<'):
         return True
-    # A sourced installation has rclpy outside this interpreter's own folders.
+    # In a sourced installation, rclpy is outside this interpreter's own folders.
     ros = getattr(sys.modules.get('rclpy'), '__file__', None)
     known = (*_LIBRARIES, os.path.join(str(Path(ros).parent), '')) if ros else _LIBRARIES
     if any(part in _INSTALLED for part in Path(filename).parts):  # messages that colcon built
@@ -56,20 +56,21 @@ def code_name(source: str, otherwise: str) -> str:
     Return the file name under which to compile code that belongs to the running cell.
 
     :param source: the whole text of the cell
-    :param otherwise: the name outside of IPython
+    :param otherwise: the name outside IPython
     """
     running = shell()
     cache = getattr(getattr(running, 'compile', None), 'cache', None)
     if running is None or cache is None:
         return otherwise
-    # The shell counts on before it runs a cell; its history ends with the running one.
+    # The shell increases its counter before it runs a cell; its history ends with the running
+    # cell.
     number = len(getattr(running.history_manager, 'input_hist_raw', ())) - 1
     name: str = cache(source, max(0, number), raw_code=source)
     return name
 
 
 def where(filename: str, line: int | None) -> str:
-    """Return a place in words: a cell by its number, a file by its name."""
+    """Return a place as text: a cell by its number, a file by its name."""
     running = shell()
     format_code_name = getattr(getattr(running, 'compile', None), 'format_code_name', None)
     cell = format_code_name(filename) if format_code_name else None

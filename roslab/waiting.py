@@ -1,4 +1,4 @@
-"""Waiting for something that nodes do, never longer than a given time."""
+"""Wait for something that nodes do, never longer than a given time."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ _SLICE_S = 0.05
 
 def wait_in(session: Session, condition: Callable[[], T], timeout_s: float) -> T:
     """
-    Wait in this thread while the session's nodes go on.
+    Wait in this thread while the session's nodes continue to run.
 
     :param condition: looked at after each callback
     :param timeout_s: how long to wait [s]
     :returns: the last value of the condition, which is false after a timeout
-    :raises RoslabError: if called from a callback, or without a bound
+    :raises RoslabError: if called from a callback, or without a time limit
     """
     if not callable(condition):
         raise RoslabError(
@@ -44,9 +44,9 @@ def wait_until_in(session: Session, condition: Callable[[], T], timeout_s: float
     """
     Wait until a condition is true.
 
-    :param what: the condition in words
+    :param what: the condition as text
     :returns: the condition's value
-    :raises TimeoutError: in words, with what may explain it
+    :raises TimeoutError: as a sentence, with possible reasons
     """
     value = wait_in(session, condition, timeout_s)
     if not value:

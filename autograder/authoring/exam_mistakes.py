@@ -121,7 +121,7 @@ def read_mistakes(exam: Exam, headings: Mapping[str, AbstractSet[str]]) -> Itera
     Yield checks that name no section to read, or a section that no lesson has.
 
     :param headings: of each lesson, see :func:`lesson_headings`; without those of the exam's own
-        lesson it is only asked whether there is a section
+        lesson, this only checks that a section is named
     """
     for check in exam.checks:
         where, section = f'exam {exam.name}, check {check.name}', check.read or exam.read
@@ -137,9 +137,9 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
     """
     Return what is wrong with a section to read, empty if it is a heading.
 
-    :param section: such as ``Part 2: Names``, ``lesson 02, When a timer ticks``, or, in words that
-        are no heading, ``lesson 02, on clocks``
-    :param lesson: the one that a section without a lesson is in
+    :param section: such as ``Part 2: Names``, ``lesson 02, When a timer ticks``, or, without a
+        heading, ``lesson 02, on clocks``
+    :param lesson: the lesson of a section that names none
     """
     heading = section
     if elsewhere := _ELSEWHERE.match(section):
@@ -147,7 +147,7 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
         lesson = next((name for name in sorted(headings) if name.startswith(f'{number}_')), '')
         if not lesson:
             return f'expected a lesson to read, got {section!r}: there is no lesson {number}'
-        if heading.startswith('on '):  # what a question is about, in words
+        if heading.startswith('on '):  # the subject of a question, not a heading
             return ''
     if heading in headings[lesson]:
         return ''
@@ -169,7 +169,7 @@ def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
         try:
             cells = read_release(path)['cells']
         except (OSError, ValueError):
-            continue  # whether it is a notebook is not the question here
+            continue  # this check is not about unreadable notebooks
         texts = [cell['source'] for cell in cells if cell['cell_type'] == 'markdown']
         lines = '\n'.join(texts).splitlines()
         titles = {line.lstrip('#').strip() for line in lines if line.startswith('#')}

@@ -39,7 +39,7 @@ def value_mistakes(kind: str, data: Mapping[str, Any], prefixes: Sequence[Path])
 def _in_message(kind: str, data: object, prefixes: tuple[Path, ...], place: str) -> Iterator[str]:
     fields = fields_of(kind, prefixes)
     if fields is None:
-        return  # its text is not installed: that the type is not there is said elsewhere
+        return  # not installed: another check reports the missing type
     if not isinstance(data, Mapping):
         yield _wrong(f'the fields of {kind} by name', place, data)
         return
@@ -106,7 +106,7 @@ def _unlike(base: str, longest: str | None, value: Any) -> str:
         return '' if right else f'a string of at most {most} characters' if longest else 'a text'
     if base == 'bool':
         return '' if is_bool else 'True or False'
-    # JSON, in which the probe is told, has no bytes.
+    # The probe gets its inputs as JSON, which has no bytes.
     return 'no value, because a byte cannot be sent' if base == 'byte' else ''
 
 
@@ -123,7 +123,7 @@ def fields_of(kind: str, prefixes: tuple[Path, ...]) -> Mapping[str, re.Match[st
     Return the fields of a message, or of a service's request, without constants.
 
     :param kind: such as ``std_msgs/msg/String``, or ``std_msgs/String`` as in a definition
-    :returns: by name, each as its line is taken apart; None if its text is not installed
+    :returns: by name, the parts of the line; None if the definition is not installed
     """
     package, _, rest = kind.partition('/')
     part = 'srv' if '/srv/' in kind else 'msg'

@@ -33,8 +33,8 @@ def new_course(folder: Path) -> list[Path]:
     Create the folder of a course: its facts, nbgrader's settings and a message package.
 
     :param folder: new or empty; its name is that of the course
-    :returns: the files, from the folder
-    :raises GraderError: if there is something in it, or its name is none for a ROS package
+    :returns: the files, relative to the folder
+    :raises GraderError: if the folder is not empty, or a ROS package cannot have its name
     """
     folder = folder.resolve()
     name = folder.name.replace('-', '_')
@@ -55,7 +55,7 @@ def new_course(folder: Path) -> list[Path]:
     files['nbgrader_config.py'] = _filled('nbgrader_config.txt', {})
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix='.new_course_') as aside:
-        Path(aside).chmod(0o755)  # the sandbox's user reads it
+        Path(aside).chmod(0o755)  # the user inside the sandbox must be able to read it
         for path, text in files.items():
             keep(Path(aside, path), text.encode())
         shutil.copytree(aside, folder, dirs_exist_ok=True)
@@ -68,8 +68,8 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
 
     :param name: of the exam, the node and its file
     :param lesson: folder of the lesson, ``01_points``
-    :returns: the files, from the course
-    :raises GraderError: if a name is none, or a file is there already
+    :returns: the files, relative to the course
+    :raises GraderError: if a name is not valid, or a file exists already
     """
     if not NAME.fullmatch(name):
         raise GraderError(f'{name}: use only lower-case letters, digits and underscores.')

@@ -30,7 +30,7 @@ class Portions:
     The figures of one lesson.
 
     :param words: words of each text cell
-    :param lines: lines of each code cell that is no file
+    :param lines: lines of each code cell that is not a file
     :param file_lines: lines of each cell that is a file of a package
     """
 

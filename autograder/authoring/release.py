@@ -159,7 +159,7 @@ def regenerate(layout: Layout) -> tuple[str, ...]:
     Generate ``notebooks/`` from ``solutions/``.
 
     :returns: the assignments
-    :raises GraderError: with nbgrader's own words
+    :raises GraderError: with nbgrader's message
     """
     from autograder.gradebook import converters
 
@@ -175,7 +175,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     Run one command.
 
-    :returns: 0 if all is well, 1 if something does not fit together, 2 if it cannot be done
+    :returns: 0 if all is well, 1 if there are mistakes, 2 if the command failed
     """
     parser = argparse.ArgumentParser(
         prog='python -m autograder.authoring.release', description=__doc__

@@ -114,7 +114,7 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
     if damage == UNTOUCHED:
         from autograder.gradebook import converters
 
-        # Not the one in the release folder, in which somebody may have solved the lesson.
+        # Do not use the release folder: a user may have solved the lesson there.
         with tempfile.TemporaryDirectory(prefix='release-') as folder:
             converters.generate(layout, assignment, Path(folder), database=False)
             return Path(folder, assignment, layout.release(assignment).name).read_bytes()

@@ -21,12 +21,12 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
     """
     Grade the reference solution and the untouched release of every assignment.
 
-    :returns: for each of them whether it is as it must be, and one line for people
+    :returns: for each of them, whether its result is as expected, and one line of text
     :raises GraderError: for a fault of the course or of the grader
     """
     for assignment in layout.assignments():
         lesson = load_lesson(layout, assignment, engine)
-        # A run of an exam with such a mistake might never end well.
+        # Do not run an exam with a mistake: the run may fail or hang.
         exams = [exam for exam in lesson.exams if isinstance(exam, Exam)]
         mistakes = [line for exam in exams for line in mistakes_of(exam, layout.notebooks)]
         if mistakes:
@@ -56,7 +56,7 @@ def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
 
 
 def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool, str]:
-    if result.fault:  # without a verdict there are no points to compare
+    if result.fault:  # without a verdict, there are no points to compare
         return False, f'{lesson.assignment}: {result.student} has no verdict. {result.fault}'
     right = bool(result.exams) and result.points == wanted
     text = f'{lesson.assignment}: {result.student} has {result.points:g} of {result.max_points:g}'

@@ -40,6 +40,7 @@ ALLOWED = (
     'autograder/results.py',
     'autograder/runs/',
     'autograder/sandboxes/',
+    'autograder/simulation/',
     'autograder/submission/',
 )
 """What students receive beside the course: files, and folders with a slash at their end."""

@@ -64,7 +64,7 @@ def write_all_reports(
     """
     Replace the results of a class and all its pages.
 
-    :param results: of everybody
+    :param results: of all students
     :param summary: one sentence about the run
     :returns: path of the index
     """

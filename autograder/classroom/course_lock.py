@@ -43,7 +43,7 @@ def alone(layout: Layout, what: str) -> Iterator[None]:
                 f'{path}: another command is writing to this course: {holder}.',
                 'Try: wait until it ends, or stop it with Ctrl-C in its terminal',
             ) from error
-        if os.fstat(lock).st_size:  # its holder was killed
+        if os.fstat(lock).st_size:  # the previous command was killed
             _tidy(layout)
         os.ftruncate(lock, 0)
         os.pwrite(
@@ -59,6 +59,7 @@ def _tidy(layout: Layout) -> None:
     """Remove unfinished files that no process is writing."""
     for folder in (layout.reports, layout.recordings):
         for path in filter(lambda path: UNFINISHED.fullmatch(path.name), folder.glob('*/.*')):
-            with suppress(OSError), path.open('rb') as file:  # or its writer is done, or at work
+            # The file is gone, or its writer still has it locked.
+            with suppress(OSError), path.open('rb') as file:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 path.unlink()

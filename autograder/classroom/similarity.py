@@ -101,9 +101,9 @@ class Similar:
     The result of comparing one assignment.
 
     :param compared: how many submissions had enough of their own
-    :param short: who had not
+    :param short: students with too little code of their own
     :param typical: median of all pairs' scores, None below two submissions
-    :param pairs: from ``at_least`` on, the most alike first
+    :param pairs: those with a score of at least ``at_least``, the most similar first
     :param more: how many pairs are left out, because there are too many to look at
     """
 
@@ -131,7 +131,7 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
     :param assignment: full name
     :param submitted: the folder of the class
     :param at_least: score from which a pair is listed, 0 to 1
-    :raises GraderError: if nobody handed in anything for it
+    :raises GraderError: if it has no submission
     """
     lesson = load_lesson(layout, assignment, NothingRuns())
     try:
@@ -233,7 +233,7 @@ def _names(node: ast.AST, given: bool = False) -> Iterator[tuple[str, str]]:
     """
     Yield the fields of a syntax node that hold a name, with the names.
 
-    :param given: only names that the file itself gives to something; imports keep theirs
+    :param given: only names that the file itself assigns or defines, not names of imports
     """
     fields = ('asname',) if isinstance(node, ast.alias) else NAMING
     reads = isinstance(node, ast.keyword) or not isinstance(
@@ -302,7 +302,7 @@ def _scores(
     """
     Yield the score of each pair of groups.
 
-    :param groups: lines of tokens, and whose they are
+    :param groups: lines of tokens, and their students
     """
     from rapidfuzz.distance import Indel
     from rapidfuzz.process import cdist

@@ -61,7 +61,7 @@ class CheckNumbers:
     """
     The results of a class in one check.
 
-    :param causes: why it failed, the commonest first: words and how often
+    :param causes: causes of the failures as text, with their number, the most frequent first
     """
 
     exam: str
@@ -84,13 +84,14 @@ class ClassNumbers:
     :param review: student, and why there is no score
     :param flagged: student, and what an instructor should look at
     :param slowest: student, and how long the runs took, whenever they took place [s]
-    :param repeated: whose runs took place twice, as something but the program may have ended one
-    :param recorded: how many needed no run in the last grading
+    :param repeated: students whose runs were repeated, because the first run may have failed for a
+        reason outside the program
+    :param recorded: number of submissions that needed no run in the last grading
     :param modes: isolation modes
     :param lacks: what they do not protect
     :param exams: exam, and digests of its scenario (the seeded inputs) and of the environment
-    :param versions: of what the recordings were made with, as far as they say; several of one
-        name stand side by side
+    :param versions: versions of the software that made the recordings, if recorded; several
+        versions of one name are in one text
     """
 
     assignment: str

@@ -1,1 +1,1 @@
-"""The virtual clock of a run; README.md beside this file explains it."""
+"""The virtual clock of a run; README.md next to this file explains it."""

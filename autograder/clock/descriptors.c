@@ -65,6 +65,7 @@ static enum why wait_for_descriptors(struct thread *thread, struct pollfd *all, 
     begin_wait(thread, thread, deadline);
     unlock();
     bool signalled = REAL(poll)(all, count + 1, -1) < 0;
+    wait_for_portion();
     lock();
     enum why why = end_wait(thread);
     thread->in_poll = false;
@@ -257,6 +258,8 @@ static bool is_shut_down(int fd)
         if (!ready_to_read(fd, flags)) \
             return -1; \
         ssize_t got = call((flags) | MSG_DONTWAIT); \
+        if (got > 0) \
+            begin_receiving(); \
         if (got >= 0 || errno != EAGAIN) \
             return got; \
         if (is_shut_down(fd)) \

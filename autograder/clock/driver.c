@@ -17,6 +17,8 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <linux/futex.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,6 +47,7 @@ struct process {
 };
 
 static struct process *processes, *gone; /* in the order in which they are served; to be freed */
+static struct process *posting;          /* whose portion leaves */
 static int count;
 static struct time_page *timing;
 static int time_fd, all_in_flight, own_events;
@@ -88,6 +91,14 @@ static void drop_in_flight(struct process *process)
     process->in_flight = -1;
 }
 
+/* Let those go on who have found the first datagrams of a portion: all of it has left. */
+static void end_portion(void)
+{
+    posting = NULL;
+    atomic_store(&timing->posting, 0);
+    syscall(SYS_futex, &timing->posting, FUTEX_WAKE, INT_MAX, NULL, NULL, 0);
+}
+
 /* Let a process go: it has ended, and nothing more can come from it. */
 static void let_go(struct process *process)
 {
@@ -98,6 +109,8 @@ static void let_go(struct process *process)
     process->next = gone; /* later events of the same batch may still name it */
     gone = process;
     process->gone = true;
+    if (process == posting)
+        end_portion();
     count--;
     if (process->root >= 0)
         atomic_store(&timing->ended[process->root], atomic_load(&timing->now));
@@ -311,6 +324,8 @@ static bool advance(void)
         return false;
     if (deadline > atomic_load(&timing->now))
         atomic_store(&timing->now, deadline);
+    posting = deadline == POST ? process : NULL;
+    atomic_store(&timing->posting, posting != NULL);
     atomic_fetch_add(&timing->jumps, 1);
     eventfd_write(process->wake, 1);
     return true;
@@ -344,8 +359,11 @@ int main(int argc, char **argv)
     own_events = checked(epoll_create1(EPOLL_CLOEXEC), "epoll_create1");
     for (int i = 3; i < argc; i++)
         checked(adopt(atoi(argv[i]), i - 3) ? 0 : -1, "socket");
-    while (processes)
+    while (processes) {
+        if (posting && (atomic_load(&posting->page->word) & STATE_BITS) == IDLE)
+            end_portion();
         if (!advance())
             handle(true);
+    }
     return 0;
 }

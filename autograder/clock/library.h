@@ -76,6 +76,10 @@ struct thread {
     _Atomic uint32_t word; /* 0 until it may continue; it sleeps in a futex on this word */
     int eventfd;           /* wakes it if it sleeps in poll; -1 until it has one */
     enum why why;
+    struct thread *held_by; /* who woke it, and lets it go later: see `receiving` */
+    /* It has received a datagram, and handles all that have come before those go on that it wakes.
+     * Else the quicker of the two would decide how many messages a short queue loses. */
+    bool receiving;
     /* For clocks.c: */
     int reads, empty_waits, steps;
     uint64_t work;         /* of the process, when it began */
@@ -94,6 +98,10 @@ void begin_wait(struct thread *me, const void *on, int64_t deadline);          /
 enum why end_wait(struct thread *me);                                          /* L */
 int wake_waiters(const void *on, int most);                                    /* L */
 void sleep_polling(struct thread *me, int64_t deadline);                       /* L */
+void let_go(struct thread *me);                                                /* L */
+void begin_receiving(void);
+void end_receiving(void);
+void wait_for_portion(void);
 void interrupt_main(int signal);                                               /* L */
 void wake_due(void);                                                           /* L */
 void begin_threads(struct process_page *page, const struct time_page *timing, int is_idle);

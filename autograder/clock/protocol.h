@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #define NEVER INT64_MAX
+#define POST 0 /* the deadline of a process with datagrams to send */
 #define SECOND INT64_C(1000000000)
 
 #define ROOTS 4 /* how many processes may begin with the run */
@@ -19,6 +20,7 @@ struct time_page {
     int64_t to_realtime;  /* virtual CLOCK_REALTIME minus virtual CLOCK_MONOTONIC [ns] */
     _Atomic int64_t jumps; /* how often the driver has woken a process */
     _Atomic int64_t ended[ROOTS]; /* when each of the processes of the command line ended, or 0 */
+    _Atomic uint32_t posting; /* 1 while a portion of datagrams leaves: who finds one waits for the rest */
 };
 
 /* The state of a process: the low two bits of its word. The rest of the word counts the changes, so

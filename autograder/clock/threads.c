@@ -29,6 +29,7 @@ static uint64_t work; /* how often a thread that does not poll began to run */
 static struct process_page *page;
 static const struct time_page *timing;
 static int is_idle;
+static _Atomic bool posts; /* whether the portion that leaves is ours */
 static pthread_key_t at_end;
 static __thread struct thread *me __attribute__((tls_model("initial-exec")));
 static __thread bool outside __attribute__((tls_model("initial-exec")));
@@ -117,12 +118,13 @@ static void set_state(uint32_t state)
 static void report_idle(void)
 {
     int before = errno;
-    int64_t earliest = has_post() ? 0 : first_timer();
+    int64_t earliest = has_post() ? POST : first_timer();
     uint64_t once = 1;
     for (int i = 0; i < used; i++)
         if (table[i].used && table[i].waiting && table[i].deadline < earliest)
             earliest = table[i].deadline;
     atomic_store(&page->deadline, earliest);
+    posts = false;
     set_state(IDLE);
     if (REAL(write)(is_idle, &once, sizeof once) < 0)
         errno = before; /* the driver has ended, and the grader ends us */
@@ -142,10 +144,19 @@ static void one_less_runs(void)
         report_idle();
 }
 
+/* Wait until all of another process's portion has left. Its first datagrams wake who reads them, but how
+ * many more this reader finds must not depend on who is quicker. */
+void wait_for_portion(void)
+{
+    while (atomic_load(&timing->posting) && !posts)
+        REAL(syscall)(SYS_futex, &timing->posting, FUTEX_WAIT, 1, NULL, NULL, 0);
+}
+
 /* -- waiting -- */
 
 void begin_wait(struct thread *thread, const void *on, int64_t deadline)
 {
+    let_go(thread);
     thread->on = on;
     thread->deadline = deadline;
     thread->place = ++places;
@@ -161,12 +172,44 @@ void begin_wait(struct thread *thread, const void *on, int64_t deadline)
 /* Continue after a wait; data or a signal may have ended it before anybody woke the thread. */
 enum why end_wait(struct thread *thread)
 {
+    thread->held_by = NULL;
     if (thread->waiting) {
         thread->waiting = false;
         one_more_runs();
         work++;
     }
     return thread->why;
+}
+
+static void start(struct thread *thread)
+{
+    atomic_store(&thread->word, 1);
+    if (thread->in_poll)
+        eventfd_write(thread->eventfd, 1);
+    else
+        futex(&thread->word, FUTEX_WAKE, 1, NULL);
+}
+
+/* Let those go on that this thread has woken while it received. */
+void let_go(struct thread *thread)
+{
+    for (int i = 0; thread->receiving && i < used; i++)
+        if (table[i].held_by == thread) {
+            table[i].held_by = NULL;
+            start(&table[i]);
+        }
+    thread->receiving = false;
+}
+
+void begin_receiving(void) { me->receiving = true; }
+
+void end_receiving(void)
+{
+    if (me && me->receiving) {
+        lock();
+        let_go(me);
+        unlock();
+    }
 }
 
 static void wake(struct thread *thread, enum why why)
@@ -176,11 +219,10 @@ static void wake(struct thread *thread, enum why why)
     one_more_runs();
     if (!thread->polling)
         work++;
-    atomic_store(&thread->word, 1);
-    if (thread->in_poll)
-        eventfd_write(thread->eventfd, 1);
+    if (me && me->receiving)
+        thread->held_by = me;
     else
-        futex(&thread->word, FUTEX_WAKE, 1, NULL);
+        start(thread);
 }
 
 /* Wait until another thread wakes this address, a signal comes or the deadline has passed. The lock is
@@ -271,6 +313,7 @@ void wake_due(void)
         return; /* the process reports again when they wait */
     if (has_post()) {
         one_more_runs(); /* the network, so to speak */
+        posts = true;
         send_portion();
         one_less_runs();
         return;
@@ -337,6 +380,7 @@ static void end_thread(void *round)
     }
     lock();
     struct thread *thread = me;
+    let_go(thread);
     outside = true;
     me = NULL;
     thread->used = false;
@@ -426,7 +470,7 @@ void begin_threads(struct process_page *shared, const struct time_page *time, in
     timing = time;
     is_idle = report_to;
     atomic_store(&guard, 0);
-    outside = false;
+    outside = posts = false;
     used = running = interpreter_wanted = 0;
     for (int i = 0; i < MAX_THREADS; i++)
         table[i] = (struct thread){.eventfd = -1};

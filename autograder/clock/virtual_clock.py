@@ -1,8 +1,8 @@
 """
-The virtual time of one run, from the grader's side: starts the driver and hands out places.
+Control the virtual time of one run from the grader's side: start the driver, assign places.
 
-A process that begins in the run gets a place: one end of a socket, whose number it finds in the
-variable ``VIRTUAL_CLOCK``.  The library, which ``LD_PRELOAD`` loads, does the rest.
+Each process that the run starts gets a place: one end of a socket, whose number is in the variable
+``VIRTUAL_CLOCK``.  The library, which ``LD_PRELOAD`` loads, does the rest.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ class VirtualClock:
     The virtual clock of one run.
 
     :param driver: the process that moves the time
-    :param places: what the processes that begin get, in the order in which they are served
-    :param library: to be loaded into them
+    :param places: sockets for the processes that the run starts, in the order in which the driver
+        serves them
+    :param library: the library that these processes load
     """
 
     driver: subprocess.Popen[bytes]
@@ -47,16 +48,16 @@ class VirtualClock:
         """
         Return the environment variables of the process in a place.
 
-        :param place: its number; the descriptor of ``places[place]`` has to be inherited
+        :param place: its number; the process must inherit the descriptor of ``places[place]``
         """
         number = str(self.places[place].fileno())
         return {'LD_PRELOAD': self.library, 'VIRTUAL_CLOCK': number}
 
     def command(self, place: int, later: bool = False) -> tuple[str, ...]:
         """
-        Return the command that puts the program after it in a place.
+        Return the beginning of a command line that starts a program in a place.
 
-        :param later: only tell where the library is; the program loads it into what it becomes
+        :param later: only pass the path of the library; the program preloads it when it calls exec
         """
         names = dict(self.variables(place))
         if later:
@@ -64,7 +65,7 @@ class VirtualClock:
         return ('env', *(f'{name}={value}' for name, value in names.items()))
 
     def begin(self) -> None:
-        """Let go of the places, once their processes have been started: an end is seen then."""
+        """Close the places of started processes, so that the driver notices their end."""
         for place in self.places:
             place.close()
 
@@ -94,7 +95,8 @@ def built() -> tuple[str, str]:
 
     :raises SandboxUnavailable: if the set-up has not built them
     """
-    folder = Path(sys.prefix).resolve() / FOLDER  # a sandbox does not see a link to it
+    # Resolve links: a link may not exist in a sandbox.
+    folder = Path(sys.prefix).resolve() / FOLDER
     if not (folder / 'driver').is_file():
         raise SandboxUnavailable('The virtual clock is not built.', 'Try: make prepare')
     return str(folder / 'driver'), str(folder / 'clock.so')
@@ -105,14 +107,15 @@ def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator
     """
     Yield the virtual clock of one run, and end its driver.
 
-    :param places: how many processes begin with the run; children get their own places
+    :param places: number of processes that the run starts; their children get further places
     :param system_time_ns: what CLOCK_REALTIME shows at the start [ns]
     :raises SandboxUnavailable: if the set-up has not built it
     """
     driver_file, library = built()
     pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(places)]
     for _, theirs in pairs:
-        # Before a process can say its first word: the driver learns from it which process it is.
+        # Set before a process sends its first message, from which the driver learns the process
+        # id.
         theirs.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
     page_fd = os.memfd_create('time', os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
     try:

@@ -142,6 +142,7 @@ EXPORT int sem_post(sem_t *semaphore)
 {
     int result = REAL(sem_post)(semaphore);
     released(semaphore, 1);
+    end_receiving(); /* a thread of Python, whose locks are semaphores: what it does next may take long */
     return result;
 }
 

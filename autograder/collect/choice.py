@@ -28,7 +28,7 @@ from autograder.submission.ids import student_id
 from autograder.submission.tree import NotTakenInError, UnreadableError
 
 MOST_NOTEBOOKS = 50
-"""Of one hand-in; a clone of the course has a dozen."""
+"""Limit of notebooks in one delivery; a clone of the course has a dozen."""
 MOST_BYTES_EACH = 256 << 20
 NAMES_SHOWN = 3
 
@@ -40,7 +40,7 @@ class Seen:
 
     :param digest: SHA-256 of its content
     :param shared: how many grade ids it has of each assignment
-    :param named: the assignment that its name or folder tells
+    :param named: the assignment that its name or folder suggests
     :param why: why it was not read
     """
 
@@ -80,7 +80,7 @@ class Chosen:
         """
         Return the content; it must be the same as when it was chosen.
 
-        :raises UnreadableError: if it is another one now
+        :raises UnreadableError: if the file has changed
         """
         data = self.piece.file.read()
         if hashlib.sha256(data).hexdigest() != self.digest:
@@ -103,7 +103,8 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
     :param seen: the notebooks of each student
     :param name: of the source
     :returns: empty if there is no notebook at all
-    :raises NotTakenInError: if none of the notebooks tells, or if two are as frequent
+    :raises NotTakenInError: if no notebook shows an assignment, or if two assignments are equally
+        frequent
     """
     students = [one for one in seen if one]
     votes = Counter(
@@ -115,7 +116,7 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
     if not students:
         return ''
     got = (
-        f'equally many cells of {ranked[1][0]} and {ranked[0][0]}'
+        f'as many cells of {ranked[1][0]} as of {ranked[0][0]}'
         if ranked
         else 'none of this course'
     )
@@ -134,8 +135,8 @@ def choose(
 
     :param seen: its notebooks, as :func:`look` has found them
     :param wanted: the only assignment to look for; empty to go by the source and the notebooks
-    :param single: whether all was handed in for this one, so that others are mistakes
-    :returns: them, and a line for each entry of the source that has none
+    :param single: whether the whole source belongs to this assignment, so that others are mistakes
+    :returns: the notebooks, and a row for each entry of the source without one
     """
     goal = wanted or handed.assignment
     if why := _unusable(handed, course, wanted):
@@ -228,11 +229,11 @@ def _without_cells(
     """Return the only notebook delivered for an assignment, if it has none of its cells."""
     names = ('', assignment) if only else (assignment,)
     if any(one.why and one.named in names for one in seen):
-        return []  # the answers may be in that one
+        return []  # the unreadable notebook may contain the answers
     named = [one for one in seen if not one.shared and one.named == assignment]
     if not named and only and len(seen) == 1:
         return [one for one in seen if not one.shared and not one.named]
-    # Of a lesson that has no cells to grade, the name is all there is.
+    # If a lesson has no graded cells, only the name can identify its notebook.
     return named if len(named) == 1 or not course.cells[assignment] else []
 
 
@@ -259,7 +260,7 @@ def _time(
     """Return when a notebook was delivered, and notes about this time."""
     if not handed.stamped:
         return handed.when, ()
-    beside = (assignment, STAMP)  # as nbgrader lays it; elsewhere it is some other file
+    beside = (assignment, STAMP)  # nbgrader's place for it; elsewhere it is some other file
     file = next((one.file for one in handed.pieces if one.file.parts == beside), None)
     if file is None or piece.file.parts[:-1] != beside[:-1]:
         return None, ()
@@ -267,7 +268,7 @@ def _time(
         when, note = read_time(file.read()[:100].decode('utf-8', 'replace'))
     except UnreadableError as error:
         return None, (f'{file.path}: {error}',)
-    # Somebody else than the system may have written it.
+    # Name the source, because a student may have written this file.
     return when, (note or f'time from {file.path}',)
 
 
@@ -308,11 +309,11 @@ def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
     for rival in chosen:
         if one.content == rival.assignment:
             same = one.piece.file.parts == rival.piece.file.parts
-            return 'an earlier one' if same else f'{path}: {rival.piece.file.path} was taken'
+            return 'an earlier one' if same else f'{path}: {rival.piece.file.path} counts'
     if one.content:
         return f'wrong assignment: {path} is {one.content}'
     if goal and one.named not in ('', goal):
-        return f'{path}: named like {one.named}, and it contains no cell of {goal}'
+        return f'{path}: named like {one.named}, but it contains no cell of {goal}'
     if chosen and not one.named:
         return f'{path}: it contains no cell of {goal or "this course"}'
     if goal or one.named:
@@ -323,7 +324,7 @@ def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
 
 
 def _said(handed: Handed) -> tuple[str, ...]:
-    """Return the notes of the source, and what was done to the name."""
+    """Return the notes of the source, and a note if the name was changed."""
     same = student_id(handed.student) == handed.student
     return (*handed.notes, *(() if same else (f'the name was {handed.student[:60]!r}',)))
 

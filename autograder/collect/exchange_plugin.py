@@ -17,7 +17,7 @@ from autograder.collect.owners import OwnerRule
 from environment.exchange import protect
 
 COPY_MODE = 0o755
-"""Of a collected folder; in the exchange it is writable for all."""
+"""Mode of a collected folder; in the exchange, every user can write to it."""
 
 
 class ReleaseProtected(ExchangeReleaseAssignment):
@@ -48,8 +48,8 @@ class CollectFromOwners(ExchangeCollect):
         record['doubt'] = doubt = self._doubt(Path(path), record['username'])
         if doubt:
             self.log.error('%s: not collected: %s', record['filename'], doubt)
-            # nbgrader takes the newest of each user, so what is refused is put under a user of
-            # its own: a later forgery must not hide the work of the student.
+            # nbgrader takes the newest delivery of each user.  A refused delivery gets a separate
+            # user, so that a later forgery cannot hide the student's work.
             record['username'] = f'not collected: {record["filename"]}'
         return record
 

@@ -1,8 +1,8 @@
 """
-Detect two people with the same name, in sources that have no other id: Moodle's.
+Detect two people with the same name in exports of Moodle, which have no other id.
 
-A student id that depends on who else has handed in would make three students of two, and a name
-alone would make one of two.  So ``collect`` does not guess: it refuses work under a name that two
+The name alone would give two people one id.  An id that also depends on the other deliveries could
+give one person two ids.  So ``collect`` does not guess: it refuses work under a name that two
 people have until the instructor gives each of them a separate name.  Moodle numbers the
 participants of each assignment from scratch, but within one assignment a person keeps the number.
 The numbers are saved, because on some days only one of the two has handed in.
@@ -43,7 +43,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
     """
     Return the saved names and numbers.
 
-    :raises NotTakenInError: if it is damaged: without it two people could become one
+    :raises NotTakenInError: if the file is damaged, because without it two people could get one id
     """
     path = layout.namesakes
     data, problems = read_file(path, path.name)
@@ -71,7 +71,7 @@ def in_doubt(
     Mark deliveries whose owner is unclear.
 
     :param assignment: what the source was handed in for, empty if that is not known
-    :returns: the same, with their doubts; and what is known now of the names
+    :returns: the deliveries with their doubts, and the updated names and numbers
     """
     here: dict[str, set[str]] = {}
     for one in handed:
@@ -89,14 +89,14 @@ def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
     name = one.student[:60]
     if one.number and student in known.shared:
         return (
-            f'two people are called {name!r}: unpack, put an id into the names of their folders '
-            f'as in "{name} ID_{one.number}_assignsubmission_file", the same one every time, and '
-            f'look whose submitted/{student} is'
+            f'two people are called {name!r}: unpack the zip, add an id to the names of their '
+            f'folders as in "{name} ID_{one.number}_assignsubmission_file", always the same id, '
+            f'and find out whose submitted/{student} is'
         )
     if one.number and before != one.number:
         return (
-            f'not the previous {name!r}: number {one.number} in Moodle, then {before}; put an '
-            f'id into the name of the folder as in "{name} ID_{one.number}_assignsubmission_file'
+            f'perhaps another {name!r}: number {one.number} in Moodle, earlier {before}; add an '
+            f'id to the name of the folder as in "{name} ID_{one.number}_assignsubmission_file'
             '", or if the same people hand in twice in Moodle, delete _work/namesakes.json'
         )
     return ''
@@ -106,7 +106,7 @@ def keep_namesakes(layout: Layout, known: Namesakes, taken: Iterable[tuple[Hande
     """
     Save the names, with the numbers of the students who were collected now.
 
-    :param taken: each with the assignment
+    :param taken: collected deliveries, each with its assignment
     :raises OSError: if it cannot be written
     """
     numbers: Numbers = {student: dict(of_one) for student, of_one in known.numbers.items()}

@@ -25,8 +25,8 @@ class Row:
     :param student: the student id in ``submitted/``, or as the source names them
     :param place: where in the source
     :param done: one of the four words above
-    :param notes: what somebody should know about it
-    :param person: a name for people, if the id is none
+    :param notes: remarks about the row
+    :param person: the student's name, if the id is not a name
     :param handed_in: time of delivery in UTC to the minute, empty if it is not known
     """
 

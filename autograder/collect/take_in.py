@@ -35,11 +35,11 @@ def collect(
 
     :param source: a folder or a zip file
     :param to: receives ``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb``
-    :param assignment: the only one wanted; empty to go by the notebooks
-    :param kind: of the source, empty to find out
-    :param write: False to only say what would be done
-    :param prefix: what the names of students' folders begin with
-    :param trust_names: whether to take from an exchange what other users own
+    :param assignment: the only assignment to collect; empty to recognise it by the notebooks
+    :param kind: of the source, empty to recognise it
+    :param write: False to only report what would be done
+    :param prefix: the beginning to remove from the names of students' folders
+    :param trust_names: whether to collect deliveries of an exchange that other users own
     :returns: the table
     :raises GraderError: if the source as a whole cannot be used
     """
@@ -83,9 +83,9 @@ def _choose(
     """
     Find the notebooks that can be collected.
 
-    :param wanted: the only assignment, empty to go by the notebooks
+    :param wanted: the only assignment, empty to recognise it by the notebooks
     :param name: of the source
-    :returns: them, a line for everything else, and what is known of people of one name
+    :returns: the notebooks, a row for everything else, and the updated names and numbers
     """
     seen = [look(one, course, wanted) for one in there.handed]
     goal = wanted or (of_all(seen, course, name) if there.single else '')
@@ -121,7 +121,7 @@ def _refused(tree: Tree) -> Iterator[Row]:
     """Yield the entries that were not read, one row per entry."""
     paths = [where.split('/') for where, _ in tree.refused]
     tops = {file.parts[0] for file in tree.files} | {parts[0] for parts in paths}
-    depth = 2 if len(tops) == 1 else 1  # a folder around everything tells nobody whose it is
+    depth = 2 if len(tops) == 1 else 1  # a single outer folder does not show the owner
     grouped: dict[tuple[str, ...], list[str]] = {}
     for where, why in tree.refused:
         grouped.setdefault((*where.split('/')[:depth], why), []).append(where)

@@ -3,7 +3,7 @@ Copy a notebook and its time to nbgrader's folder; write each file atomically.
 
 Collecting Monday's zip after Tuesday's changes nothing: if the source gives a time and the
 previous copy has one, an older notebook is not collected. If either time is missing, as with
-Canvas, Moodle and repositories, the last collected notebook is kept, and the table says so.
+Canvas, Moodle and repositories, the last collected notebook is kept, and the table reports it.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
 
     :param file_name: of the assignment's notebook
     :param to: the folder of the class
-    :param write: False to only say what would be done
-    :returns: a word for the table, and what is to be said about it
+    :param write: False to only report what would be done
+    :returns: a word for the table, and a remark
     :raises OSError: if it cannot be written
-    :raises UnreadableError: if the source has changed since it was looked at
+    :raises UnreadableError: if the source has changed since it was read
     """
     folder = to / one.student / one.assignment
     for part in (folder.parent, folder):
@@ -47,7 +47,7 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
     if write:
         data = None if same else one.read()
         if wanted is None and os.path.lexists(time):
-            # First of all: what is killed here must not leave an old time with a new notebook.
+            # Remove the time first: a kill must not leave an old time next to a new notebook.
             time.unlink()
         if wanted is not None and wanted != time_there:
             keep(time, wanted)
@@ -62,7 +62,7 @@ def _older(wanted: bytes | None, there: bytes | None) -> tuple[bool, str]:
     Return whether work is older than the existing copy, as far as both times are known.
 
     :param wanted: its time, as it would be written
-    :param there: the time that is there
+    :param there: the time of the existing copy
     """
     texts = ((data or b'')[:100].decode('utf-8', 'replace') for data in (wanted, there))
     new, old = (read_time(text)[0] for text in texts)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from autograder.exam.exam import Exam
 
 REFUSALS = (GraderError, EnvironmentError_, OSError, ModuleNotFoundError)
-"""Why a command cannot be done, in one line."""
+"""Errors that the command reports in one line."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -95,7 +95,7 @@ def _kept_builds(exam: Exam) -> Path | None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
-        return None  # a course that may only be read: every check builds
+        return None  # the course is read-only: build again in every check
     return folder if os.access(folder, os.W_OK) else None
 
 
@@ -145,7 +145,7 @@ def _as_problem(what: str, fix: str) -> dict[str, Any]:
 
     fix = (
         fix.removeprefix('Try: ').rstrip('.')
-        or 'run the cell again; if the error stays, type make doctor in a terminal'
+        or 'run the cell again; if the error remains, type make doctor in a terminal'
     )
     where = 'the checker itself, not your code'
     return asdict(Problem(where, 'a verdict', what.rstrip(' .'), fix))

@@ -258,7 +258,7 @@ def _around(
 
 def _versions() -> dict[str, str]:
     found = {'python': platform.python_version(), 'kernel': platform.release()}
-    for name in reversed(ROS_PACKAGES):  # the first that is installed counts
+    for name in reversed(ROS_PACKAGES):  # use the first one that is installed
         with suppress(PackageNotFoundError):
             found['rclpy'] = version(name)
     return found

@@ -25,7 +25,7 @@ from autograder.sandboxes.isolation import MODES, WEAK
 
 Marked = Sequence[tuple[ClassResults, Sequence[Mark]]]
 Made = tuple[Mapping[Path, bytes | None], bool, str]
-"""Content by path, None to remove it; whether a score is missing; and what is to be said."""
+"""Content by path, None to remove the file; whether a score is missing; text to print."""
 
 
 def options(parser: argparse.ArgumentParser) -> None:
@@ -176,7 +176,7 @@ def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
 def _gradescope(layout: Layout, chosen: argparse.Namespace, folder: Path) -> Made:
     ((found, given),) = marked = _marked(layout, chosen)
     files = {
-        folder / safe_name(one.student) / RESULTS: None  # removes that of an earlier grading
+        folder / safe_name(one.student) / RESULTS: None  # removes the file of an earlier grading
         if mark.points is None
         else results_bytes(one, chosen.visibility)
         for one, mark in zip(found.results, given)

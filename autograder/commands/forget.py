@@ -45,7 +45,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Print what the course has of students, and with ``--yes`` remove it."""
+    """Print all data about students, and remove it with ``--yes``."""
     layout, copies = Layout.here(), []
     with alone(layout, 'forget') if chosen.yes else nullcontext():
         found = [traces(layout, student) for student in chosen.students]
@@ -65,15 +65,15 @@ def run(chosen: argparse.Namespace) -> int:
 @dataclass(frozen=True)
 class Traces:
     """
-    What a course has of one student.
+    All data about one student in a course.
 
-    :param marks: what the gradebook has, one line per assignment
+    :param marks: marks in the gradebook, one line per assignment
     :param results: assignments with a result and a page in the reports
     :param journals: assignments in whose journal the student is
     :param name: the name, empty if none is known
     :param refused: why deliveries were not collected
-    :param made: folders with what nbgrader has made of the work
-    :param left: the folder of what was handed in, if it has no notebook of the course
+    :param made: folders that nbgrader generated from the work
+    :param left: the folder of the submission, if it has no notebook of the course
     :param moved: the same, if the next grading would find it
     """
 
@@ -108,7 +108,7 @@ class Traces:
 
 def traces(layout: Layout, student: str) -> Traces:
     """
-    Return what a course has of a student; change nothing.
+    Return all data about a student; change nothing.
 
     :param student: id or display name
     :raises GraderError: if there is no such student, or several have the name
@@ -151,12 +151,12 @@ def forget(layout: Layout, student: str) -> Path | None:
     """
     Remove what :func:`traces` lists.
 
-    :returns: a copy of the gradebook as it was, None if it is on a server or not made yet
+    :returns: a copy of the gradebook as it was, None if it is on a server or does not exist yet
     :raises GraderError: if the gradebook cannot be written or copied
     """
     found = traces(layout, student)
     copy = keep_copy(layout)
-    # What was handed in moves first: a grading that finds it would undo everything else.
+    # Move the submission first: a grading that found it would undo the removal.
     if found.moved:
         now = time.strftime('%Y-%m-%d_%H%M%SZ', time.gmtime())
         place = _forgotten(layout) / f'{student}_{now}'

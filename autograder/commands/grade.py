@@ -48,7 +48,7 @@ from autograder.sandboxes.isolation import banner, not_protected, WEAK
 from autograder.submission.inbox import discover, students_in, without_notebooks
 
 AHEAD = 64
-"""Runs that a scheduler has before it needs them: workers that come later find something to do."""
+"""Runs that a scheduler gets ahead of need, so that workers that join later have work."""
 MAX_NAMED = 5
 
 
@@ -123,7 +123,7 @@ def _positive(text: str) -> int:
 
 def run(chosen: argparse.Namespace) -> int:
     """Grade a class."""
-    # What ends a job of a cluster or a service is as good as Ctrl-C: nothing is left behind.
+    # Clusters and services end a job with SIGTERM: clean up as after Ctrl-C.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     _fit_together(chosen)
     layout = Layout.here()
@@ -210,7 +210,7 @@ def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> Usag
         'Canvas, Moodle or Gradescope'
     )
     for name in without_notebooks(submitted, known):
-        with suppress(OSError):  # It is no folder, or may not be read.
+        with suppress(OSError):  # not a folder, or not readable
             if students_in(submitted / name, known):
                 fix = f'--submitted {short(submitted / name, layout)}'
     return UsageError(
@@ -235,7 +235,7 @@ def _engine(
     engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
     jobs = warn_if_weak(engine, chosen.jobs or processors(), told)
     with in_a_pool(engine, jobs) as pooled:
-        # One thread more than processes: while one judges, all of them have something to run.
+        # One thread more than processes: while one thread judges, every process has a run.
         yield pooled, jobs + 1
 
 
@@ -275,7 +275,7 @@ def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path
             raise UsageError(f'--submitted {chosen}: there is no such folder.')
         return chosen.resolve()
     if not layout.submitted.is_dir() or not any(layout.submitted.iterdir()):
-        if layout.reports.is_dir():  # a class was here: its page is no place for sample students
+        if layout.reports.is_dir():  # never add sample students to a real class
             raise UsageError(
                 f'{layout.submitted}: there is nothing to grade. Try: python -m autograder '
                 'collect SOURCE, or python -m autograder sample-class for the example submissions'
@@ -310,7 +310,7 @@ def _grade_assignment(
     submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())
     if not submissions:
         return []
-    # Read before anything is run: results that cannot be read cost no grading.
+    # Read the old results first: if that fails, no runs are wasted.
     others: Sequence[SubmissionResult] = ()
     if submitted.resolve() != layout.submitted.resolve():
         others = results_of_others(layout, assignment, {one.student for one in submissions})
@@ -374,7 +374,7 @@ def _report(
     try:
         index = write_all_reports(layout, assignment, everybody, summary)
         where = f'Reports: {short(index, layout)}'
-    except OSError as error:  # the table is all that is left to see
+    except OSError as error:  # the command prints nothing after the table
         unwritten, where = str(of_system(error, str(layout.reports))), ''
     print_table(told, assignment, results, people, missing)
     told.print(summary, highlight=False, markup=False)

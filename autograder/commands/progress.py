@@ -28,7 +28,7 @@ from autograder.results import shortened
 
 NAME_CHARS = 30
 LINE_S = 5.0
-"""Time between two lines in a log."""
+"""Time between two lines in a log [s]."""
 
 
 @dataclass
@@ -52,7 +52,7 @@ class Totals:
     @property
     def slowest(self) -> tuple[str, float]:
         """Return the student whose runs took longest, and how long [s]; empty if unknown."""
-        # Equal files take equally long: the first by name, whichever came in first.
+        # Equal files take equal time: choose the first student by name, not by arrival.
         names = sorted(self.seconds)
         student = max(names, key=lambda name: round(self.seconds[name], 3), default='')
         took = self.seconds.get(student, 0.0)
@@ -85,9 +85,9 @@ def progress(
 
     :param total: how many runs there will be
     :param what: name of what is graded
-    :param line_s: time between two lines where no terminal is, or in CI
-    :param totals: what is to be counted in
-    :returns: what to call after each run, from any thread
+    :param line_s: time between two lines without a terminal, or in CI
+    :param totals: counts the outcomes
+    :returns: a function to call after each run, from any thread
     """
     totals, console = totals or Totals(), Console(stderr=True)
     if not is_alive(console):

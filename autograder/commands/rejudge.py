@@ -99,9 +99,9 @@ class Rejudged:
     """
     One student's work, judged again.
 
-    :param changed: what is different now
-    :param kept: why the old points stay, empty if all was judged again
-    :param graded: what can be entered in the gradebook
+    :param changed: the checks that differ now
+    :param kept: why the old points are kept, empty if everything was judged again
+    :param graded: results that can be entered in the gradebook
     """
 
     student: str
@@ -118,8 +118,8 @@ class Account:
     The outcome of judging one assignment again.
 
     :param seconds: wall time of the judging
-    :param written: what became of it, empty if nothing was to be written
-    :param refused: what nbgrader did not enter, and why
+    :param written: the outcome of writing, empty if nothing was to be written
+    :param refused: results that nbgrader did not enter, and why
     :param lowered: the marks in the gradebook that are, or would be, lowered or emptied
     """
 
@@ -178,7 +178,7 @@ class Account:
 
 
 Known = dict[tuple[Any, ...], tuple[ExamResult | None, str]]
-"""Verdicts by exam, files and recording."""
+"""Verdicts that are already known, by exam, files and recording."""
 
 
 def rejudge_command(

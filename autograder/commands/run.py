@@ -123,7 +123,7 @@ def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
     Return one exam, or all exams of an assignment.
 
     :param name: of an exam, or of an assignment with or without its number
-    :raises GraderError: if there is neither, with a near name
+    :raises GraderError: if there is neither, with a similar name
     """
     examined = {one: catalog.for_assignment(one, hidden) for one in layout.assignments()}
     by_exam = {exam.name: exam for found in examined.values() for exam in found}
@@ -162,7 +162,7 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
         if len(chosen) == 1 or any(name in theirs for name in exam.requires):
             found.append(Look(exam, theirs))
         elif package and exam.scenario.program == 'node':
-            found.append(Look(exam, theirs))  # its executable may come from any file
+            found.append(Look(exam, theirs))  # any file of the package may provide the executable
     if package:
         found = [replace(look, exam=as_package(look.exam, package)) for look in found]
     if not found:
@@ -225,7 +225,7 @@ def quick_look(
     try:
         yield from zip(found, pool.map(run, found))
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)  # after Ctrl-C, main ends what runs
+        pool.shutdown(wait=False, cancel_futures=True)  # after Ctrl-C, main() ends the runs
 
 
 @contextmanager

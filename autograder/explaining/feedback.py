@@ -244,7 +244,8 @@ def _most_expensive(result: SubmissionResult) -> CheckResult | None:
     cost: dict[tuple[str, str], float] = {}
     first: dict[tuple[str, str], CheckResult] = {}
     for exam in result.exams:
-        failed: dict[str, CheckResult] = {}  # by each check that the failure costs points
+        # The failed check, by the name of each check that loses points because of it.
+        failed: dict[str, CheckResult] = {}
         for check in exam.checks:
             if check.verdict is Verdict.NOT_RUN and check.waits_for in failed:
                 failed[check.check] = failed[check.waits_for]

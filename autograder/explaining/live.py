@@ -16,7 +16,7 @@ from autograder.recording import Event, LEVELS
 from autograder.results import shortened
 
 WIDEST = 110
-MOST_DIGITS = 9  # of a float: seventeen push what matters off the line
+MOST_DIGITS = 9  # digits of a float: all seventeen would hide the rest of the line
 SECOND = 1_000_000_000
 
 

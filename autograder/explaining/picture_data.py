@@ -26,15 +26,15 @@ from autograder.results import CheckResult, Verdict
 MOST_TIMES = 400
 MOST_ROWS = 6
 MOST_PERIODS = 24
-"""Of a rhythm that are shown; more are a grey field."""
+"""Periods of a rhythm that are shown; a grey field stands for more."""
 MOST_ARROWS = 8
 MOST_EVENTS = 20_000
-"""In a longer recording the first difference is looked for only where the check names it."""
+"""In a longer recording, only a difference that the check itself names is shown."""
 LONGEST_NAME = 80
 SECOND = 1_000_000_000
 LISTENING, SENDING = 'the checks, listening', 'the checks, sending'
 
-# What is expected begins with an amount of things that come one after the other.
+# The expectation begins with a number of messages, lines or the like.
 _AMOUNT = re.compile(
     r'^(?:at least |at most |exactly |about )?(?:\d+|no|one|two|three|four|five)\b.{0,40}?'
     r'\b(?:message|reading|line|warning|greeting|answer|text)s?\b',
@@ -140,7 +140,7 @@ def _reason(
         event for event in about if event['event'] == 'not_connected' or event.get('refused')
     ]
     if any(event['event'] == 'offered' and event['matched'] for event in about):
-        refused = []  # of several publishers of ours, one that offers too little on purpose
+        refused = []  # refused on purpose: this one of the grader's publishers offers too little
     if _about_qos(result) or refused:
         qos = ends[0]['qos']
         yours = f'yours is {qos["reliability"]}, {qos["durability"]}'

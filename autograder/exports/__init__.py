@@ -2,10 +2,10 @@
 Export the results of the last grading, one module per format.
 
 =========================  ===========================================================
-:mod:`.table`              CSV as RFC 4180 has it, safe to open in a spreadsheet
-:mod:`.canvas`             the gradebook file that Canvas gave, one column of it filled
+:mod:`.table`              CSV as in RFC 4180, safe to open in a spreadsheet
+:mod:`.canvas`             a gradebook file from Canvas, with one column filled
 :mod:`.gradescope`         ``results.json`` of each submission
-:mod:`.gradescope_zip`     an autograder for Gradescope, made of this course
+:mod:`.gradescope_zip`     an autograder for Gradescope, packed from this course
 :mod:`.junit`              JUnit XML, for CI servers
 :mod:`.as_json`            everything, as docs/results.schema.json describes it
 =========================  ===========================================================

@@ -25,12 +25,12 @@ from autograder.exports.marks import Mark
 from autograder.submission.ids import student_id
 
 ID_COLUMNS = ('SIS Login ID', 'SIS User ID', 'ID')
-"""Where a student's id is looked for."""
+"""Columns that may contain a student's id."""
 
 ASSIGNMENT = re.compile(r'^(?P<title>.*\S) \((?P<id>\d+)\)$')
 READ_ONLY = re.compile(r'read\s+only')
 KEPT = {'EX': 'is excused in Canvas', 'N/A': 'does not have this assignment in Canvas'}
-"""Cells that say why there is no score; they stay."""
+"""Cells that say why there is no score; they are kept."""
 BOM = '\N{ZERO WIDTH NO-BREAK SPACE}'
 SHOWN = 12
 
@@ -76,7 +76,7 @@ class Filled:
     :param column: header of the column
     :param replaced: student, what the cell held, what it holds now
     :param left_out: student, and why nothing was entered
-    :param untouched: lines of Canvas that no submission belongs to
+    :param untouched: lines of Canvas without a submission
     """
 
     data: bytes = b''
@@ -100,7 +100,7 @@ def fill(data: bytes, where: str, column: str, marks: Sequence[Mark], scale: boo
     """
     Enter marks in one column of a Canvas gradebook.
 
-    :param data: the file that Canvas gave
+    :param data: the file from Canvas
     :param where: how to name it in messages
     :param column: its header, its title or its id
     :param scale: convert the points if Canvas has another maximum
@@ -122,7 +122,7 @@ def read(data: bytes, where: str) -> Gradebook:
     """
     Read a gradebook file from Canvas.
 
-    :raises GraderError: if it is none
+    :raises GraderError: if the data is not such a file
     """
     try:
         text = data.decode('utf-8')
@@ -241,7 +241,8 @@ def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, 
     for row in book.students():
         for column in columns:
             text = book.rows[row][column].strip()
-            # What cannot be an id of nbgrader's as it is, as ann+x@example.org, was made one.
+            # collect changes names that nbgrader does not accept as ids, such as
+            # ann+x@example.org.
             for name in {text, student_id(text)} - {''}:
                 lines.setdefault(name, set()).add(row)
     found: dict[int, list[Mark]] = {}

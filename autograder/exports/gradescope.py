@@ -27,8 +27,8 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
     Return the content of ``results.json``.
 
     :param visibility: when students see the tests, one of :data:`VISIBILITIES`
-    :raises GraderError: if there is no mark, which this format cannot say: a file without a score
-        is refused, and without the file Gradescope asks for a person
+    :raises GraderError: if there is no mark, because Gradescope refuses a file without a score;
+        without the file, it refers the student to the staff
     """
     mark = automatic(result)
     # A student reads at once that a file is unusable, and can upload again; that needs a score.

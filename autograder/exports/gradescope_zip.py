@@ -28,7 +28,7 @@ HERE = Path(__file__).parent / 'gradescope_files'
 EXECUTABLE = ('setup.sh', 'run_autograder')
 SETTINGS = 'gradescope.json'
 ENGINE = ('autograder', 'drawing', 'environment', 'roslab', 'pyproject.toml')
-"""What grades, of this project; beside it goes what is the course's own."""
+"""Parts of this project that grading needs; the course's own files are added to them."""
 LEFT_OUT = {'_work', '__pycache__', '.ipynb_checkpoints', 'ros_ws', '.mypy_cache', '.ruff_cache'}
 MADE = (2024, 1, 1, 0, 0, 0)
 """Date of every entry: the same course gives the same bytes."""

@@ -81,7 +81,7 @@ def from_gradebook(
         'Try: make grade, or --points automatic for the points of the checks alone',
     )
     if not has_gradebook(layout):
-        raise missing  # opening would make an empty one
+        raise missing  # opening it would create an empty gradebook
     entered: dict[str, Mark] = {}
     with opened_gradebook(layout) as gradebook:
         try:
@@ -99,6 +99,6 @@ def from_gradebook(
 def _entered(result: SubmissionResult, entered: dict[str, Mark], most: float) -> Mark:
     """Return one student's mark, or why it does not belong to the last grading."""
     last = automatic(result)
-    if last.points is None and not result.unusable:  # what is unusable can be graded by hand
+    if last.points is None and not result.unusable:  # an unusable submission can be graded by hand
         return Mark(result.student, None, most, last.status)
     return entered.get(result.student) or Mark(result.student, None, most, NOT_ENTERED)

@@ -55,7 +55,7 @@ def refuse_unfit_points(layout: Layout, lesson: Lesson) -> None:
     ):
         path = folder / lesson.assignment / lesson.notebook
         if not path.is_file():
-            continue  # nbgrader says more about it
+            continue  # nbgrader reports it with more detail
         where = path.relative_to(layout.root).as_posix()
         if wrong := list(unfit_points(read_release(path), where, lesson.exams)):
             raise ExamInvalid(f'{" ".join(wrong)} No mark was changed.', f'Try: {fix}')

@@ -23,7 +23,7 @@ FILE_ADVICE = {
     'not a database': 'put a complete copy of the file in its place',
     'malformed': 'put a complete copy of the file in its place',
 }
-"""What to do about a gradebook file, by what SQLite says."""
+"""Advice about a gradebook file, by a part of SQLite's message."""
 
 
 class GradebookRefusedError(GraderError):
@@ -54,7 +54,7 @@ def refused(layout: Layout, said: str) -> GradebookRefusedError:
     """
     Return the error about a gradebook in one line: where it is, what is wrong, what to do.
 
-    :param said: the words of the database; the first line counts
+    :param said: the message of the database; only its first line is used
     """
     said = said.strip().partition('\n')[0].rstrip('.')
     path = gradebook_file(layout)
@@ -115,7 +115,7 @@ def query(layout: Layout, statement: Any, table: str = 'grade', **values: str) -
     """
     Return the rows of a query; none if the gradebook or a table does not exist yet.
 
-    :raises GraderError: if it cannot be asked
+    :raises GraderError: if it cannot be queried
     """
     with connected(layout) as gradebook:
         if gradebook is None or not inspect(gradebook).has_table(table):

@@ -28,7 +28,7 @@ from autograder.layout import Layout
 from autograder.results import SubmissionResult
 
 MAX_LINES = 6
-"""Lines of nbgrader's that are repeated: three students with two lines each."""
+"""Lines of nbgrader's output that are repeated: two lines each for three students."""
 
 
 def generate(layout: Layout, assignment: str, release: Path, database: bool) -> None:
@@ -37,7 +37,7 @@ def generate(layout: Layout, assignment: str, release: Path, database: bool) -> 
 
     :param release: folder that receives ``<assignment>/``
     :param database: whether to enter the assignment in the gradebook; False is deterministic
-    :raises GraderError: with nbgrader's own words
+    :raises GraderError: with nbgrader's message
     """
     config = load_config(layout)
     config.CourseDirectory.release_directory = str(release)
@@ -63,7 +63,7 @@ def autograde(
     :param submitted: folder of rebuilt notebooks, ``<student>/<assignment>/<notebook>.ipynb``
     :param results: by student; student code is not run again
     :param same_work: students whose answers are those that were entered last
-    :raises GraderError: with nbgrader's own words; the other students are recorded anyway
+    :raises GraderError: with nbgrader's message; the other students are recorded anyway
     :raises GradebookRefusedError: if the database failed; the students after that are not recorded
     """
     config = load_config(layout)
@@ -120,7 +120,7 @@ def _one_engine() -> Iterator[None]:
         yield
     finally:
         api.create_engine = make
-        del tables.create_all  # the class's own is there again
+        del tables.create_all  # restores the method of the class
 
 
 class _StopsAtDatabase(BaseConverter):
@@ -212,11 +212,11 @@ class _Errors(logging.Handler):
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keep warnings of SQLAlchemy and tracebacks of nbgrader's gradebook off the terminal."""
-    gradebook = logging.getLogger('tornado.application')  # which nbgrader.api writes to
+    gradebook = logging.getLogger('tornado.application')  # nbgrader.api writes to this logger
     before, gradebook.disabled = gradebook.disabled, True
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter('ignore')  # SQLAlchemy about nbgrader's own queries
+            warnings.simplefilter('ignore')  # from SQLAlchemy, about nbgrader's own queries
             yield
     finally:
         gradebook.disabled = before
@@ -225,7 +225,8 @@ def _quiet() -> Iterator[None]:
 @contextmanager
 def _logged(doing: str) -> Iterator[logging.Logger]:
     """Give nbgrader a separate log, and turn its failure into one sentence."""
-    log = logging.Logger('nbgrader', logging.WARNING)  # in no hierarchy: nothing is printed
+    # Not in the hierarchy of loggers: nothing is printed.
+    log = logging.Logger('nbgrader', logging.WARNING)
     errors = _Errors()
     log.addHandler(errors)
     try:

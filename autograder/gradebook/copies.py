@@ -23,7 +23,7 @@ from autograder.layout import Layout
 MAX_RECENT = 10
 MAX_DAYS = 10
 MAX_BYTES = 500_000_000
-"""All copies together; the newest stays, whatever its size."""
+"""Limit of all copies together; the newest copy is kept, whatever its size."""
 _NAME = '%Y-%m-%d_%H%M%SZ.db'
 _DAY_CHARS = len('2026-12-31')
 
@@ -54,7 +54,7 @@ def keep_copy(layout: Layout) -> Path | None:
     if there and there[-1].stat().st_mtime_ns == changed_ns:
         return there[-1]
     copy = copies_folder(layout) / time.strftime(_NAME, time.gmtime())
-    unfinished = copy.with_name('unfinished')  # one name: only one grading at a time is here
+    unfinished = copy.with_name('unfinished')  # one fixed name: only one grading runs at a time
     try:
         with closing(sqlite3.connect(path)) as book:
             if _is_empty(book):
@@ -66,12 +66,12 @@ def keep_copy(layout: Layout) -> Path | None:
         unfinished.replace(copy)
     except (sqlite3.Error, OSError) as error:
         unfinished.unlink(missing_ok=True)
-        if type(error) is sqlite3.DatabaseError:  # what SQLite cannot do now is a subclass
+        if type(error) is sqlite3.DatabaseError:  # temporary failures are subclasses
             raise _damaged(layout, path, str(error)) from error
         raise GraderError(
             f'{path}: the gradebook cannot be copied: {error}. Nothing was entered.',
-            f'Try: free space for {copy.parent}, close what else writes to the gradebook, then '
-            'the same command again. Finished runs are kept.',
+            f'Try: free space for {copy.parent}, close other programs that write to the '
+            'gradebook, then run the same command again. Finished runs are kept.',
         ) from error
     _remove_old(copies(layout))
     return copy
@@ -106,7 +106,7 @@ def refuse_damaged(layout: Layout) -> None:
     """
     Refuse a gradebook file that is damaged, or empty although it was filled before.
 
-    A missing file is accepted: to remove it is the way to start a new gradebook.
+    A missing file is accepted: an instructor removes the file to start a new gradebook.
 
     :raises GraderError: with the copy to restore
     """
@@ -124,7 +124,7 @@ def refuse_damaged(layout: Layout) -> None:
         nothing = not path.stat().st_size
         if not empty or not (_was_filled(layout) or (nothing and copies(layout))):
             return
-        got = 'an empty file' if nothing else 'it no longer has any submission'
+        got = 'an empty file' if nothing else 'it no longer has any submissions'
     raise _damaged(layout, path, got)
 
 

@@ -16,7 +16,7 @@ from autograder.layout import Layout
 
 def forget_made(layout: Layout, students: Collection[str]) -> None:
     """Remove students from journals, gradebook and reports."""
-    # A gradebook that is empty while its journals are not is refused as damaged.
+    # Journals first: an empty gradebook with non-empty journals would be refused as damaged.
     for assignment in layout.assignments():
         drop(layout, assignment, students)
     if has_gradebook(layout):
@@ -32,7 +32,7 @@ def _forget_in_reports(layout: Layout, students: Collection[str]) -> None:
         try:
             others = results_of_others(layout, assignment, students)
         except GraderError:
-            continue  # a grading writes them again
+            continue  # the next grading writes them again
         if others:
             write_all_reports(layout, assignment, others)
         else:

@@ -53,9 +53,9 @@ def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
 
 def score_of(cell: NotebookNode, result: SubmissionResult) -> float | None:
     """
-    Return the score of a check cell, or None if a person has to look first.
+    Return the score of a check cell, or None if it is for review.
 
-    :param cell: one of the release
+    :param cell: a cell of the release
     """
     maximum = float(cell.metadata.nbgrader['points'])
     for exam in () if result.review else result.exams:

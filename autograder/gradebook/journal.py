@@ -29,7 +29,7 @@ from autograder.layout import Layout
 from autograder.submission.reading import read_file
 
 Rows = dict[str, dict[str, Any]]
-"""By student, what the gradebook shows, by cell."""
+"""The values that the gradebook shows, by student and by cell."""
 
 SHOWN = """
 select submitted_assignment.student_id, base_cell.name, grade.auto_score,
@@ -52,14 +52,14 @@ def make_gradebook(layout: Layout) -> None:
     """
     Create the gradebook atomically, unless its file exists.
 
-    nbgrader makes its tables and then notes their version; killed in between, it leaves a
-    gradebook that a later nbgrader cannot upgrade.  The journals are removed first: they
-    describe a gradebook that no longer exists.
+    nbgrader creates its tables and then stores their version.  If it is killed in between, a later
+    nbgrader cannot upgrade the gradebook.  The journals are removed first: they describe a
+    gradebook that no longer exists.
     """
     path = gradebook_file(layout)
     if path is None or path.exists():
         return
-    unfinished = Path(f'{path}.unfinished')  # one name: only one grading at a time is here
+    unfinished = Path(f'{path}.unfinished')  # one fixed name: only one grading runs at a time
     unfinished.parent.mkdir(parents=True, exist_ok=True)
     for left in (unfinished, Path(f'{unfinished}-journal')):
         left.unlink(missing_ok=True)
@@ -89,7 +89,7 @@ def _make(path: Path, course: str) -> None:
     from nbgrader import api
     from nbgrader.dbutil import ALEMBIC_DIR
 
-    of_nbgrader = api.get_alembic_version  # starts a command for it, which takes a second
+    of_nbgrader = api.get_alembic_version  # starts a separate command, which takes a second
     api.get_alembic_version = ScriptDirectory(ALEMBIC_DIR).get_current_head
     try:
         with api.Gradebook(f'sqlite:///{path}', course):
@@ -131,7 +131,7 @@ def note(layout: Layout, lesson: Lesson, entered: Sequence[Graded]) -> None:
     path = journal(layout, lesson.assignment)
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open('ab') as file:
-        # A line that was cut off must not swallow the next one.
+        # An incomplete last line must not merge with the next one.
         file.write(b'\n' + b''.join(lines))
         file.flush()
         os.fsync(file.fileno())
@@ -172,7 +172,7 @@ def shown(layout: Layout, assignment: str) -> Rows:
     """
     Return what the gradebook shows of an assignment.
 
-    :raises GraderError: if it cannot be asked
+    :raises GraderError: if it cannot be queried
     """
     rows: Rows = {}
     for student, cell, *facts in query(layout, text(SHOWN), assignment=assignment):

@@ -21,7 +21,7 @@ from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 
 TOGETHER = 10
-"""Submissions entered at once: what it takes to begin is then a tenth of the whole."""
+"""Submissions per entry: the time to begin an entry is then a tenth of the whole."""
 
 
 @dataclass
@@ -60,7 +60,7 @@ class Guard:
         """
         Return why marks were not changed; empty if all were.
 
-        :param done: what became of the command
+        :param done: the outcome of the command
         """
         counts = {name: len(marks) for name, marks in self.lowered.items() if marks}
         if self.yes or not counts:
@@ -122,7 +122,7 @@ class Entering:
 
 def begin_to_enter(layout: Layout, assignment: str, guard: Guard | None = None) -> None:
     """Prepare the gradebook during the runs, because nbgrader takes seconds to import."""
-    journal.shown(layout, assignment)  # an error here is plainer than nbgrader's
+    journal.shown(layout, assignment)  # reports errors in plainer words than nbgrader
     journal.refuse_incomplete(layout)
     _ = (guard or Guard(layout)).copy
     journal.make_gradebook(layout)
@@ -140,7 +140,7 @@ def enter(
     Enter new results in the gradebook; return how many there were, and what was refused.
 
     :param begin: prepares the gradebook, which is not needed if nothing is new
-    :param guard: says which marks are left as they are, None if no mark is
+    :param guard: decides which marks are not changed; None if every mark may change
     """
     new: Sequence[Graded] = graded
     try:

@@ -50,7 +50,7 @@ def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> l
     :raises GraderError: if the gradebook cannot be read
     """
     if not has_gradebook(layout):
-        return []  # opening would make one
+        return []  # opening it would create a gradebook
     from nbformat import from_dict
     from nbgrader.api import MissingEntry
 

@@ -3,12 +3,12 @@ The grader's parts of nbgrader's commands, named in ``nbgrader_config.py``.
 
 nbgrader would run student code and tests in one kernel and believe the outputs.  Instead
 
-* :class:`SubmissionExporter` reads what was handed in, whatever it is, and continues with the
-  release plus the student's answers;
+* :class:`SubmissionExporter` reads the submitted file, whatever it contains, and continues with
+  the release plus the student's answers;
 * :class:`GradeOutside` replaces nbgrader's execution of the notebook: it grades in the sandbox
   and writes each check cell's feedback and score as outputs;
 * :class:`SaveGrades` records them, and nothing where there is no score;
-* :class:`ClearSolutionsByKind` makes the stubs of a release.
+* :class:`ClearSolutionsByKind` creates the stubs of a release.
 
 Formgrader, feedback and export then work unchanged.
 """
@@ -47,8 +47,8 @@ from autograder.submission.notebook import read_release
 from autograder.submission.reading import read_file
 from autograder.submission.submission import open_submission
 
-NO_RESPONSE = 'No response.'  # what nbgrader itself says of an untouched answer
-LOST = 'What you wrote here could not be found in what was handed in; a note below says why.'
+NO_RESPONSE = 'No response.'  # nbgrader's own text for an untouched answer
+LOST = 'Your answer here was not found in the submitted file; a note below says why.'
 _STUBS = {
     'node': f'# {UNSOLVED}\nraise NotImplementedError()',
     'rosmsg': f'# {UNSOLVED}',
@@ -64,7 +64,7 @@ _SAFE_TAGS = {
     *('del', 's', 'sub', 'sup', 'dl', 'dt', 'dd'),
 }
 _SAFE_ATTRIBUTES = {**bleach.ALLOWED_ATTRIBUTES, '*': ['class', 'id']}
-# Our pictures, and the style of the words around them: nothing of it loads or runs anything.
+# The grader's pictures and the style around them, which load and run nothing.
 _PICTURE_TAGS = {'svg', 'g', 'title', 'desc', 'path', 'line', 'rect', 'text'}
 _PICTURE_ATTRIBUTES = [
     *('class', 'id', 'style', 'role', 'aria-label', 'aria-labelledby', 'tabindex'),
@@ -154,7 +154,7 @@ class SubmissionExporter(NotebookExporter):
         opened = open_submission(data, release, path.name, problems)
         for problem in opened.problems:
             self.log.warning('%s: %s', resources['nbgrader']['student'], problem.line())
-        for flag in opened.flags:  # they quote the student, so they go into no file
+        for flag in opened.flags:  # flags quote the student, so they are written to no file
             self.log.warning('%s: flag: %s', resources['nbgrader']['student'], printable(flag))
         return self.from_notebook_node(to_node(opened), resources=resources, **kw)
 
@@ -172,7 +172,7 @@ class FeedbackExporter(HTMLExporter):
 
 
 class GradesToShow(GetGrades):
-    """nbgrader's GetGrades, which also says what still waits for a person."""
+    """nbgrader's GetGrades, which also shows what still needs manual grading."""
 
     _lost: frozenset[str] = frozenset()
 
@@ -211,7 +211,7 @@ class GradeOutside(NbGraderPreprocessor):
     _engine: Engine | None = None
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
-        """Grade a notebook, unless results came along: :mod:`autograder.gradebook.record`."""
+        """Grade a notebook, unless :mod:`autograder.gradebook.record` has passed its result."""
         result = resources['nbgrader'].get('result')
         if result is None:
             result = self._grade(nb, resources)
@@ -246,11 +246,11 @@ class GradeOutside(NbGraderPreprocessor):
 
 class SaveGrades(SaveAutoGrades):
     """
-    nbgrader's SaveAutoGrades, with a different rule for what waits for a person.
+    nbgrader's SaveAutoGrades, with a different rule for manual grading.
 
-    A check without a score waits for a person.  A manual grade does not wait again if the work is
-    unchanged: otherwise a rerun would remove the mark until a person has looked at each answer
-    once more.
+    A check without a score needs manual grading.  A manual grade stays valid if the work is
+    unchanged: otherwise a rerun would remove the mark until the instructor has graded each answer
+    again.
     """
 
     _unusable = False

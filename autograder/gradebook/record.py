@@ -73,7 +73,7 @@ def _is_same_work(layout: Layout, lesson: Lesson, graded: Graded) -> bool:
         text = autograded(layout, lesson, graded).read_text(encoding='utf-8')
         return _answers(json.loads(text)) == _answers(graded.opened.notebook)
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
-        return False  # missing, or not as nbgrader has written it
+        return False  # missing, or changed after nbgrader wrote it
 
 
 def _answers(notebook: Mapping[str, Any]) -> dict[str, str]:
@@ -97,7 +97,7 @@ def _name(layout: Layout, students: Collection[str]) -> None:
         for student in gradebook.students:
             if student.id in people and not (student.first_name or student.last_name):
                 first, _, last = people[student.id].rpartition(' ')
-                # A single word: formgrader shows "last, first".
+                # A name of one word goes into last_name: formgrader shows "last, first".
                 gradebook.update_or_create_student(
                     student.id, first_name=first or student.id, last_name=last
                 )

@@ -15,7 +15,7 @@ def load_config(layout: Layout) -> Config:
     """
     Return the settings in the course's ``nbgrader_config.py``.
 
-    :raises GraderError: if there is none, or it breaks
+    :raises GraderError: if the file is missing or raises an exception
     """
     path = layout.root / 'nbgrader_config.py'
     if not path.is_file():

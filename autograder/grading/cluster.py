@@ -49,7 +49,7 @@ class Cluster:
         """
         Run a task on any worker; the scheduler chooses a different one if a worker is lost.
 
-        :raises WorkerDied: if it took several workers with it
+        :raises WorkerDied: if the task killed several workers
         :raises GraderError: if the cluster was lost
         """
         from distributed.scheduler import KilledWorker
@@ -77,7 +77,7 @@ def cluster_engine(address: str, layout: Layout, fresh: bool = False) -> Iterato
 
     :param address: of the scheduler, such as ``tcp://10.0.0.5:8786``
     :param fresh: repeat all runs
-    :raises ClusterUnavailable: with the worker and what is wrong with it
+    :raises ClusterUnavailable: with the worker and its problem
     """
     from autograder.grading.pipeline import SandboxEngine
     from autograder.sandboxes.sandbox import Sandbox
@@ -155,7 +155,7 @@ def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
     Return the isolation mode of all workers; raise if they differ.
 
     :param answers: by worker, what :func:`about` said
-    :raises ClusterUnavailable: if one has none, another one or another version of the project
+    :raises ClusterUnavailable: if a worker has no isolation, or workers differ in mode or version
     """
     first = ''
     for worker, found in answers.items():

@@ -39,8 +39,8 @@ def examine(
     :param recordings: folder that keeps recordings; None keeps nothing
     :param fresh: run even if a recording is kept
     :param told: called with each event of a run as it happens, if it takes place here
-    :param place: where to run, None for this thread; judged is always here
-    :raises GraderError: for a fault of ours; then there is no verdict
+    :param place: where to run, None for this thread; judging always happens here
+    :raises GraderError: for a fault of the grader; then there is no verdict
     """
     if exam.hidden and not sandbox.keeps_secrets:
         raise SandboxUnavailable(
@@ -86,7 +86,7 @@ def judged(
 
 def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamResult | None:
     """
-    Judge files that need no run, because one is missing or they decide alone; else None.
+    Judge files that need no run: one is missing, or the files alone decide; otherwise None.
 
     :param mode: isolation mode to name
     """

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from autograder.sandboxes.sandbox import Sandbox
 
 
-LIKE_A_RUN_S = 0.3  # the start of Python and of a node takes more
+LIKE_A_RUN_S = 0.3  # shorter than any real run, which has to start Python and a node
 THREADS = 'grading'
 """How the names of the pool's threads begin."""
 
@@ -189,8 +189,8 @@ def grade_class(
 
     :param jobs: how many runs at a time
     :param on_done: called for each exam of each submission, in any thread
-    :param meanwhile: called in this thread while the pool works, if anything has to be run: at
-        first with nobody, then with those that are ready since the last call
+    :param meanwhile: called in this thread while the pool works, if anything has to be run: first
+        with no submission, then with those that were finished since the last call
     :returns: in the order of the submissions
     """
     opened = [open_one(submission, lesson) for submission in submissions]
@@ -221,7 +221,7 @@ def grade_class(
             result = _assemble(opened[index], submission.student, lesson, files[index], outcomes)
             graded.append(Graded(submission, opened[index], result))
     finally:
-        # After Ctrl-C nothing new starts; what runs is ended by its sandbox's own limits.
+        # After Ctrl-C nothing new starts; the limits of the sandboxes end the current runs.
         pool.shutdown(wait=False, cancel_futures=True)
     return tuple(graded)
 
@@ -251,7 +251,7 @@ def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> ExamResult | G
         return engine.run(exam, files)
     except GraderError as error:
         return error
-    except Exception as error:  # a defect of ours: no verdict, and a person has to look
+    except Exception as error:  # a defect of the grader: for review, without a verdict
         return defect(error, exam.name)
 
 
@@ -263,7 +263,7 @@ def end_runs(within_s: float = 5.0) -> bool:
     this process.
 
     :param within_s: how long to try
-    :returns: whether they came to their end
+    :returns: whether the threads have ended
     """
     deadline = time.monotonic() + within_s
     while threads := [one for one in threading.enumerate() if one.name.startswith(THREADS)]:
@@ -281,7 +281,7 @@ def _end_sandboxes() -> None:
     Probes come first: no probe may record that a student's program was killed.  The outer process
     of a sandbox is not killed, because that would orphan the inner one.
     """
-    import psutil  # only the course's own Python has it
+    import psutil  # installed only in the course's own Python
 
     probes: list[psutil.Process] = []
     others: list[psutil.Process] = []
@@ -326,7 +326,7 @@ class Done:
     One exam of one submission has ended.
 
     :param student: whose it is
-    :param outcome: the result, or our own fault
+    :param outcome: the result, or a fault of the grader
     """
 
     student: str

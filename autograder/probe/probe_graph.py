@@ -14,7 +14,7 @@ import re
 from typing import Any
 
 from probe_wire import qos_json  # type: ignore[import-not-found]  # beside this file
-from rclpy.node import Node
+from rclpy.node import Node, NodeNameNonExistentError
 
 # Ignore subscriptions on these topics: every node has them.
 HIDDEN_TOPICS = ('/parameter_events', '/rosout', '/clock')
@@ -46,9 +46,25 @@ class Graph:
             for name, namespace in self.node.get_node_names_and_namespaces()
             if name != '_NODE_NAME_UNKNOWN_'
         )
+        found = [name for name in found if self._is_there(name)]
         if self.own_name in found:
             found.remove(self.own_name)
         return found
+
+    def _is_there(self, name: str) -> bool:
+        """
+        Return whether a node has a publisher, as every node has for changes of its parameters.
+
+        If a program ends as soon as it is found, the middleware may hear of its node after it has
+        heard that all its endpoints are gone.  Then it lists this node for ever.
+        """
+        if not NODE_NAME.fullmatch(name):
+            return True
+        namespace, _, base = name.rpartition('/')
+        try:
+            return bool(self.node.get_publisher_names_and_types_by_node(base, namespace or '/'))
+        except NodeNameNonExistentError:
+            return False
 
     def askable(self) -> list[str]:
         """Return the names of nodes whose services can be called, without repeats."""

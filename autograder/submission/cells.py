@@ -24,10 +24,10 @@ PACKAGE_FILES = (
 """Files of a package that a cell may be, apart from messages and nodes."""
 
 LETTERS = 'abcd'
-"""What can be answered to a multiple-choice question."""
+"""The possible answers to a multiple-choice question."""
 
 ANSWER_MAX = 2000
-"""Characters of an answer with its comments; Python itself stumbles over longer nonsense."""
+"""Characters of an answer with its comments; Python may crash on longer nonsense."""
 
 MAGIC_LINE_MAX = 200
 """Characters of a magic line; file names are at most 255 bytes long."""
@@ -54,7 +54,7 @@ _RULES = {
         'expected the name of a question, as in %%answer q01',
     ),
 }
-"""For each kind, how a name has to be, in two ways."""
+"""The rule for names of each kind, as a pattern and as text."""
 
 
 class CellSyntaxError(ValueError):
@@ -66,7 +66,7 @@ class NotALetterError(ValueError):
     The answer to a multiple-choice question is not one of its letters.
 
     :param reason: short stable name
-    :param text: what was written, in words, for a message
+    :param text: a description of the answer, for a message
     """
 
     def __init__(self, reason: str, text: str) -> None:

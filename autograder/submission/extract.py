@@ -91,7 +91,7 @@ def with_reasons(result: SubmissionResult, exams: Iterable[Exam]) -> SubmissionR
         reasons = [one for one in result.problems if cells[exam.exam] & set(one.cells)]
         if reasons:
             fix = f'{reasons[0].try_this[:1].upper()}{reasons[0].try_this[1:]}.'
-            why = 'The answer could not be found in what was handed in; the note says why.'
+            why = 'The answer was not found in the submitted file; the note says why.'
             exam = with_missing_file(exam, cause=why, try_this=fix)
         explained.append(exam)
     return replace(result, exams=tuple(explained))

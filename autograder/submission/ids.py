@@ -9,7 +9,7 @@ import unicodedata
 from autograder.submission.inbox import is_letter, is_student_id, MAX_NAME_CHARS
 
 _DIGITS = 12
-"""Nobody tries so many names to get the id of somebody else: 16 to the power of this."""
+"""Digits of the digest: 16**12 names are too many to try for a given id."""
 _REPLACED = re.compile(rf'.*--[0-9a-f]{{{_DIGITS}}}')
 
 
@@ -26,7 +26,8 @@ def student_id(name: str) -> str:
     text = unicodedata.normalize('NFC', name)
     kept = ''.join(char if is_letter(char) or char in ' .@-' else '_' for char in text)
     kept = kept.strip(' ._-@')
-    while kept and unicodedata.category(kept[0])[0] == 'M':  # a sign without its letter
+    # Drop combining characters without their letter.
+    while kept and unicodedata.category(kept[0])[0] == 'M':
         kept = kept[1:].lstrip(' ._-@')
     if not kept:
         return ''

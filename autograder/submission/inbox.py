@@ -113,7 +113,7 @@ def _has_notebook(folder: Path, assignments: Collection[str]) -> bool:
     A link instead of that folder counts, so that the attempt is reported; it is not followed.
     """
     for place in (folder / one for one in assignments):
-        with suppress(OSError):  # It is missing, or may not be read.
+        with suppress(OSError):  # missing or not readable
             kind = stat.S_ISDIR(os.lstat(folder).st_mode) and os.lstat(place).st_mode
             if kind and stat.S_ISLNK(kind):
                 return True

@@ -43,7 +43,7 @@ def read_handed_in(path: Path) -> dict[str, str]:
 
     :param path: a ``.py`` file, a folder or a ``.zip`` file; of several folders inside, the one
         with the package counts
-    :raises NotTakenInError: if it is none of them, or not safe to take in
+    :raises NotTakenInError: if it is none of them, or not safe
     """
     if path.suffix == '.py' and not path.is_dir():
         return {path.name: _script(path)}
@@ -117,7 +117,7 @@ def in_package(files: Mapping[str, str], where: str) -> dict[str, str]:
     """
     Return the files of the only package, with paths from its own folder.
 
-    :param files: of a package, or of a folder somewhere in which a package lies
+    :param files: of a package, or of a folder that contains a package at any depth
     :raises NotTakenInError: if there are several packages
     """
     roots = sorted(
@@ -157,7 +157,7 @@ def with_node_files(files: Mapping[str, str], wanted: Iterable[str]) -> dict[str
         if name in found or not name.endswith('.py'):
             continue
         if any(path.startswith(f'{name}/') for path in files):
-            continue  # a folder of the node's name: no file can be put there
+            continue  # a folder has the node's name, so no file can
         text = _node_text(files, name)
         if text is not None:
             found[name] = text

@@ -15,10 +15,10 @@ Notebook = dict[str, Any]
 """A notebook in format 4, as JSON types."""
 MAX_BYTES = 16 * 1024 * 1024
 MAX_PARTS = 500_000
-"""Bound on lists, objects and strings: a small file of ``[],[],...`` fills the memory."""
+"""Limit of lists, objects and strings: a small file of ``[],[],...`` would fill the memory."""
 MAX_CELLS = 5_000
 MAX_ANSWER_BYTES = 64 * 1024
-"""Bound on one answer, ten times a long one: it goes to a compiler and a database."""
+"""Limit of one answer, ten times a long one: a compiler and a database have to handle it."""
 FRESH_COPY = 'download a fresh copy of the assignment and copy the answers into it'
 
 
@@ -157,7 +157,8 @@ def _clean(text: str) -> str:
 
     A text that is too long for an answer is cut, but stays longer than the limit.
     """
-    text = text[: 2 * (MAX_ANSWER_BYTES + 1)]  # two characters of it are one Windows line end
+    # Twice the limit, because a Windows line end has two characters.
+    text = text[: 2 * (MAX_ANSWER_BYTES + 1)]
     text = text.replace('\r\n', '\n').replace('\r', '\n')
     return text.encode('utf-8', 'replace').decode('utf-8')
 
@@ -184,9 +185,9 @@ def read_release(path: Path) -> Notebook:
 
 
 MARKS = ('grade', 'solution', 'locked', 'points', 'task')
-"""nbgrader's marks that decide what a cell is worth."""
+"""Fields of nbgrader's metadata that decide how a cell is graded."""
 _NUMBERS = {number / 20: number / 20 for number in range(20001)}
-"""Points as courses give them, in steps of 0.05; shared, as a file may hold millions."""
+"""Usual points, in steps of 0.05; each is one shared object, as a file may hold millions."""
 
 
 def small_number(text: str) -> float | bool:

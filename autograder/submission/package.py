@@ -17,14 +17,14 @@ from autograder.submission.reading import read_file
 
 MAX_FILES = 200
 NOTEBOOK_KINDS = ('.py', '.msg', '.srv', '.action', '.xml', '.txt', '.cfg', '.toml', '.yaml')
-"""What the cells of a lesson make."""
+"""Suffixes of the files that cells of a lesson save."""
 
 KINDS = (
     *NOTEBOOK_KINDS,
     *('', '.md', '.rst', '.in', '.cmake', '.json', '.yml', '.sh', '.launch'),
     *('.h', '.hpp', '.c', '.cpp'),
 )
-"""What a build may need; no suffix have the marker in resource/ and licences."""
+"""Suffixes of files that a build may need; the marker in resource/ and licences have none."""
 
 
 def read_package(folder: Path) -> dict[str, str]:

@@ -27,7 +27,7 @@ def read_file(
         if not stat.S_ISREG(kind):
             got = 'a symbolic link' if stat.S_ISLNK(kind) else 'something else'
             return None, (Problem(where, 'a regular file', got, SUBMIT_AGAIN),)
-        # The file may have been exchanged since lstat, so look again at what was opened.
+        # The file may have been replaced since lstat, so check the opened file again.
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
         with os.fdopen(descriptor, 'rb') as file:
             now = os.fstat(descriptor)
@@ -38,7 +38,7 @@ def read_file(
                 return None, (Problem(where, 'the file that was listed', got, SUBMIT_AGAIN),)
             if now.st_size > MAX_BYTES:
                 return None, (too_large(where, now.st_size),)
-            return file.read(now.st_size + 1), ()  # reading makes room for what it asks for
+            return file.read(now.st_size + 1), ()  # read() allocates the size that it is given
     except OSError as error:
         return None, (unreadable(where, error),)
 

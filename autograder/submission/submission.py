@@ -83,8 +83,8 @@ def rebuild(
     :param release: the notebook that students received
     :param student: cells of the submitted notebook; None if it could not be read
     :param where: how to name the file in messages
-    :returns: a new notebook and what is to be said about the answers.  A missing answer leaves
-        the release's stub in place and is named by a problem's ``cells``.
+    :returns: a new notebook, and the problems of the answers.  A missing answer leaves the
+        release's stub in place, and a problem's ``cells`` names it.
     """
     notebook = copy.deepcopy(release)
     problems: list[Problem] = []

@@ -29,7 +29,7 @@ COLCON_MARK = 'COLCON_IGNORE'
 _CHUNK = 1 << 20
 _NOISE = 'made by a program'
 _UTF_8 = 0x800
-"""Set where a zip says that a name is UTF-8."""
+"""Flag of a zip entry whose name is UTF-8."""
 _COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError)
 
@@ -47,12 +47,12 @@ class Bounds:
     """
     Limits for what is read of a source.
 
-    :param what: what it should be, in words
+    :param what: a description of the expected source
     :param fix: what to try if it is not
-    :param is_noise: returns whether a program has left a path, of which nothing above is noise;
-        called with the path and with the folders that have the mark of colcon
-    :param entries: how many names may count
-    :param listed: how many names are looked at, whatever they are
+    :param is_noise: returns whether a program generated a path; called with a path whose parents
+        are not generated, and with the folders that have colcon's mark
+    :param entries: limit of names, without generated files
+    :param listed: limit of all names
     """
 
     what: str
@@ -112,8 +112,8 @@ class Tree:
     A source with its files.
 
     :param files: in the order of their paths
-    :param refused: path and reason of what was left where it was
-    :param empty: folders with none of both, the two upper levels
+    :param refused: path and reason of each skipped entry
+    :param empty: folders with neither of these, in the two upper levels
     :param repositories: folders with a ``.git`` in them
     :param owners: numbers of the users who own folders and files; a zip does not tell them
     """
@@ -132,7 +132,7 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
     Yield a source; its files can be read until the end of the context.
 
     :param source: a folder or a zip file
-    :raises NotTakenInError: if it is neither, broken, or too much
+    :raises NotTakenInError: if it is neither, damaged, or too large
     """
     try:
         kind = source.stat().st_mode
@@ -172,8 +172,8 @@ class _Meter:
         """
         Count and return the bytes of a file; raise if they exceed a limit.
 
-        :raises NotTakenInError: if it is too much with all the others
-        :raises UnreadableError: if it is too much for one file
+        :raises NotTakenInError: if all files together are too large
+        :raises UnreadableError: if the file alone is too large
         """
         self.count += 0 if parts in self.known else len(data)
         self.known.add(parts)
@@ -189,7 +189,7 @@ class _Name:
     """
     One name in a source.
 
-    :param trouble: why it is not taken
+    :param trouble: why it is skipped
     :param read: returns the content, None for a folder
     """
 
@@ -257,7 +257,7 @@ def _in_folder(folder: Path, above: Parts, meter: _Meter) -> Iterator[_Name]:
             try:
                 yield _Name(parts, '', None, owner)
                 yield from _in_folder(path, parts, meter)
-            except PermissionError:  # one student's folder, as exchanges have them
+            except PermissionError:  # in an exchange, a student's own folder may be unreadable
                 trouble = 'a folder that cannot be read: permission denied'
                 yield _Name(parts, trouble, None, owner)
 
@@ -271,7 +271,7 @@ def _read_path(path: Path, parts: Parts, owner: int, meter: _Meter) -> bytes:
 
 def _in_zip(archive: zipfile.ZipFile, meter: _Meter) -> Iterator[_Name]:
     inside = archive.infolist()
-    # What is deeper than allowed stays in one piece: a name may have thousands of slashes.
+    # Do not split below the allowed depth: a name may have thousands of slashes.
     paths = [tuple(_name_of(one).removesuffix('/').split('/', DEEPEST + 1)) for one in inside]
     marked = {parts[:-1] for parts in paths if parts[-1] == COLCON_MARK}
     for entry, parts in zip(inside, paths):
@@ -303,7 +303,7 @@ def _read_entry(
 ) -> bytes:
     data = bytearray()
     try:
-        with archive.open(entry) as file:  # what it says of its size is not asked
+        with archive.open(entry) as file:  # do not trust the size that the zip claims
             while len(data) <= meter.bounds.file_bytes and (more := file.read(_CHUNK)):
                 data += more
     except (*_DAMAGED, RuntimeError) as error:

@@ -8,8 +8,8 @@ import sys
 from types import ModuleType
 
 if not __package__:
-    # Run as a file, as bin/ros2 does: the notebook half of roslab would take as long to import
-    # as everything else here, so the package is entered without its __init__.
+    # bin/ros2 runs this file directly.  Skip the package's __init__: the notebook half of roslab
+    # takes as long to import as everything else here.
     _FOLDER = Path(__file__).resolve().parent.parent
     sys.path[0] = str(_FOLDER.parent)
     _parent = ModuleType('roslab')
@@ -22,6 +22,7 @@ if __name__ == '__main__':
     try:
         run_command(sys.argv[1:])
     except SystemExit as end:
-        # The threads of Fast DDS hold up an ordinary end by 0.1 s, and all is closed by now.
+        # Exit at once: everything is closed, and the threads of Fast DDS would delay the exit by
+        # 0.1 s.
         sys.stderr.flush()
         os._exit(end.code if isinstance(end.code, int) else 0)

@@ -1,8 +1,8 @@
 """
-The command line of ``ros2``: which groups of verbs there are, and how a verb ends.
+The command line of ``ros2``: the groups of verbs, and how a verb ends.
 
-A verb is a function of the parsed arguments.  What it returns is how ``ros2`` ends: None or 0 for
-success, another number as the exit code, a text as an error on stderr with exit code 1.
+A verb is a function of the parsed arguments.  Its result decides how ``ros2`` ends: None or 0 for
+success, another number as the exit code, a string as an error on stderr with exit code 1.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
         description=ABOUT,
         epilog='Call `ros2 <command> -h` for more detailed usage.',
     )
-    # Real options of ros2 that change nothing here.
+    # Options of the real ros2 that have no effect here.
     parser.add_argument('--use-python-default-buffering', action='store_true', help='no effect')
     groups = parser.add_subparsers(title='Commands', metavar='<command>', dest='command')
     chosen = next((word for word in arguments if not word.startswith('-')), '')
@@ -100,7 +100,7 @@ def main(arguments: Sequence[str]) -> Outcome:
     except KeyboardInterrupt:
         return int(signal.SIGINT)
     except Exception as problem:
-        # What rclpy raises when Ctrl-C has shut its context down is not the user's error.
+        # After Ctrl-C has shut the context down, an exception of rclpy is not the user's error.
         if type(problem).__name__ == 'ExternalShutdownException' or SHUT_DOWN in str(problem):
             return int(signal.SIGINT)
         if isinstance(problem, RuntimeError):
@@ -118,7 +118,8 @@ def run_command(arguments: Sequence[str]) -> NoReturn:
         finally:
             sys.stdout.flush()
     except BrokenPipeError:
-        # The reader, such as head, has seen enough; Python would complain once more at its end.
+        # The reader, such as head, has closed the pipe.  Keep Python from reporting it again at
+        # exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         outcome = None
     except KeyboardInterrupt:

@@ -1,4 +1,4 @@
-"""``ros2 daemon``: an honest answer, because there is none."""
+"""``ros2 daemon``: report that there is no daemon."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def add_arguments(group: argparse.ArgumentParser) -> None:
 
 
 def status(args: argparse.Namespace) -> Outcome:
-    """Say that it is not running."""
+    """Print that the daemon is not running."""
     print(f'The daemon is not running: {_WHY}')
     return None
 

@@ -1,22 +1,25 @@
 """
-A node of the command's own, and the wait until it knows the graph.
+Create a node for a command, and wait until the node knows the graph.
 
-The real ``ros2`` asks a daemon that has watched the graph for long.  Here every command looks for
-itself, so it has to know when it has seen everything.  Three signs together decide:
+The real ``ros2`` asks a daemon that has watched the graph for a long time.  Here every command
+discovers the graph itself, so it has to decide when discovery is complete.  Three conditions
+together decide:
 
-* every endpoint belongs to a node whose name has arrived: Fast DDS tells endpoints first, and the
-  names of their nodes up to half a second later;
+* every endpoint belongs to a node whose name has arrived: Fast DDS announces endpoints first, and
+  the names of their nodes up to half a second later;
 * nothing has changed for a short quiet time;
-* somebody is there, or the time has passed that the real command spends without its daemon.
+* the graph has another node, or the time has passed that the real command waits without its
+  daemon.
 
-On a busy machine all three can hold before a process that had no turn has answered.  So a command
-about one topic, node or service says that it is missing only after LIMIT_S; if the graph has it,
-the command ends with the three signs.  A list has no such condition and may be short then.
+On a busy machine, all three can hold before a process that got no CPU time has answered.  So a
+command about one topic, node or service reports it as missing only after LIMIT_S; if the graph has
+it, the three conditions are enough.  A list command has no such check and may be incomplete then.
 
-Where nobody is seen the command comes again as a new participant, a few times: the answer to the
-first word of a participant is often lost, because it is not listening yet, and the next
-announcement of a process with Fast DDS's own settings is up to 3 s away.  Kernels of the course
-and what this command starts announce themselves ten times a second (environment/fastdds.xml).
+If no other node appears, the command tries again as a new participant, a few times: a participant
+often loses the answer to its first announcement, because it is not listening yet, and with Fast
+DDS's own settings the next announcement of a process comes up to 3 s later.  Kernels of the course
+and processes that this command starts announce themselves ten times a second
+(environment/fastdds.xml).
 """
 
 from __future__ import annotations
@@ -32,24 +35,24 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 QUIET_S = 0.12
-"""How long nothing may change: longer than Fast DDS's pause between two announcements (0.1 s)."""
+"""Time without a change, longer than Fast DDS's pause between two announcements (0.1 s)."""
 QUIET_LOOKS = 8
-"""How many looks that takes, so that a process that had no turn meanwhile looks on."""
+"""Least number of looks in that time, so that a process that got no CPU time keeps looking."""
 ALONE_S = 0.5
 """``--spin-time`` of the real command."""
 AGAIN_S = (0.2, 0.2, 0.2)
-"""How long a new participant looks for others: they answer its second word, after 0.1 s."""
+"""Time for which a new participant looks: others answer its second announcement, after 0.1 s."""
 LIMIT_S = 3.0
-"""How long a command waits for signs that do not come, and for what it was asked about."""
+"""Time for which a command waits for missing signs, and for the thing that it is about."""
 LOOK_S = 0.01
 UNKNOWN = '_NODE_NAME_UNKNOWN_'
 
 Known = Callable[[Node], object]
-"""Tells whether the graph, as a node sees it, has what a command was asked about."""
+"""Returns whether the graph of a node contains the thing that a command is about."""
 
 
 def add_node_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that every verb with a node has."""
+    """Add the options that all verbs with a node share."""
     parser.add_argument(
         '--spin-time',
         type=float,
@@ -73,7 +76,7 @@ def ros_node(args: argparse.Namespace, name: str | None = None) -> Iterator[Node
     :param args: with the options of :func:`add_node_arguments`
     :param name: by default a hidden name, which lists leave out
     """
-    # Log lines go out at once, in their place among the messages, also into a pipe.
+    # Write each log line at once, even into a pipe, so that lines and messages keep their order.
     os.environ.setdefault('RCUTILS_LOGGING_BUFFERED_STREAM', '1')
     rclpy.init(args=[])
     try:
@@ -95,7 +98,7 @@ def knowing_node(args: argparse.Namespace, known: Known | None = None) -> Iterat
     """
     Provide a node that knows the graph.
 
-    :param known: condition of a command about one thing, awaited for LIMIT_S
+    :param known: condition of a command about one thing; the wait for it ends after LIMIT_S
     """
     looks = (args.spin_time, *AGAIN_S, *([LIMIT_S] if known else []))
     for number, alone_s in enumerate(looks, 1):
@@ -107,11 +110,11 @@ def knowing_node(args: argparse.Namespace, known: Known | None = None) -> Iterat
 
 def wait_for_graph(node: Node, alone_s: float = ALONE_S, known: Known | None = None) -> bool:
     """
-    Wait until the node knows who is there, at most LIMIT_S or the given time [s].
+    Wait until the node knows the other nodes, at most LIMIT_S or the given time [s].
 
-    :param alone_s: how long to wait for somebody [s]
-    :param known: condition without which the wait does not end early once somebody is there
-    :returns: whether somebody is there
+    :param alone_s: how long to wait for a first other node [s]
+    :param known: if there are other nodes, the wait does not end early without this condition
+    :returns: whether there are other nodes
     """
     began = changed = time.monotonic()
     last: Hashable = None
@@ -130,7 +133,7 @@ def wait_for_graph(node: Node, alone_s: float = ALONE_S, known: Known | None = N
 
 
 def _graph(node: Node) -> tuple[tuple[object, ...], ...]:
-    """Return nodes, topics with their endpoint counts, and services, comparable."""
+    """Return nodes, topics with their endpoint counts, and services, as comparable data."""
     topics = (
         (name, *types, node.count_publishers(name), node.count_subscribers(name))
         for name, types in node.get_topic_names_and_types()
@@ -155,7 +158,7 @@ def wait_for(node: Node, condition: Callable[[], bool], limit_s: float = LIMIT_S
     """
     Spin until a condition holds.
 
-    :returns: False if it did not within the time [s]
+    :returns: False if it does not hold within the time [s]
     """
     deadline = time.monotonic() + limit_s
     while not condition():
@@ -172,7 +175,7 @@ def full_name(name: str, namespace: str) -> str:
 
 def node_names(node: Node, *, hidden: bool) -> list[str]:
     """
-    Return the full names of all nodes, sorted; a name that two nodes have is there twice.
+    Return the full names of all nodes, sorted; a name that two nodes have is listed twice.
 
     :param hidden: whether to return also names that begin with an underscore
     """
@@ -195,7 +198,7 @@ def asking(
     """
     Provide a node that knows the graph, and the full name of the node that the command is about.
 
-    :param known: tells whether the graph has that node
+    :param known: returns whether the graph has that node
     :raises RuntimeError: if it does not
     """
     name = args.node_name if args.node_name.startswith('/') else f'/{args.node_name}'

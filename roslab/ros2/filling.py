@@ -1,4 +1,4 @@
-"""Messages filled from what was typed as YAML."""
+"""Fill messages from YAML text."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def parsed(text: str) -> dict[str, Any]:
     """
     Return the values that a YAML text holds.
 
-    :raises RuntimeError: if it is no YAML, or no mapping
+    :raises RuntimeError: if the text is not YAML, or not a mapping
     """
     try:
         values = yaml.safe_load(text)
@@ -32,8 +32,8 @@ def fill(message: Any, values: Mapping[str, Any], now: Any = None) -> None:
     """
     Set fields of a message.
 
-    :param message: is changed
-    :param values: by field name; for a message in it again a mapping
+    :param message: the message to change
+    :param values: by field name; for a nested message again a mapping
     :param now: the time as a message, for ``stamp: now`` and ``header: auto``
     :raises AttributeError: if there is no such field
     :raises TypeError, ValueError, AssertionError: if a value does not fit its field

@@ -83,7 +83,7 @@ def packages(args: argparse.Namespace) -> Outcome:
 
 
 def proto(args: argparse.Namespace) -> Outcome:
-    """Print an interface with its default values, to be filled in."""
+    """Print an interface with its default values, as a template."""
     from roslab.cli_text import message_yaml
 
     try:
@@ -98,7 +98,7 @@ def proto(args: argparse.Namespace) -> Outcome:
 
 
 def show(args: argparse.Namespace) -> Outcome:
-    """Print the definition of an interface, and of what it is made of."""
+    """Print the definition of an interface and of its parts."""
     name = args.type
     if name == '-':
         name = sys.stdin.readline().strip()
@@ -118,7 +118,7 @@ def definition(name: str, comments: str, nested: str, depth: int = 0) -> Iterato
     :param name: such as std_msgs/msg/Header
     :param comments: 'all' or 'none': whether comments and empty lines are kept
     :param nested: the same for the parts
-    :raises ValueError: if the name has another form
+    :raises ValueError: if the name has a different form
     :raises LookupError: if there is no such interface
     """
     for line in interface_file(name).read_text(encoding='utf-8').splitlines():
@@ -131,14 +131,14 @@ def definition(name: str, comments: str, nested: str, depth: int = 0) -> Iterato
 
 
 def _without_comment(line: str) -> str:
-    """Return a line without its comment; a # in the value of a text constant is none."""
+    """Return a line without its comment; a # in a string constant does not begin a comment."""
     if re.match(r'\s*w?string(<=\d+)?\s+\w+\s*=', line):
         return line.strip()
     return line.partition('#')[0].strip()
 
 
 def _part(line: str, package_name: str) -> str:
-    """Return the full name of the message that a line has as a field, '' if it has none."""
+    """Return the full name of the message type in a line's field, '' if the line has none."""
     if not line or line == '---' or _CONSTANT.match(line):
         return ''
     kind = line.split()[0].partition('[')[0]

@@ -1,4 +1,4 @@
-"""Interfaces that are installed: their names, files and Python classes."""
+"""Find installed interfaces: their names, files and Python classes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
     Return the interfaces of a package, such as msg/String, sorted.
 
     :param kinds: which of msg, srv and action
-    :raises LookupError: if the package has none or is not there
+    :raises LookupError: if the package has none or does not exist
     """
     try:
         text, _ = get_resource('rosidl_interfaces', package)
@@ -34,7 +34,7 @@ def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
         {
             line.rpartition('.')[0]
             for line in text.splitlines()
-            # The index names several files for one interface, and parts of services as well.
+            # The index lists several files per interface, and parts of services too.
             if line.endswith(('.msg', '.srv', '.action')) and line.startswith(wanted)
         }
     )
@@ -67,7 +67,7 @@ def interface_class(name: str, kind: str = 'msg') -> Any:
     Return the Python class of an interface.
 
     :param name: such as std_msgs/msg/String or std_msgs/String
-    :param kind: the middle part where the name has none
+    :param kind: the middle part if the name has none
     :raises ValueError: if the name has another form
     :raises LookupError: if it cannot be imported
     """

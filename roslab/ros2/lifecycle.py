@@ -56,7 +56,7 @@ def _has_lifecycle(node: Node, name: str) -> bool:
 
 
 def nodes(args: argparse.Namespace) -> Outcome:
-    """Print the nodes that have a lifecycle."""
+    """Print the names of the lifecycle nodes."""
     with knowing_node(args) as node:
         names = _lifecycle_nodes(node, hidden=args.all)
     if args.count_nodes:
@@ -117,7 +117,7 @@ def set_state(args: argparse.Namespace) -> Outcome:
             lines = (f'\n- {one.transition.label} [{one.transition.id}]' for one in known)
             return 'Unknown transition requested, available ones are:' + ''.join(lines)
         request = ChangeState.Request(transition=wanted)
-        # A transition does real work, such as opening a device: it may take long.
+        # A transition may do slow work, such as opening a device.
         if call(node, ChangeState, f'{name}/change_state', request, 60.0).success:
             print('Transitioning successful')
         else:

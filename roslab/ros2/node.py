@@ -50,7 +50,7 @@ def list_nodes(args: argparse.Namespace) -> Outcome:
 
 
 def info(args: argparse.Namespace) -> Outcome:
-    """Print what a node has."""
+    """Print the entities of a node."""
     with knowing_node(args, lambda node: node_known(node, args.node_name)) as node:
         count = node_names(node, hidden=args.include_hidden).count(args.node_name)
         if count == 0:
@@ -68,7 +68,7 @@ def info(args: argparse.Namespace) -> Outcome:
 
 def entities_of(node: Node, name: str, *, hidden: bool) -> dict[str, NamesAndTypes]:
     """
-    Return what a node has, by the section of ``ros2 node info``.
+    Return the entities of a node, by the section of ``ros2 node info``.
 
     :param node: a node that knows the graph
     :param name: full name of the other

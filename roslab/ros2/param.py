@@ -218,7 +218,7 @@ def _description(one: ParameterDescriptor) -> Iterator[str]:
 
 
 def dump(args: argparse.Namespace) -> Outcome:
-    """Print the parameters of a node as a file that it could be started with."""
+    """Print the parameters of a node as a file with which it could be started."""
     import yaml
 
     with asking(args) as (node, name):
@@ -236,7 +236,7 @@ def dump(args: argparse.Namespace) -> Outcome:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as something that YAML knows."""
+    """Return a value as a type that YAML can represent."""
     if isinstance(value, bytes):
         return value.decode('latin-1')
     if isinstance(value, (bool, int, float, str)) or value is None:

@@ -16,7 +16,7 @@ from roslab.ros2.cli import Outcome, verbs_of
 
 
 class PackageMissingError(RuntimeError):
-    """Raised when no installed package has a name."""
+    """Raised if no installed package has the given name."""
 
     def __init__(self) -> None:
         super().__init__('Package not found')
@@ -42,9 +42,9 @@ def add_arguments(group: argparse.ArgumentParser) -> None:
 
 def prefix_of(package: str) -> Path:
     """
-    Return where a package is installed.
+    Return the folder in which a package is installed.
 
-    :raises PackageMissingError: if it is not
+    :raises PackageMissingError: if the package is not installed
     """
     try:
         return Path(get_package_prefix(package))

@@ -1,4 +1,4 @@
-"""``ros2 pkg create``: the files of a new package that builds and runs as it is."""
+"""``ros2 pkg create``: write a new package that builds and runs without changes."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def create(args: argparse.Namespace) -> Outcome:
 
 
 def _refusal(args: argparse.Namespace) -> str:
-    """Return why no package can be made, '' if it can."""
+    """Return why the package cannot be created, '' if it can."""
     for what, name in (('package', args.package_name), ('node', args.node_name or 'x')):
         if not re.fullmatch(r'[a-z][a-z0-9_]*', name):
             return (
@@ -130,7 +130,7 @@ def _announce(package: NewPackage, destination: Path) -> None:
 
 
 def _write(package: NewPackage, destination: Path) -> None:
-    """Write the files, and say so as the real command does."""
+    """Write the files, and print the same lines as the real command."""
     root = f'{str(destination).rstrip("/")}/{package.name}'
     folders: set[str] = set()
     for name, text in _FILES[package.build_type](package).items():

@@ -1,4 +1,4 @@
-"""The ``--qos-*`` options, and the QoS that fits what others offer."""
+"""The ``--qos-*`` options, and a QoS that is compatible with existing publishers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def add_qos_arguments(parser: argparse.ArgumentParser, entity: str, profile: str
     Add the options.
 
     :param entity: what the profile is for: 'publish' or 'subscribe'
-    :param profile: name of the profile that is used where nothing is asked for
+    :param profile: name of the default profile
     """
     parser.add_argument(
         '--qos-profile',
@@ -54,7 +54,7 @@ def add_qos_arguments(parser: argparse.ArgumentParser, entity: str, profile: str
 
 def qos_asked_for(args: argparse.Namespace, profile: str) -> QoSProfile | None:
     """
-    Return the QoS that the options describe, None if there are none.
+    Return the QoS that the options describe, None without such options.
 
     :param profile: name of the profile that the options change
     """
@@ -84,9 +84,9 @@ def preset(name: str) -> QoSProfile:
 
 def qos_for_publishers(node: Node, topic: str) -> QoSProfile:
     """
-    Return a QoS that hears every publisher there is.
+    Return a QoS that receives from every existing publisher.
 
-    A request is made only where all publishers can meet it; where some cannot, it is told.
+    It requests a policy only if all publishers offer it, and prints a note if only some do.
     """
     qos = preset('sensor_data')
     publishers = [info.qos_profile for info in node.get_publishers_info_by_topic(topic)]

@@ -1,11 +1,11 @@
 """
-Calling a service once, from a process that has only just come.
+Call a service once, from a process that has just started.
 
 Both sides discover each other on their own.  A client that knows the server may call before the
-server knows the client, and then the answer goes to nobody: rmw_fastrtps waits a tenth of a second
-for the client and drops it ("client will not receive response").  So the node that serves is first
-asked something harmless, again and again until it answers, by a client that is made last:
-announcements are in order, and its answer proves that the earlier clients are known.
+server knows the client, and then the answer is lost: rmw_fastrtps waits a tenth of a second
+for the client and drops it ("client will not receive response").  So a client that was created
+last first calls a harmless service of the same node until it answers.  Announcements arrive in
+order, so this answer shows that the node knows the earlier clients.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ def call(node: Node, kind: type, name: str, request: Any, limit_s: float = ANSWE
 
     :param kind: class of the service
     :param name: full name of the service
-    :param limit_s: how long to wait for it to be there, and then for its answer [s]
-    :raises RuntimeError: if it is not there or does not answer
+    :param limit_s: how long to wait for the service to appear, and then for its answer [s]
+    :raises RuntimeError: if the service is missing or does not answer
     """
     client = node.create_client(kind, name)
     try:
@@ -51,12 +51,13 @@ def call(node: Node, kind: type, name: str, request: Any, limit_s: float = ANSWE
 
 def meet(node: Node, service: str, limit_s: float, wait: Wait | None = None) -> bool:
     """
-    Wait until the node that offers a service knows all clients that our node has by now.
+    Wait until the node that offers a service knows all current clients of our node.
 
-    :param service: its full name; it is known to our node
+    :param service: its full name; our node must know it already
     :param limit_s: how long to wait [s]
-    :param wait: given a condition and seconds, spins our node until it holds, and says whether
-    :returns: False if that node answers nothing; True also if there is no harmless question
+    :param wait: given a condition and seconds, spins our node until the condition holds, and
+        returns whether it does
+    :returns: False if that node does not answer; True also if it has no harmless service
     """
     wait = wait or (lambda condition, seconds: wait_for(node, condition, seconds))
     question = _harmless(node, service)

@@ -1,4 +1,4 @@
-"""``ros2 topic``: its verbs, and those of them that only look at the graph."""
+"""``ros2 topic``: register its verbs, and implement those that only read the graph."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The message class of a topic, from its name or from the graph."""
+"""Find the message class of a topic, from its name or from the graph."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def class_of_topic(node: Node, topic: str, *, wait: bool = False) -> Any | None:
     Return the message class of a topic; warn if no endpoint uses the topic.
 
     :param node: a node that knows the graph
-    :param wait: whether to wait until somebody has
+    :param wait: whether to wait until the graph knows the topic
     :returns: None if the graph does not know the topic
     :raises RuntimeError: see :func:`known_class`
     """

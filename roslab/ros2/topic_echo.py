@@ -55,7 +55,7 @@ def add_echo_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def echo(args: argparse.Namespace) -> Outcome:
-    """Print the messages of a topic until told to stop."""
+    """Print the messages of a topic until the user or an option ends the command."""
     accept = eval(f'lambda m: {args.filter}') if args.filter else (lambda _: True)
     show = _printer(args)
     seen: list[Any] = []
@@ -96,7 +96,7 @@ def _lost(event: Any) -> None:
 
 
 def _printer(args: argparse.Namespace) -> Callable[[Any, Any], None]:
-    """Return the function that prints one message as the options want it."""
+    """Return the function that prints one message according to the options."""
     how = {'truncate': None if args.full_length else args.truncate_length}
     how |= {'no_arr': args.no_arr, 'no_str': args.no_str}
     to_text = partial(_csv, args, how) if args.csv else partial(_yaml, args, how)

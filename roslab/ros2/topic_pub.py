@@ -85,7 +85,7 @@ def _add_waiting(parser: argparse.ArgumentParser) -> None:
 
 
 def publish(args: argparse.Namespace) -> Outcome:
-    """Publish a message, once or again and again."""
+    """Publish a message once or repeatedly."""
     message_class = named_class(args.message_type)
     values = parsed(args.values)
     times = 1 if args.once else args.times
@@ -103,15 +103,15 @@ def publish(args: argparse.Namespace) -> Outcome:
         print('publisher: beginning loop', flush=True)
         _publish(args, node, publisher, message, values, times)
         if times:
-            # Reliable readers acknowledge what they have. Of best effort ones none is asked, so it
-            # is a time, as in ros2.
+            # Wait until reliable readers have acknowledged.  Best-effort readers never do, so wait
+            # for a time too, as ros2 does.
             publisher.wait_for_all_acked(Duration(seconds=_ACKNOWLEDGED_S))
             _spin_for(node, args.keep_alive)
     return None
 
 
 def _spin_for(node: Node, seconds: float) -> None:
-    """Spin for a while, so that events of the publisher are told."""
+    """Spin for a while, so that events of the publisher are reported."""
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0:
         rclpy.spin_once(node, timeout_sec=left)
@@ -141,7 +141,7 @@ def _publish(
     values: dict[str, Any],
     times: int,
 ) -> None:
-    """Publish at once, and then at the rate until it was done often enough."""
+    """Publish at once, then at the given rate until the count is reached."""
     count = 0
 
     def tick() -> None:

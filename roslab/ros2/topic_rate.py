@@ -33,7 +33,7 @@ def add_rate_arguments(parser: argparse.ArgumentParser, window: int = _WINDOW) -
     """
     Add the options.
 
-    :param window: how many messages are counted together by default
+    :param window: default number of messages per statistic
     """
     parser.add_argument('topic_name', help="Name of the ROS topic to listen to, '/chatter'")
     parser.add_argument(
@@ -52,7 +52,7 @@ def hz(args: argparse.Namespace) -> Outcome:
     times: list[float] = []
 
     def heard(_: bytes, node: Node) -> None:
-        # The node's clock is the one of /clock where --use-sim-time is given.
+        # With --use-sim-time, the node's clock follows /clock.
         wall = getattr(args, 'wall_time', False)
         times.append(time.time() if wall else node.get_clock().now().nanoseconds * 1e-9)
         if times[-1] < times[0]:
@@ -125,10 +125,10 @@ def _report(
     greeting: str = '',
 ) -> Outcome:
     """
-    Subscribe and print a text once a second, if something has arrived since.
+    Subscribe and print a text once a second, if messages have arrived since the last one.
 
     :param heard: called with the bytes of each message
-    :param text: returns what there is to say, '' for nothing yet
+    :param text: returns the text, '' if there is none yet
     """
     arrived = 0
 

@@ -12,6 +12,16 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
+try:
+    from autograder.simulation.virtual_time import virtual_time
+except ImportError:  # a ROS workspace without the course that this package belongs to
+
+    @pytest.fixture
+    def virtual_time() -> None:
+        """Skip the test."""
+        pytest.skip('needs the virtual clock of the course')
+
+
 DEADLINE_S = 10.0
 
 

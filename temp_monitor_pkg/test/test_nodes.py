@@ -11,6 +11,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
+from temp_monitor_pkg import temp_publisher, temp_subscriber
 from temp_monitor_pkg.msg import Temperature
 from temp_monitor_pkg.temp_publisher import TemperaturePublisher
 from temp_monitor_pkg.temp_subscriber import TemperatureSubscriber
@@ -97,22 +98,6 @@ class TestPublisher:
 
         assert len(readings) == 6
         assert [timer.timer_period_ns for timer in node.timers] == [500_000_000]
-
-    def test_same_seed_same_series(self, world) -> None:
-        """Two starts with one seed publish the same values."""
-        readings = world.listen('temperature_topic', Temperature)
-        for sensor in ('first', 'second'):
-            node = world.start(TemperaturePublisher, rate_hz=100.0, seed=7, sensor_id=sensor)
-            world.spin_until(
-                lambda sensor=sensor: sum(r.sensor_id == sensor for r in readings) >= 5, 'readings'
-            )
-            node.destroy_node()
-        values = [
-            [r.temperature_value for r in readings if r.sensor_id == sensor][:5]
-            for sensor in ('first', 'second')
-        ]
-
-        assert values[0] == values[1]
 
     def test_unit_can_change_while_running(self, world) -> None:
         """From the next reading on the value is in the new unit."""
@@ -241,6 +226,42 @@ class TestSubscriber:
         assert not answer.successful
         assert answer.reason
         assert node.get_parameter('threshold_c').value == 30.0
+
+
+class TestVirtualTime:
+    """The nodes as programs, for minutes that take a second."""
+
+    def test_heating_cycle_has_a_reading_each_second(self, virtual_time) -> None:
+        """The default rate is exact, and the reading, the log line and the stamp agree on it."""
+        run = virtual_time(temp_publisher.__file__, seconds=90)
+        readings = run.messages('temperature_topic')
+        stamps = [reading.timestamp for reading in readings]
+
+        assert run.times('temperature_topic') == [float(second) for second in range(1, 91)]
+        assert [line.time_s for line in run.logs] == run.times('temperature_topic')
+        assert [stamp.sec - stamps[0].sec for stamp in stamps] == list(range(90))
+        assert max(reading.temperature_value for reading in readings) > 30.0
+
+    def test_same_seed_same_series(self, virtual_time) -> None:
+        """Two starts with one seed are equal in every value and every time."""
+        first, again, other = (
+            virtual_time(temp_publisher.__file__, seconds=30, arguments=['-p', f'seed:={seed}'])
+            for seed in (7, 7, 8)
+        )
+
+        assert first == again
+        assert first != other
+
+    def test_cycle_of_the_publisher_warns_once_for_each_hot_reading(self, virtual_time) -> None:
+        """What the publisher sends in a cycle goes to the subscriber, at the same seconds."""
+        readings = virtual_time(temp_publisher.__file__, seconds=90)['temperature_topic']
+        sent = list(zip(readings.times, readings.messages))
+        run = virtual_time(temp_subscriber.__file__, 91, inputs={'temperature_topic': sent})
+
+        hot = [second for second, reading in sent if reading.temperature_value > 30.0]
+        assert 10 < len(hot) < 60
+        assert [line.time_s for line in run.logged('WARN')] == hot
+        assert [line.time_s for line in run.logged('INFO')] == list(readings.times)
 
 
 @pytest.mark.parametrize('node_class', [TemperaturePublisher, TemperatureSubscriber])

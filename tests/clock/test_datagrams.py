@@ -100,3 +100,26 @@ tell(early, len(reader.recv(10)))
     told, _ = on_clock(BEGIN + sender, reader(another_port, echo))
 
     assert told == [[2, 0, 1]]
+
+
+def test_reader_of_a_portion_finds_all_of_it(on_clock, port):
+    """However busy the machine is, the first datagram does not wake its reader before the last."""
+    drain = """
+counts = []
+while heard():
+    counts.append(1)
+    reader.setblocking(False)
+    try:
+        while reader.recv(100): counts[-1] += 1
+    except BlockingIOError:
+        reader.settimeout(10)
+tell(len(counts), set(counts) == {20})
+"""
+    body = """
+for _ in range(100):
+    for number in range(20): say(str(number))
+    time.sleep(1)
+"""
+    told = on_clock(writer(port, body), reader(port, drain))[1]
+
+    assert told == [[110, 100, True]]

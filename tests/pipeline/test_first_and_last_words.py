@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from autograder.exam.scenario import Advance, Mark
+from autograder.exam.scenario import Advance, Feed, Mark
 from autograder.sandboxes.sandbox import HERE
 
 INT, STRING = 'std_msgs/msg/Int32', 'std_msgs/msg/String'
@@ -165,3 +165,21 @@ def test_the_two_profiles_agree_but_for_port_and_announcements():
         return [(one.tag, one.attrib, (one.text or '').strip()) for one in tree.iter()]
 
     assert words('fastdds.xml') == words('probe/probe.xml')
+
+
+SHORT_QUEUE = """
+def make():
+    node = Node('short')
+    publisher = node.create_publisher(Int32, 'heard', 10)
+    node.create_subscription(Int32, 'numbers', publisher.publish, 1)
+    return node
+"""
+
+
+def test_a_queue_of_one_keeps_the_newest_of_a_burst(run):
+    """All of a burst has come before the program's executor takes a message."""
+    burst = Feed('/numbers', [{'data': number} for number in range(5)], burst=True)
+    for _ in range(5):
+        seen = run(SHORT_QUEUE, burst, feed={'/numbers': INT}, watch={'/heard': INT})
+
+        assert [event['data'] for event in seen.messages('/heard')] == [{'data': 4}]

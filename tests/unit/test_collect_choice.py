@@ -119,7 +119,7 @@ class TestOneAssignmentASource:
     @pytest.mark.parametrize(
         ('one', 'two', 'said'),
         [
-            (GOOD, OTHER, f'equally many cells of {LISTEN} and {TALK}. Try: --assignment'),
+            (GOOD, OTHER, f'as many cells of {LISTEN} as of {TALK}. Try: --assignment'),
             (OWN, OWN, 'none of this course'),
         ],
     )

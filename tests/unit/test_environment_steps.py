@@ -183,7 +183,7 @@ def test_clear_venv_leaves_the_one_that_a_link_leads_to(tmp_path):
     (other / 'pyvenv.cfg').touch()
     (tmp_path / '.venv').symlink_to(other)
 
-    with pytest.raises(StepError, match='got a link to'):
+    with pytest.raises(StepError, match='this is a link to'):
         prepare.clear_venv(Places.of('.venv', tmp_path))
     assert (other / 'pyvenv.cfg').exists()
 

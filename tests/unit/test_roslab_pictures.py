@@ -13,6 +13,7 @@ from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import ByteMultiArray, Empty, Float64, Header, Int32MultiArray, String
 
+from autograder.simulation.result import TopicRecord
 from drawing import svg
 from drawing.graph_layout import arrange
 from roslab.cli_text import (
@@ -254,6 +255,16 @@ def test_timeline_puts_all_sources_on_the_axis_of_the_first():
     assert line.rows[1].times == (2.5,)
     assert line.rows[0].amount == '2 messages, 2.0 Hz'
     assert re.search(r'^/b +1 +- +2\.50$', str(line), re.MULTILINE)
+
+
+def test_timeline_compares_a_simulation_with_a_live_plot():
+    """The simulation begins at 0, the live plot when its listener began."""
+    record = TopicRecord('/a', STRING, (1.0, 2.0), ({}, {}), 2.0)
+    run = SimpleNamespace(listeners=[record])
+    line = make_timeline([run, SimpleNamespace(listener=listener('/a', 58_209.0, [0.5, 1.5]))])
+
+    assert [row.times for row in line.rows] == [(1.0, 2.0), (0.5, 1.5)]
+    assert [row.more for row in line.rows] == [STRING, STRING]
 
 
 def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():

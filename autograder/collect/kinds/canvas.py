@@ -34,7 +34,7 @@ _TYPED = {
     'link': 'the student submitted a link instead of a file',
 }
 _SPREAD = 10
-"""Attachments are counted upwards, so those of one assignment are not this much apart."""
+"""Canvas numbers attachments in order; within one assignment, numbers differ by less."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from autograder.collect.source.times import read_time
 EXPECTED = 'folders named USER+ASSIGNMENT+TIME, as in inbound/'
 INBOUND = 'inbound'
 FOLDERS = frozenset({INBOUND, 'outbound', 'feedback'})
-"""What an exchange has for each course."""
+"""Folders that an exchange has for each course."""
 _FOLDER = re.compile(
     r'(?P<user>.+?)\+(?P<assignment>[^+]+)\+'
     r'(?P<when>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: (?:[+-][\d:]+|[^\s+]+))?)(?:\+.*)?'

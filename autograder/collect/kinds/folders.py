@@ -29,7 +29,7 @@ def level_of(tree: Tree, course: Course) -> Level:
         return outer
     (name,) = outer.folders
     if name in outer.repositories and course.beginning(name):
-        return outer  # on the first day one student's repository is all there is
+        return outer  # a class with one student so far
     inner = level(tree, name)
     return inner if _is_class(inner, course) else outer
 
@@ -59,7 +59,7 @@ def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Le
     """
     Yield the delivery of each student; only the folder's own name decides whose it is.
 
-    :param prefix: what the instructor takes off the names that begin with it
+    :param prefix: the beginning of names that the instructor wants removed
     """
     for name, file in level.files.items():
         if name.lower().endswith('.ipynb'):

@@ -30,8 +30,8 @@ SYSTEMS: Mapping[str, Any] = {
     EXCHANGE: exchange,
 }
 """
-What names things in a way of its own.  Each module says what its names are (``EXPECTED``), how
-many entries of a level are named so (``claims``), and what they are (``read``).
+Platforms that have their own form of names.  Each module describes the form (``EXPECTED``), counts
+the entries of a level that have it (``claims``), and reads them (``read``).
 """
 
 
@@ -40,7 +40,7 @@ class Found:
     """
     The contents of a source.
 
-    :param single: whether all of it was handed in for one assignment, as systems give it
+    :param single: whether all of it belongs to one assignment, as in exports of platforms
     """
 
     kind: str
@@ -58,9 +58,9 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     """
     Return all deliveries in a source.
 
-    :param kind: a system, ``'folder'``, or empty to find out
-    :param prefix: what is taken off the names of folders
-    :raises NotTakenInError: if the source is not what its names or ``kind`` say
+    :param kind: a platform, ``'folder'``, or empty to recognise it
+    :param prefix: the beginning to remove from the names of folders
+    :raises NotTakenInError: if the source does not match its names or ``kind``
     """
     chosen, place = (kind, None) if kind else _recognised(tree)
     if chosen in SYSTEMS and place is None:
@@ -107,7 +107,7 @@ def _recognised(tree: Tree) -> tuple[str, Level | None]:
         best = max(claims, key=lambda name: claims[name])
         if 0 < len(place.entries) <= 2 * claims[best]:
             return best, place
-    if inbound := _inbound(tree):  # a course in which nobody has handed in anything yet
+    if inbound := _inbound(tree):  # a course without deliveries
         return EXCHANGE, inbound
     courses = level(tree).folders
     if courses and all(_is_exchange(level(tree, name)) for name in courses):

@@ -1,5 +1,5 @@
 """
-Moodle: folders named ``NAME_NUMBER_assignsubmission_file[_]``, or files that begin so.
+Moodle: folders named ``NAME_NUMBER_assignsubmission_file[_]``, or files with such a beginning.
 
 The number differs in each assignment, so the student id is the name; ``namesakes`` handles two
 people with the same name.  With "Download submissions in folders" off, files are named
@@ -20,7 +20,7 @@ from autograder.submission.tree import File
 EXPECTED = 'folders or files named NAME_NUMBER_assignsubmission_file_'
 _WHO = r'(?P<name>.+?)_(?P<number>\d+)_assignsubmission_(?P<kind>[a-z0-9]+)'
 _FOLDER = re.compile(rf'{_WHO}_?')
-# The first fit counts: what follows was named by the student.
+# The first match counts, because the student chose the rest of the name.
 _FILE = re.compile(rf'{_WHO}_(?P<file>.+)')
 _TYPED = {'onlinetext': 'an online text, which is not collected'}
 

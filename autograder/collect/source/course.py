@@ -11,7 +11,7 @@ from autograder.collect.source.times import due_dates, DueDates
 from autograder.layout import Layout
 from autograder.submission.notebook import marks_of, read_notebook, read_release
 
-# What browsers, Canvas and Jupyter add to the name of a file that is there already.
+# Suffixes that browsers, Canvas and Jupyter add to a name that already exists.
 _COPY = re.compile(r'( ?\(\d+\)|-\d+| - Copy|-Copy\d+)+(?=\.ipynb$)')
 
 _NUMBER = re.compile(r'^\d+[_-]')
@@ -70,7 +70,7 @@ class Course:
         """
         Return the assignment at the beginning of a repository's name, ``ASSIGNMENT-STUDENT``.
 
-        :returns: it as it is written there, with the sign after it; empty if there is none
+        :returns: the beginning as written, with the character after it; empty if there is none
         """
         found = ''
         for assignment in self.assignments:

@@ -22,7 +22,7 @@ class Piece:
 
     :param file: with its path and name as the student had it
     :param place: the entry of the source that it is in
-    :param turn: of two files with one name, the newer has the larger
+    :param turn: if two files have one name, the newer file has the larger number
     """
 
     file: File
@@ -37,18 +37,18 @@ class Handed:
 
     :param student: as the source names them; not yet fit for a folder
     :param called: the whole name in the source, if ``student`` is a part of it
-    :param number: of the student in Moodle's assignment; in another one they have another
+    :param number: the student's number in Moodle, which differs in each assignment
     :param pieces: the files of it
-    :param place: where in the source, if there are no files
-    :param person: a name for people, if the id is none
-    :param when: time of delivery in UTC, None if the source does not tell
-    :param stamped: whether a ``timestamp.txt`` beside a notebook tells the time
-    :param late: the system that says that it is late
+    :param place: the entry of the source, if there are no files
+    :param person: the student's name, if the id is not a name
+    :param when: time of delivery in UTC, None if it is unknown
+    :param stamped: whether a ``timestamp.txt`` next to a notebook has the time
+    :param late: the platform that marks the delivery as late
     :param assignment: if the source names it
-    :param instead: what was handed in that is no file
-    :param doubt: why nobody knows whose it is
+    :param instead: a delivery that is not a file, such as typed text
+    :param doubt: why the owner is unclear
     :param owners: numbers of the users who own the folder and what is in it, if known
-    :param notes: what somebody should know about it
+    :param notes: remarks for the table
     """
 
     student: str
@@ -86,9 +86,10 @@ class Level:
     One folder of a source.
 
     :param files: those directly in it, by name
-    :param folders: those directly in it, by name, with all files below as seen from there
-    :param repositories: those folders that git has made, by ``.git`` or what begins so in them
-    :param owners: of each entry and all below it, the users who own them; a zip has none
+    :param folders: those directly in it, by name, with all files below, by their path from there
+    :param repositories: folders that git has created, recognised by a name in them that begins
+        with ``.git``
+    :param owners: for each entry, the users who own it or anything below it; a zip has none
     """
 
     files: Mapping[str, File]

@@ -14,7 +14,7 @@ from autograder.gradebook.connection import query
 from autograder.layout import Layout
 
 STAMP = 'timestamp.txt'
-"""nbgrader's file for the time of delivery, beside the notebook."""
+"""nbgrader's file with the time of delivery, next to the notebook."""
 _TIME = re.compile(
     r'(?P<day>\d{4}-\d\d-\d\d)[ T](?P<time>\d\d:\d\d(?::\d\d)?)(?:\.\d+)? ?(?P<zone>\S.*)?'
 )
@@ -67,9 +67,9 @@ def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[
     """
     Return notes about whether work is late.
 
-    :param late: the system that says so
+    :param late: the platform that marks the work as late
     :param when: time of delivery, if known
-    :param due: until when it should have been there, if known
+    :param due: the due date, if known
     """
     if when is None:
         said = f'late, according to {late}; the time is unknown, so a late policy cannot apply'
@@ -92,8 +92,8 @@ class DueDates:
     When work is due, in UTC.
 
     :param dates: by assignment
-    :param extensions: what single students have more, by student and assignment
-    :param problem: why the gradebook could not be asked
+    :param extensions: extra time of single students, by student and assignment
+    :param problem: why the gradebook could not be read
     """
 
     dates: Mapping[str, datetime] = field(default_factory=dict)

@@ -16,23 +16,23 @@ from autograder.submission.notebook import MAX_BYTES
 from autograder.submission.tree import Bounds, Parts, Tree
 
 MOST_ENTRIES = 50_000
-"""Of the class; what programs leave is not counted here."""
+"""Limit of files in a class, not counting files that programs generate."""
 MOST_LISTED = 10 * MOST_ENTRIES
-"""Bound on all names that are looked at, whatever they are."""
+"""Limit of all names in a source, including files that programs generate."""
 MOST_BYTES = 2 << 30
-"""Bound on all that is read of one source, unpacked: a class has some hundred megabytes."""
+"""Limit of all bytes read from one source, unpacked; a class has a few hundred megabytes."""
 LONGEST_NAME = 400
 REPOSITORY = '.git'
 NOISE = frozenset(
     {'__MACOSX', '.DS_Store', '.ipynb_checkpoints', REPOSITORY, '.venv', '__pycache__'}
 )
 """
-Made by macOS, Jupyter, git and Python; ``._NAME`` is macOS's too, and may end in ``.ipynb``.
+Names made by macOS, Jupyter, git and Python; macOS also makes ``._NAME``, even of a notebook.
 """
 BUILT = frozenset({'build', 'install', 'log'})
 """
-Made by colcon, if its mark is in it or it lies in the workspace of the lessons: the names alone
-may be somebody's own.  Notebooks elsewhere in a workspace are listed as everywhere.
+Folders made by colcon, if they contain its mark or are in the workspace of the lessons; a student
+may use the same names.  Notebooks elsewhere in a workspace are listed.
 """
 _WORKSPACE = 'ros_ws'
 
@@ -41,7 +41,7 @@ def opened(source: Path) -> AbstractContextManager[Tree]:
     """
     Yield a class whose files can be read in the context.
 
-    :raises NotTakenInError: if it is neither folder nor zip, broken, or far too much
+    :raises NotTakenInError: if it is neither a folder nor a zip, damaged, or too large
     """
     bounds = Bounds(
         'the submissions of a class',

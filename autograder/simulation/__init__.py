@@ -1,0 +1,1 @@
+"""Run a program for some virtual time without an exam, and show what it did."""

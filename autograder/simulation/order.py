@@ -1,0 +1,130 @@
+"""What to run, for how long, and what to send, as a person writes it and as data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+import math
+from typing import Any
+
+from autograder.errors import UsageError
+
+MAX_SECONDS = 86_400.0
+
+
+@dataclass(frozen=True)
+class Input:
+    """
+    A message to send.
+
+    :param at_s: when [s since the program starts]
+    :param topic: full name of the topic
+    :param fields: values of its fields; the others have their defaults
+    :param type: of the message, empty for the one to which the program subscribes
+    """
+
+    at_s: float
+    topic: str
+    fields: Mapping[str, Any]
+    type: str = ''
+
+
+@dataclass(frozen=True)
+class Order:
+    """
+    What to run, for how long, and what to send.
+
+    :param file: node file
+    :param seconds: virtual time since the program starts [s]
+    :param inputs: messages to send; those of one moment are a burst
+    :param late: when an additional subscription joins a topic [s], by its full name
+    :param arguments: of the program, after ``--ros-args``
+    """
+
+    file: str
+    seconds: float
+    inputs: Sequence[Input] = ()
+    late: Mapping[str, float] = field(default_factory=dict)
+    arguments: Sequence[str] = ()
+
+    def check(self) -> None:
+        """
+        Check the times.
+
+        :raises UsageError: for a time outside the simulation, or one that is too long
+        """
+        if not 0 < self.seconds <= MAX_SECONDS:
+            raise UsageError(
+                f'seconds: expected more than 0 and at most {MAX_SECONDS:.0f}, got {self.seconds}.'
+            )
+        times = [(f'inputs of {one.topic}', one.at_s) for one in self.inputs]
+        times += [(f'late {topic}', at_s) for topic, at_s in self.late.items()]
+        for where, at_s in times:
+            if not (math.isfinite(at_s) and 0 <= at_s <= self.seconds):
+                raise UsageError(
+                    f'{where}: expected a time from 0 to {self.seconds:g} s, got {at_s}.'
+                )
+
+
+def order_of(
+    file: str,
+    seconds: float,
+    inputs: Mapping[str, Sequence[tuple[float, Any]]] | None = None,
+    late: Mapping[str, float] | None = None,
+    arguments: Sequence[str] = (),
+) -> Order:
+    """
+    Return the order for what a person wrote.
+
+    :param file: node file
+    :param seconds: virtual time since the program starts [s]
+    :param inputs: topic to pairs of a time [s] and a message, or a dict of its fields
+    :param late: topic to the time at which an additional subscription joins it [s]
+    :param arguments: of the program, after ``--ros-args``
+    :raises UsageError: for anything else
+    """
+    try:
+        sent = [
+            _input(topic, at_s, message)
+            for topic, pairs in (inputs or {}).items()
+            for at_s, message in pairs
+        ]
+        joins = {_full(topic): float(at_s) for topic, at_s in (late or {}).items()}
+        order = Order(file, float(seconds), sent, joins, tuple(arguments))
+    except (AttributeError, TypeError, ValueError) as error:
+        raise UsageError(
+            f'{file}: expected seconds as numbers, inputs={{topic: [(second, message), ...]}} and '
+            f'late={{topic: second}}, got another form: {error}.'
+        ) from error
+    order.check()
+    return order
+
+
+def _input(topic: str, at_s: float, message: Any) -> Input:
+    if isinstance(message, Mapping):
+        return Input(float(at_s), _full(topic), _plain(message))
+    if not hasattr(message, 'get_fields_and_field_types'):
+        raise TypeError(f'{message!r} is neither a message nor a dict of its fields')
+    package, kind = type(message).__module__.split('.')[:2]
+    name = f'{package}/{kind}/{type(message).__name__}'
+    return Input(float(at_s), _full(topic), _plain(message), name)
+
+
+def _full(topic: str) -> str:
+    return topic if topic.startswith('/') else f'/{topic}'
+
+
+def _plain(value: Any) -> Any:
+    """Return a value of a field as JSON types."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(one) for name, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(one) for one in value]
+    if isinstance(value, (str, int)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    # Not at the top: the grader's own process never imports rclpy.
+    from autograder.probe.probe_wire import to_json
+
+    return to_json(value)

@@ -1,0 +1,84 @@
+"""
+An hour in seconds: a saved node file on the grader's virtual clock, and what it did.
+
+As with ``check``, a child process runs the file, in a sandbox where there is one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from difflib import get_close_matches
+import json
+from pathlib import Path
+import tempfile
+from typing import Any
+
+from autograder.commands import OK
+from autograder.errors import UsageError
+from autograder.recording import Recording
+from autograder.simulation.order import order_of
+from autograder.simulation.result import read_simulation, Simulation
+from roslab import child
+from roslab.errors import NotHereError, RoslabError
+from roslab.package_files import learner_package
+
+_DEADLINE_S = 300.0
+
+
+def simulate(
+    node: str,
+    *,
+    seconds: float,
+    inputs: Mapping[str, Sequence[tuple[float, Any]]] | None = None,
+    late: Mapping[str, float] | None = None,
+    arguments: Sequence[str] = (),
+) -> Simulation:
+    """
+    Run a saved node file on a virtual clock, where an hour takes seconds.
+
+    :param node: name in the ``%%node`` line of its cell
+    :param seconds: how long, from the start of the program [s]; at most a day
+    :param inputs: what to send, as ``{'topic': [(second, message), ...]}``, with messages or dicts
+        of their fields; several at one second are a burst
+    :param late: an additional subscription that joins later, as ``{'topic': second}``
+    :param arguments: of the program, after ``--ros-args``, such as ``['-p', 'rate_hz:=2.0']``
+    :returns: messages and log lines with their times, for ``timeline`` and ``plot``; if the
+        program used 20 s of processor time, or sent 20000 messages and log lines together, what it
+        did until then
+    :raises RoslabError: if there is no such file or topic, or a time is wrong
+    """
+    package = learner_package()
+    saved = [one for one in package.files() if one.endswith('.py')]
+    file = f'{str(node).removesuffix(".py")}.py'
+    if file not in saved:
+        near = get_close_matches(file, saved, n=1)
+        hint = f'Did you mean {near[0].removesuffix(".py")!r}? ' if near else ''
+        raise NotHereError(
+            f'simulate({node!r}): no cell has saved {file}. {hint}'
+            f'First run the cell that begins with %%node {file.removesuffix(".py")}.'
+        )
+    try:
+        order = order_of(file, seconds, inputs, late, arguments)
+    except UsageError as error:
+        raise RoslabError(str(error)) from None
+    with tempfile.TemporaryDirectory(prefix='simulate-') as folder:
+        asked, done = Path(folder, 'order.json'), Path(folder, 'recording.jsonl')
+        asked.write_text(json.dumps(asdict(order)), encoding='utf-8')
+        outcome = child.run_grader(
+            'autograder.simulation',
+            *('--files', str(package.folder), '--order', str(asked), '--to', str(done)),
+            text=f'Simulating {order.seconds:g} s of {file}',
+            deadline_s=_DEADLINE_S,
+        )
+        if outcome.returncode != OK:
+            raise RoslabError(_why(outcome))
+        return read_simulation(Recording.load(done))
+
+
+def _why(outcome: child.Outcome) -> str:
+    """Return the error that the child printed last, or what happened to the child."""
+    if outcome.returncode is None:
+        return f'The simulation took more than {_DEADLINE_S:.0f} s of real time.'
+    lines = outcome.output.strip().splitlines() or ['it printed nothing']
+    return lines[-1].removeprefix('autograder: ')
