@@ -61,16 +61,15 @@ def run(chosen: argparse.Namespace) -> int:
     """Run one exam on a package; a visible exam also runs without isolation."""
     from autograder.exam import catalog
     from autograder.grading.examine import examine
+    from autograder.submission.intake import read_handed_in, with_node_files
     from autograder.submission.package import name_missing, own_files, read_package, what_is_there
 
     if not chosen.files.is_dir():
         raise UsageError(f'--files {chosen.files}: there is no such folder.')
     exam = catalog.load(chosen.exam, hidden=not chosen.visible)
-    if chosen.visible:
+    if chosen.visible and exam.scenario.program != 'package':
         files = own_files(exam, read_package(chosen.files))
     else:
-        from autograder.submission.intake import read_handed_in, with_node_files
-
         files = with_node_files(read_handed_in(chosen.files), exam.requires)
     missing = [name for name in exam.requires if name not in files]
     if missing and not chosen.json:
@@ -91,7 +90,7 @@ def run(chosen: argparse.Namespace) -> int:
 def _kept_builds(exam: Exam) -> Path | None:
     """Return the folder for recordings of visible builds: unchanged files build once."""
     folder = Layout.here().recordings
-    if exam.scenario.program != 'build':
+    if exam.scenario.program not in ('build', 'package'):
         return None
     try:
         folder.mkdir(parents=True, exist_ok=True)

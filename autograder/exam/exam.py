@@ -160,7 +160,8 @@ class Exam:
         self.scenario = scenario
         self.read = read
         self.asks = dict(asks or {})
-        self.facts = {'exam_names': Names.of(scenario), **(facts or {}), **self.asks}
+        given = {**scenario.package_facts, **(facts or {}), **self.asks}
+        self.facts = {'exam_names': Names.of(scenario), **given}
         self.checks: list[Check] = []
 
     def check(

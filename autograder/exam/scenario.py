@@ -337,7 +337,8 @@ class Scenario:
         then every check is static
     :param file: the node file to run, for ``'node'``
     :param arguments: of the program, after ``--ros-args``, such as
-        ``('-r', '__ns:=/lab', '-p', 'threshold:=28.5')``
+        ``('-r', '__ns:=/lab', '-p', 'threshold:=28.5')``; for ``'package'``, ``{share}`` is the
+        folder of its installed files
     :param build_type: for ``'build'``, the message that travels from ``/echo_in`` to
         ``/echo_out``, such as ``robot_msgs/msg/Speed``; the package is named in it;
         for ``'package'`` the package's name
@@ -361,6 +362,13 @@ class Scenario:
         """Return the scenario as the probe reads it, without the probe's name."""
         feed = {topic: asdict(one) for topic, one in self.feeds.items()}
         return {**asdict(self), 'feed': feed, 'steps': [step.to_json() for step in self.steps]}
+
+    @property
+    def package_facts(self) -> Mapping[str, str]:
+        """Return the names of the package that is built and of its executable, or nothing."""
+        if self.program != 'package':
+            return {}
+        return {'package': self.build_type, 'executable': self.file.removesuffix('.py')}
 
     @property
     def feeds(self) -> Mapping[str, FeedTopic]:

@@ -52,8 +52,8 @@ LOST = 'Your answer here was not found in the submitted file; a note below says 
 _STUBS = {
     'node': f'# {UNSOLVED}\nraise NotImplementedError()',
     'rosmsg': f'# {UNSOLVED}',
-    'CMakeLists.txt': f'# {UNSOLVED}',
-    'package.xml': f'<!-- {UNSOLVED} -->',
+    'rospkg': f'# {UNSOLVED}',
+    'xml': f'<!-- {UNSOLVED} -->',
     'answer': f"None  # {UNSOLVED}: 'a', 'b', 'c' or 'd' in place of None",
 }
 
@@ -130,7 +130,7 @@ class ClearSolutionsByKind(ClearSolutions):
                 f'{file.path}: expected a region from ### BEGIN SOLUTION to ### END SOLUTION, '
                 'got none: the magic line would be cleared with the solution.'
             )
-        kind = file.name if file.kind == 'rospkg' else file.kind
+        kind = 'xml' if file.name.endswith('.xml') else file.kind
         self.set_trait('code_stub', {**_STUBS, **self.code_stub})
         cell, _ = super().preprocess_cell(cell, {**resources, 'language': kind}, cell_index)
         return cell, resources

@@ -18,6 +18,23 @@ import gate  # type: ignore[import-not-found]  # beside this file, inside the sa
 import warm_python  # type: ignore[import-not-found]
 
 
+def add_what_no_cell_is(folder: Path, package: str) -> None:
+    """
+    Complete a Python package that came as cells with what ``ros2 pkg create`` makes.
+
+    Nodes of a notebook are at the top; they go into the folder with the package's name.
+    """
+    modules, marker = folder / package, folder / 'resource' / package
+    if not (folder / 'setup.py').is_file() or modules.exists() or marker.exists():
+        return  # a whole package, or one in CMake
+    for made in (modules / '__init__.py', marker):
+        made.parent.mkdir(exist_ok=True)
+        made.touch()
+    for node in folder.glob('*.py'):
+        if node.name != 'setup.py':
+            node.rename(modules / node.name)
+
+
 def build(source: str, package: str) -> Path:
     """
     Build a copy of a package, or end with colcon's exit code.
@@ -28,6 +45,7 @@ def build(source: str, package: str) -> Path:
     workspace = Path('/tmp/ws') if not os.environ.get('TMPDIR') else Path(os.environ['TMPDIR'])
     copy = workspace / 'src' / package
     shutil.copytree(source, copy)
+    add_what_no_cell_is(copy, package)
     command = ['--log-base', str(workspace / 'log'), 'build', '--merge-install']
     command += ['--base-paths', str(workspace / 'src')]
     command += ['--build-base', str(workspace / 'build')]

@@ -4,6 +4,7 @@ Build the student's package inside the sandbox with colcon, then run one of its 
 Usage: run_package.py SOURCE PACKAGE EXECUTABLE [arguments of the program]. The executable is the
 file that ``ros2 run PACKAGE EXECUTABLE`` would start: a file of that name in ``lib/PACKAGE``.  If
 it is missing, one line on standard error lists the existing files, and the exit code reports it.
+``{share}`` in an argument stands for the folder ``share/PACKAGE`` of the installed package.
 """
 
 from __future__ import annotations
@@ -31,11 +32,16 @@ def executable(prefix: Path, package: str, name: str) -> Path | None:
 
 
 def what_is_there(prefix: Path, package: str) -> dict[str, list[str]]:
-    """Return the names of executables in the right folder and in wrong ones."""
-    places = {'lib': prefix / 'lib' / package, 'bin': prefix / 'bin'}
+    """Return the names of executables in the right folder, and of the folders of others."""
+    places = {'lib': f'lib/{package}/*', 'bin': 'bin/*', 'others': 'lib/*/*'}
+    files = {word: prefix.glob(pattern) for word, pattern in places.items()}
+    names = {
+        word: [file for file in found if file.is_file() and os.access(file, os.X_OK)]
+        for word, found in files.items()
+    }
     return {
-        word: sorted(file.name for file in folder.glob('*') if os.access(file, os.X_OK))[:20]
-        for word, folder in places.items()
+        word: sorted({file.parent.name if word == 'others' else file.name for file in found})[:20]
+        for word, found in names.items()
     }
 
 
@@ -61,7 +67,8 @@ def main() -> None:
     if file is None:
         print(MARK + json.dumps(what_is_there(prefix, package)), file=sys.stderr)
         sys.exit(NO_EXECUTABLE)
-    argv = [*command(file), *arguments]
+    share = str(prefix / 'share' / package)
+    argv = [*command(file), *(one.replace('{share}', share) for one in arguments)]
     os.execve(argv[0], argv, build_package.variables(prefix))
 
 

@@ -1,5 +1,5 @@
 """
-What exams about a message package have in common: its three files, and how its build ended.
+What exams about a package have in common: its files, and how the build of a message ended.
 
 Bodies of checks as in :mod:`autograder.judging.checks`, for ``.msg`` files and ``package.xml``; a
 build is explained from what the tools printed, by :mod:`autograder.judging.causes.builds`.  All of
@@ -185,14 +185,21 @@ member_of_group
 By this group ROS 2 knows packages that have messages.
 """
 """Rows of three: what ``package.xml`` has to say (REP 149), tags that all say it, and why."""
+_BUILD_TYPES = {
+    'ament_cmake': 'Only packages of type ament_cmake can have messages.',
+    'ament_python': 'By this type colcon knows that the package is built with setup.py.',
+}
 
 
-def require_declarations(text: str, package: str) -> None:
+def require_declarations(
+    text: str, package: str, needed: str = _DECLARATIONS, build_type: str = 'ament_cmake'
+) -> None:
     """
-    Fail unless a package.xml declares what generating and using its message needs.
+    Fail unless a package.xml declares what its package needs.
 
     :param text: a package.xml
     :param package: name that the package must have
+    :param needed: rows as in ``_DECLARATIONS``, by default what a message needs
     """
     try:
         root = ElementTree.fromstring(text)  # noqa: S314 - expat refuses bombs
@@ -203,7 +210,7 @@ def require_declarations(text: str, package: str) -> None:
             why=Cause('xml', 'A tag is not closed, or is misspelled.', 'Look at that line.'),
         ) from None
     have = {(child.tag, (child.text or '').strip()) for child in root}
-    declarations = rows(_DECLARATIONS)
+    declarations = rows(needed)
     missing = {
         line: _why_not_declared(line, have, why)
         for line, ways, why in declarations
@@ -212,9 +219,9 @@ def require_declarations(text: str, package: str) -> None:
     name, kind = root.findtext('name', '').strip(), root.findtext('export/build_type', '').strip()
     if name != package:
         missing = {f'<name>{package}</name>': f'The package is called {name[:40]!r}.', **missing}
-    if kind != 'ament_cmake':
-        line = '<export><build_type>ament_cmake</build_type></export>'
-        missing[line] = 'Only packages of type ament_cmake can have messages.'
+    if kind != build_type:
+        line = f'<export><build_type>{build_type}</build_type></export>'
+        missing[line] = _BUILD_TYPES[build_type]
     if missing:
         total = len(declarations) + 2
         first = next(iter(missing))

@@ -17,7 +17,11 @@ from autograder.submission.code.python_text import expression
 UNSOLVED = 'YOUR CODE HERE'
 """Text of every stub that ``nbgrader generate_assignment`` leaves in a release."""
 
-PACKAGE_FILES = ('package.xml', 'CMakeLists.txt')
+PACKAGE_FILES = (
+    *('package.xml', 'CMakeLists.txt', 'setup.py', 'setup.cfg'),
+    *('config/NAME.yaml', 'launch/NAME.launch.xml', 'test/test_NAME.py'),
+)
+"""Files of a package that a cell may be, apart from messages and nodes."""
 
 LETTERS = 'abcd'
 """The possible answers to a multiple-choice question."""
@@ -42,7 +46,7 @@ _RULES = {
         '%%rosmsg Speed',
     ),
     'rospkg': (
-        re.compile('|'.join(map(re.escape, PACKAGE_FILES))),
+        re.compile('|'.join(map(re.escape, PACKAGE_FILES)).replace('NAME', r'[a-z][a-z0-9_]*')),
         f'expected one of {", ".join(PACKAGE_FILES)}',
     ),
     'answer': (

@@ -26,6 +26,7 @@ ABOUT = (
 GROUPS = {
     'daemon': 'Tell about the daemon (this command has none)',
     'interface': 'Show information about ROS interfaces',
+    'launch': 'Run a launch file',
     'lifecycle': 'Various lifecycle related sub-commands',
     'node': 'Various node related sub-commands',
     'param': 'Various param related sub-commands',
@@ -34,7 +35,7 @@ GROUPS = {
     'service': 'Various service related sub-commands',
     'topic': 'Various topic related sub-commands',
 }
-ELSEWHERE = ('action', 'bag', 'component', 'control', 'doctor', 'launch', 'multicast', 'security')
+ELSEWHERE = ('action', 'bag', 'component', 'control', 'doctor', 'multicast', 'security')
 """Commands of a full installation that are not here, to be told from typing mistakes."""
 SHUT_DOWN = 'the given context is not valid'
 """What rcl says of anything that is made after Ctrl-C; we shut no context down before the end."""

@@ -1,5 +1,5 @@
 """
-What can be changed in the files of a message package and in the letters of a quiz.
+What can be changed in the files of a package that are not Python, and in the letters of a quiz.
 
 As in :mod:`tests.judgement.operators`, each change is one slip: a line that is missing, a type, a
 name, a bound, a tag or a command.
@@ -84,6 +84,15 @@ def cmake_changes(source: str) -> Iterator[Change]:
             yield Change('name', command.start(2), command.end(2), slip(command[2]))
 
 
+def settings_changes(source: str) -> Iterator[Change]:
+    """Yield the changes of a setup.cfg or a YAML file: a line that is missing, or a word."""
+    for line in re.finditer(r'^ *([^\s#].*)\n', source, re.MULTILINE):
+        yield Change('missing line', line.start(), line.end(), '')
+        for word in re.finditer(r'[a-z_]{3,}', line[1]):
+            start = line.start(1) + word.start()
+            yield Change('name', start, line.start(1) + word.end(), slip(word[0]))
+
+
 def answer_changes(source: str) -> Iterator[Change]:
     """Yield the change of a letter to the next one."""
     found = re.search(r"'([a-d])'", source)
@@ -96,5 +105,7 @@ BY_SUFFIX: dict[str, Callable[[str], Iterator[Change]]] = {
     '.msg': message_changes,
     '.xml': manifest_changes,
     'CMakeLists.txt': cmake_changes,
+    '.cfg': settings_changes,
+    '.yaml': settings_changes,
     '.txt': answer_changes,
 }

@@ -215,8 +215,8 @@ class TestRuns:
         [
             ('entry_point_missing', {'entries': "'thermometer = thermo.temp_publisher:main'"}),
             ('script_folder', {'setup.cfg': ''}),
-            ('import', {'entries': "'temp_publisher = thermo.sensor:main'"}),
-            ('build', {'setup.py': 'from setuptools import setup\n\nsetup(name=thermo)\n'}),
+            ('entry_point_module', {'entries': "'temp_publisher = thermo.sensor:main'"}),
+            ('setup_py', {'setup.py': 'from setuptools import setup\n\nsetup(name=thermo)\n'}),
             (
                 'executable_not_installed',
                 {

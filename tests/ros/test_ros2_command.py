@@ -408,3 +408,21 @@ def test_run_hands_signals_and_codes_to_the_program(world):
     node.communicate(timeout=DEADLINE_S)
 
     assert node.returncode == 0
+
+
+def test_launch_starts_all_nodes_and_one_interrupt_ends_them(world, tmp_path):
+    """Each line begins with the process that wrote it."""
+    file = tmp_path / 'both.launch.xml'
+    node = '<node pkg="temp_monitor_pkg" exec="{}" namespace="launched" output="screen"/>'
+    both = ''.join(node.format(name) for name in ('temp_publisher', 'temp_subscriber'))
+    file.write_text(f'<launch>{both}</launch>')
+    launched = world.begin('launch', str(file))
+    while 'launched.temperature_subscriber' not in (line := launched.stdout.readline()):
+        assert line, launched.stderr.read()
+    launched.send_signal(signal.SIGINT)
+    said, _ = launched.communicate(timeout=DEADLINE_S)
+
+    assert line.startswith('[temp_subscriber-2] ')
+    assert '[WARNING] [launch]: user interrupted with ctrl-c (SIGINT)\n' in said
+    assert said.count('process has finished cleanly') == 2
+    assert launched.returncode == 0

@@ -91,7 +91,7 @@ def test_bare_main_call_does_not_block_the_cell(tmp_path):
         ('%%node\npass', '%%node temp_publisher'),
         ('%%rosmsg temperature\nint64 x', 'capital letter'),
         ('%%rosmsg Num/../../x\nint64 x', 'letters'),
-        ('%%rospkg setup.py\nx', 'package.xml'),
+        ('%%rospkg make.py\nx', 'package.xml'),
         ('%%node x\nx = (', "'(' was never closed"),
         ('%%node stub\n# YOUR CODE HERE\nraise NotImplementedError()', 'not written yet'),
         ('%%rosmsg Temperature\n# YOUR CODE HERE', 'not written yet'),

@@ -2,7 +2,7 @@
 
 import pytest
 
-from autograder.judging.causes.builds import diagnose, MISTAKES, texts_of
+from autograder.judging.causes.builds import diagnose, MISTAKES, PYTHON_MISTAKES, texts_of
 
 ADAPTER = """
 CMake Error at /opt/ros/share/rosidl_adapter/cmake/rosidl_adapt_interfaces.cmake:57 (message):
@@ -94,6 +94,16 @@ PRINTED = {
 }
 
 
+PYTHON_PRINTED = {
+    'not_a_python_package': 'CMake Error: The source directory "/home/me/pkg" does not appear to '
+    'contain CMakeLists.txt.\n',
+    'setup_py': '  File "/opt/setuptools/core.py", line 268, in run_setup\n    exec(code, g)\n'
+    '  File "<string>", line 7\n    version="0"\n            ^^^\n'
+    'SyntaxError: invalid syntax. Perhaps you forgot a comma?\nTraceback (most recent call last):',
+    'not_a_file': "error: can't copy 'config/a.yaml': doesn't exist or not a regular file\n",
+}
+
+
 @pytest.mark.parametrize('mistake', MISTAKES, ids=lambda mistake: mistake.cause)
 def test_every_mistake_of_the_table_is_recognised(mistake):
     """Each entry is found by its own output, with nothing left to fill in."""
@@ -104,6 +114,25 @@ def test_every_mistake_of_the_table_is_recognised(mistake):
         assert text
         assert '\n' not in text
         assert '{' not in text.replace('${PROJECT_NAME}', '')
+
+
+@pytest.mark.parametrize(
+    'mistake', [one for one in PYTHON_MISTAKES if one not in MISTAKES], ids=lambda one: one.cause
+)
+def test_every_mistake_of_a_python_package_is_recognised(mistake):
+    """Only where there is a setup.py."""
+    printed = 'WARNING:colcon.colcon_ros.task.ament_python\n' + PYTHON_PRINTED[mistake.cause]
+
+    assert diagnose(printed, {'setup.py': ''}).cause == mistake.cause
+    assert diagnose(printed, {}).cause == 'wrong_build_type'
+
+
+def test_line_of_setup_py_is_named():
+    """As Python counts it."""
+    found = diagnose(PYTHON_PRINTED['setup_py'], {'setup.py': ''})
+
+    assert found.where == 'setup.py, line 7'
+    assert found.error == 'Python stops in setup.py: SyntaxError: invalid syntax.'
 
 
 def test_missing_message_package_of_others_is_named_with_the_file_to_edit():

@@ -8,8 +8,10 @@ import json
 import pytest
 
 from autograder.exam import catalog
-from autograder.grading import built_package
-from autograder.grading.built_package import as_package, explained, MARK, package_name
+from autograder.exam.exam import Run
+from autograder.grading.built_package import as_package, explained, package_name
+from autograder.judging import packages
+from autograder.judging.packages import MARK
 from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.runs.observe import HERE
@@ -34,7 +36,8 @@ def test_the_exam_stays_the_same_but_for_what_runs():
     assert EXAM.checks == exam.checks
     assert EXAM.scenario.steps == exam.scenario.steps
     assert (EXAM.scenario.program, EXAM.scenario.build_type) == ('package', 'thermo')
-    assert EXAM.facts == {**exam.facts, 'package': 'thermo'}
+    names = {'package': 'thermo', 'executable': 'temp_publisher'}
+    assert EXAM.facts == {**exam.facts, **names}
     assert EXAM.requires == ()
     assert exam.scenario.program == 'node'
 
@@ -69,6 +72,7 @@ def there(**places):
     [
         (['setup.py'], {}, 'entry_point_missing', 'console_scripts'),
         (['setup.py'], {'bin': ['temp_publisher']}, 'script_folder', 'install_scripts'),
+        (['setup.py'], {'others': ['other']}, 'script_folder', '$base/lib/thermo'),
         (['CMakeLists.txt'], {'lib': ['other']}, 'executable_not_installed', 'install(PROGRAMS'),
     ],
 )
@@ -82,6 +86,24 @@ def test_an_executable_that_is_not_there_is_named_with_the_file_to_mend(
     assert words in check.try_this
     assert 'ros2 run thermo temp_publisher' in check.expected
     assert ', '.join(installed.get('lib', [])) in check.observed
+
+
+@pytest.mark.parametrize(
+    ('error', 'cause_id', 'words'),
+    [
+        ("ModuleNotFoundError: No module named 'thermo'", 'no_modules', 'find_packages'),
+        ("ModuleNotFoundError: No module named 'a'", 'entry_point_module', 'thermo.MODULE:main'),
+        ("AttributeError: module 'thermo.a' has no attribute 'b'", 'entry_point_function', 'b'),
+    ],
+)
+def test_entry_point_that_leads_nowhere_is_named(error, cause_id, words):
+    """The traceback has no line of the student."""
+    head = 'Traceback (most recent call last):\n  File "/ws/lib/thermo/temp_publisher", line 33\n'
+    process = {'event': 'process', 'exit': 1, 'stderr': f'{head}{error}\n'}
+    why = packages.why_no_program(Run({'setup.py': ''}, Recording({}, [process]), EXAM.facts))
+
+    assert why.cause_id == cause_id
+    assert words in f'{why.text} {why.try_this}'
 
 
 @pytest.mark.parametrize(
@@ -120,7 +142,7 @@ def test_both_sides_mean_the_same_codes(monkeypatch):
     run_package = importlib.import_module('run_package')
 
     assert (run_package.NO_EXECUTABLE, run_package.NOT_BUILT, run_package.MARK) == (
-        built_package.NO_EXECUTABLE,
-        built_package.NOT_BUILT,
-        built_package.MARK,
+        packages.NO_EXECUTABLE,
+        packages.NOT_BUILT,
+        packages.MARK,
     )

@@ -239,9 +239,37 @@ package.xml needs <name>, <version> and the other required tags.
 """
 """Rows of four: cause, place and file; what is found in the output; the error; the advice."""
 
-MISTAKES = tuple(
-    Mistake(pattern, error, advice, *head.split('|'))
-    for head, pattern, error, advice in rows(_TABLE)
+_PYTHON_TABLE = r"""
+not_a_python_package|build_type|package.xml
+does not appear to contain CMakeLists\.txt
+package.xml does not say that the package is built with setup.py.
+Write <export><build_type>ament_python</build_type></export>.
+
+setup_py|#{number}|setup.py
+exec\(code, g\) File "<string>", line (?P<number>\d+).{0,300}?
+  (?P<what>\w{1,20}Error: [^.\[]{1,60}?) ?(?:\.|\[|File|Traceback)
+Python stops in setup.py: {what}.
+Is a comma, a quote or a bracket missing in that line or the one above? Is each name spelled right?
+
+not_a_file|{file}|setup.py
+can't copy '(?P<file>[^']{1,80})': doesn't exist
+data_files of setup.py has '{file}', and there is no such file.
+Name each file from the package folder; the one in resource/ has the name of the package.
+"""
+"""The same for packages with a setup.py."""
+
+
+def _mistakes(table: str) -> tuple[Mistake, ...]:
+    return tuple(
+        Mistake(pattern, error, advice, *head.split('|'))
+        for head, pattern, error, advice in rows(table)
+    )
+
+
+MISTAKES = _mistakes(_TABLE)
+PYTHON_MISTAKES = (
+    *_mistakes(_PYTHON_TABLE),
+    *(one for one in MISTAKES if one.file == 'package.xml' and one.cause != 'wrong_build_type'),
 )
 MISSING_AMENT_PACKAGE = Diagnosis(
     'missing_ament_package',
@@ -279,7 +307,7 @@ def diagnose(output: str, files: Mapping[str, str]) -> Diagnosis:
     :param files: texts of the package by their path inside it, to name the line of the mistake
     """
     text = ' '.join(output.split())
-    for mistake in MISTAKES:
+    for mistake in PYTHON_MISTAKES if 'setup.py' in files else MISTAKES:
         match = re.search(mistake.pattern, text)
         if match:
             groups = match.groupdict()

@@ -15,6 +15,7 @@ from autograder.exam.exam import Cause, Run
 from autograder.judging.causes import not_answering as stalled
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.tracebacks import traceback_of
+from autograder.judging.packages import why_no_program
 from autograder.submission.code.learners_code import Code, texts_in
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
@@ -63,8 +64,8 @@ def why_it_ended(run: Run) -> Cause | None:
         what, why = LIMITS[killed]
         what = OF_A_PACKAGE.get(killed, what) if package else what
         return Cause(killed, f'The program was ended: {what}.', f'Look for {why}.')
-    if no_verdict := why_no_verdict(run):
-        return no_verdict
+    if cause := why_no_program(run) or why_no_verdict(run):
+        return cause
     if died_in_vain(run):
         return None
     trace = traceback_of(run)

@@ -174,7 +174,17 @@ Call self.declare_parameter('$parameter', ...) in __init__(), with the same spel
 parameter_type
 ^InvalidParameterTypeException\b
 A parameter gets a value whose type differs from that of its default{where}.
-Give the default the type of the table: 1.0 is a float, 1 a whole number.
+Give the default, and a value in a file, the type of the table: 1.0 is a float, 1 a whole number.
+
+no_parameter_file
+Couldn't parse params file.*Error opening YAML file
+The parameter file is not installed where it is looked for.
+In data_files of setup.py: ('share/' + package_name + '/config', ['config/NAME.yaml']).
+
+parameter_file
+Couldn't parse params file
+ROS 2 cannot read the parameter file.
+Each of its three levels has two more spaces: /**:, then ros__parameters:, then name: value.
 
 no_depth
 ^InvalidQoSProfileException\b

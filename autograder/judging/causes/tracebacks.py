@@ -100,7 +100,9 @@ def traceback_of(run: Run) -> Traceback | None:
     error = _without_secrets(run, error)
     texts = {name.rpartition('/')[2]: text for name, text in run.files.items()}
     frames = [(at, found) for at, line in enumerate(lines) if (found := _FRAME.match(line))]
-    frames = [(at, found) for at, found in frames if _is_learners(found['path'], run.files)]
+    # Nodes that came as cells were built in the folder with the package's name.
+    names = [*run.files, *(f'{run.facts.get("package", "")}/{name}' for name in run.files)]
+    frames = [(at, found) for at, found in frames if _is_learners(found['path'], names)]
     spun = any(_EXECUTOR.match(line) for line in lines[frames[-1][0] if frames else 0 :])
     if not frames:
         return Traceback(error, '', None, source=source, spun=spun, names=run.names)

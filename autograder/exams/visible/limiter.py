@@ -1,0 +1,258 @@
+"""
+Lesson 10: a Python package with a node of one's own, the speed limiter.
+
+The specification, as the lesson gives it: package ``my_robot_pkg`` with the executable and node
+``limiter``; it publishes each ``std_msgs/msg/Float64`` of ``wanted_speed`` on ``speed``, at most
+``max_speed`` forwards and backwards.  ``max_speed`` is a parameter, 1.0 in the code, 0.5 in
+``config/limiter.yaml``, and may change.  The node is started in a namespace, with that file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Call, Feed, Scenario, set_parameter, Step
+from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.judging.causes.ended import why_silent
+from autograder.judging.checks import field_of
+from autograder.judging.claims import node, one_for_one, passes
+from autograder.judging.message_package import require_declarations
+from autograder.judging.rows import published, require_all_sent, require_values
+
+PACKAGE, NODE = 'my_robot_pkg', 'limiter'
+TYPE = 'std_msgs/msg/Float64'
+FILE = 'config/limiter.yaml'
+DEFAULT, IN_FILE = 1.0, 0.5  # of max_speed [m/s]
+EXERCISE = 'Exercise 10: a speed limiter'
+DOUBLE = 3  # the type of a parameter, as rcl_interfaces/msg/ParameterType numbers it
+
+
+DECLARATIONS = """
+<depend>rclpy</depend>
+depend|exec_depend
+The node imports rclpy when it runs.
+
+<depend>std_msgs</depend>
+depend|exec_depend
+Float64 is a type of std_msgs.
+"""
+
+
+class Wanted(NamedTuple):
+    """A speed that is asked for, and max_speed at that moment and at the start [m/s]."""
+
+    speed: float
+    most: float
+    first: float = IN_FILE
+
+
+def within(speed: float, most: float) -> float:
+    """Return a speed that is at most the limit, forwards and backwards."""
+    return max(-most, min(speed, most))
+
+
+def limited(cut: Callable[[float, float], float] = within) -> Rule:
+    """Return the rule of a program that answers each speed by itself; by default the right one."""
+    return each(lambda one: (cut(one.speed, one.most),))
+
+
+def _only_within(inputs: Sequence[Wanted]) -> list[tuple[float, ...]]:
+    return [(one.speed,) if abs(one.speed) <= one.most else () for one in inputs]
+
+
+SLIPS = (
+    Slip(
+        'not_limited',
+        'Each speed is passed on as it came.',
+        'Publish max(-most, min(speed, most)).',
+        limited(lambda speed, most: speed),
+    ),
+    Slip(
+        'one_side',
+        'Backwards, the speed is not limited.',
+        'A negative speed also has a limit: max(-most, ...).',
+        limited(min),
+    ),
+    Slip(
+        'sign_lost',
+        'The node publishes positive speeds only.',
+        'Keep the sign: max(-most, min(speed, most)), without abs().',
+        limited(lambda speed, most: min(abs(speed), most)),
+    ),
+    Slip(
+        'stops',
+        'A speed above the limit becomes 0.0.',
+        'Publish the limit itself: max(-most, min(speed, most)).',
+        limited(lambda speed, most: speed if abs(speed) <= most else 0.0),
+    ),
+    Slip(
+        'always_most',
+        'The node always publishes the limit.',
+        'min() returns the smaller one: max(-most, min(speed, most)).',
+        limited(lambda speed, most: most),
+    ),
+    Slip(
+        'leaves_out',
+        'A speed above the limit has no answer.',
+        'Publish for each message, at most the limit.',
+        _only_within,
+    ),
+    Slip(
+        'read_once',
+        'A new value of max_speed has no effect.',
+        "Read it in the callback: self.get_parameter('max_speed').value.",
+        each(lambda one: (within(one.speed, one.first),)),
+    ),
+    Slip(
+        'number_in_the_code',
+        'The limit is always 1.0, whatever the parameter says.',
+        "Use self.get_parameter('max_speed').value in the callback.",
+        limited(lambda speed, most: within(speed, DEFAULT)),
+    ),
+)
+
+
+def declares_its_dependencies(run: Run) -> None:
+    """package.xml names the package, its two dependencies and its build type."""
+    require_declarations(run.files['package.xml'], PACKAGE, DECLARATIONS, 'ament_python')
+
+
+def parameter(run: Run) -> tuple[int, float | None]:
+    """Return the type of max_speed at the start, 0 without one, and its value if it is a float."""
+    answers = run.recording.answers(f'{run.facts["node"]}/get_parameters')
+    kind = field_of(answers[0], 'values.0.type') if answers else 0
+    value = field_of(answers[0], 'values.0.double_value') if kind == DOUBLE else None
+    return kind or 0, value if isinstance(value, float) else None  # JSON has no NaN
+
+
+def takes_the_file(run: Run) -> None:
+    """The parameter max_speed has the value of config/limiter.yaml, 0.5."""
+    kind, value = parameter(run)
+    if value != IN_FILE:
+        raise Failed(
+            expected=f'max_speed {IN_FILE}',
+            observed='no finite float' if value is None else f'max_speed {value}',
+            why=why_silent(run) or _why_other_value(run, kind, value),
+        )
+
+
+def _why_other_value(run: Run, kind: int, value: float | None) -> Cause | None:
+    if kind == 0:
+        return Cause(
+            'not_declared',
+            'Your node has no parameter max_speed.',
+            "In __init__(): self.declare_parameter('max_speed', 1.0).",
+        )
+    if value is None:
+        return None
+    if value == DEFAULT and '/**' not in run.files.get(FILE, ''):
+        return Cause(
+            'another_node',
+            f'The first line of {FILE} does not fit your node, whose name has a namespace.',
+            'Begin the file with /**: (slash, two stars, colon), which fits every node.',
+        )
+    return Cause(
+        'value_in_the_file',
+        f'The file does not set max_speed to {IN_FILE}.',
+        f'Three levels in {FILE}: /**:, then ros__parameters:, then max_speed: {IN_FILE}.',
+    )
+
+
+def _require_speeds(run: Run, first: bool) -> None:
+    asked, number = run.facts['speeds'], run.facts['before']
+    _, value = parameter(run)
+    if value is not None:  # whether it is that of the file is another check's question
+        changed = [
+            one._replace(most=value if place < number else one.most, first=value)
+            for place, one in enumerate(asked.inputs)
+        ]
+        asked = replace(asked, inputs=changed)
+    found = published(run, 'speeds', run.facts['target'])
+    places = range(number) if first else range(number, len(found))
+    require_values(run, asked, found, places, 'at most max_speed')
+    require_all_sent(run, found)
+
+
+def limits_the_speed(run: Run) -> None:
+    """It publishes the wanted speed, at most max_speed forwards and backwards."""
+    _require_speeds(run, first=True)
+
+
+def follows_the_parameter(run: Run) -> None:
+    """After a change of max_speed, the new value is the limit."""
+    _require_speeds(run, first=False)
+
+
+def build(
+    space: str, before: Sequence[float], most: float, after: Sequence[float], burst: int = 0
+) -> Exam:
+    """
+    Return the exam for some speeds.
+
+    :param space: namespace in which the node is started, such as ``/lab``
+    :param before: wanted speeds while the limit is that of the file [m/s]
+    :param most: the value that max_speed is set to then [m/s]
+    :param after: wanted speeds after that [m/s]
+    :param burst: how many of the last ones come at once
+    """
+    name, source, target = (f'{space}/{base}' for base in (NODE, 'wanted_speed', 'speed'))
+    request = {'names': ['max_speed']}
+    messages = [{'data': speed} for speed in after]
+    steps: list[Step] = [
+        Call(name, 'get_parameters', 'rcl_interfaces/srv/GetParameters', request),
+        Feed(source, [{'data': speed} for speed in before]),
+        set_parameter(name, 'max_speed', most),
+        Feed(source, messages[: len(messages) - burst]),
+    ]
+    if burst:
+        steps.append(Feed(source, messages[-burst:], burst=True))
+    wanted = [Wanted(one, IN_FILE) for one in before] + [Wanted(one, most) for one in after]
+    exam = Exam(
+        'limiter',
+        title='A package with a speed limiter',
+        assignment='10_package_of_your_own',
+        part=1,
+        cells=(
+            *('limiter', 'limiter_package_xml', 'limiter_setup_py'),
+            *('limiter_setup_cfg', 'limiter_yaml'),
+        ),
+        requires=('limiter.py', 'package.xml', 'setup.py', 'setup.cfg', FILE),
+        scenario=Scenario(
+            program='package',
+            build_type=PACKAGE,
+            file='limiter.py',
+            arguments=('-r', f'__ns:={space}', '--params-file', f'{{share}}/{FILE}'),
+            feed={source: TYPE},
+            watch={target: TYPE},
+            steps=steps,
+        ),
+        read=EXERCISE,
+        facts={'node': name, 'target': target, 'before': len(before)},
+        asks={'speeds': Specification(wanted, limited(), SLIPS, burst)},
+    )
+    exam.check(points=2, static=True)(declares_its_dependencies)
+    exam.check(points=3, read='Part 2: Build and run')(
+        node(name, sentence='The package builds, and ros2 run starts its node limiter.')
+    )
+    exam.check(points=3, needs=['starts_its_node'])(
+        passes(
+            (source, TYPE),
+            (target, TYPE),
+            sentence='It subscribes to wanted_speed and publishes on speed, in any namespace.',
+        )
+    )
+    exam.check(points=4, needs=['starts_its_node'], read='Part 3: Change it from outside')(
+        takes_the_file
+    )
+    exam.check(points=1, needs=['reads_and_writes'])(
+        one_for_one('speeds', target, sentence='It answers each message with exactly one.')
+    )
+    exam.check(points=4, needs=['one_for_one'])(limits_the_speed)
+    exam.check(points=3, needs=['limits_the_speed'])(follows_the_parameter)
+    return exam
+
+
+exam = build('/lab', (0.2, 0.7, 1.5, -0.3, -0.8, -2.0), 0.25, (0.4, -0.4, 0.1, 3.0))

@@ -1,0 +1,103 @@
+"""Why the executable of a package did not start: the build, its place, or its entry point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import json
+import re
+from typing import Any
+
+from autograder.exam.exam import Cause, Run
+from autograder.judging.causes.builds import diagnose
+from autograder.judging.causes.tracebacks import traceback_of
+
+NO_EXECUTABLE, NOT_BUILT = 97, 98
+MARK = 'run_package: '
+"""As in inside/run_package.py, which imports nothing of the project."""
+_NO_ENTRY = re.compile(
+    r"No module named '(?P<module>[\w.]{1,80})'"
+    r"|module '(?P<place>[\w.]{1,80})' has no attribute '(?P<function>\w{1,60})'"
+)
+
+
+def why_no_program(run: Run) -> Cause | None:
+    """Return why a package has no program to run, None if it has one."""
+    process: Mapping[str, Any] = run.recording.process
+    code = process.get('exit') if run.facts.get('package') else None
+    if code == NOT_BUILT:
+        output = ''.join(str(process.get(name, '')) for name in ('stderr', 'stdout'))
+        return _why_not_built(output, run.files)
+    if code == NO_EXECUTABLE:
+        return _why_no_executable(run)
+    return _why_no_entry(run) if code is not None else None
+
+
+def _why_no_entry(run: Run) -> Cause | None:
+    """Explain an entry point that names what is not there."""
+    trace, package = traceback_of(run), run.facts['package']
+    found = _NO_ENTRY.search(trace.error) if trace is not None and not trace.line else None
+    if found is None:
+        return None
+    write = f"In console_scripts of setup.py: '{run.facts['executable']} = {package}.MODULE:main'"
+    if found['function']:
+        text = f'The entry point names {found["function"]}, which {found["place"]} does not have.'
+        return Cause('entry_point_function', text, write)
+    if found['module'] == package:
+        return Cause(
+            'no_modules',
+            'setup.py does not install the modules of the package.',
+            "In setup.py: packages=find_packages(exclude=['test']).",
+        )
+    text = f'The entry point names the module {found["module"]}, which is not in the package.'
+    return Cause('entry_point_module', text, f'{write}; MODULE is a file in the folder {package}.')
+
+
+def _why_not_built(output: str, files: Mapping[str, str]) -> Cause:
+    found = diagnose(output, files)
+    where = f'{found.where}: ' if found.where and not found.error.startswith(found.where) else ''
+    return Cause(
+        found.cause or 'build',
+        f'{where}{found.error}'[:300],
+        found.advice or 'Run colcon build in your workspace; read the first error.',
+    )
+
+
+def _why_no_executable(run: Run) -> Cause:
+    name, package = run.facts['executable'], run.facts['package']
+    there = installed(run)
+    others = [one for one in there['others'] if one != package]
+    if name in there['bin'] or (others and not there['lib']):
+        folder = 'bin/' if name in there['bin'] else f'lib/{others[0]}/'
+        return Cause(
+            'script_folder',
+            f'{name} is installed in {folder}, where ros2 run does not look.',
+            f'In setup.cfg: [install] install_scripts=$base/lib/{package}',
+        )
+    if 'setup.py' in run.files and 'CMakeLists.txt' not in run.files:
+        has = f'; it makes {", ".join(there["lib"])}' if there['lib'] else ''
+        return Cause(
+            'entry_point_missing',
+            f'setup.py makes no executable {name}{has}.',
+            f"In console_scripts of setup.py: '{name} = {package}.MODULE:main'",
+        )
+    return Cause(
+        'executable_not_installed',
+        f'CMakeLists.txt installs no executable {name}.',
+        f'install(PROGRAMS ... DESTINATION lib/${{PROJECT_NAME}}), file name {name}.',
+    )
+
+
+def installed(run: Run) -> dict[str, list[str]]:
+    """Return the list that run_package has written; students can forge it, so it only explains."""
+    found: dict[str, list[str]] = {'lib': [], 'bin': [], 'others': []}
+    said = str(run.recording.process.get('stderr', ''))
+    lines = [line for line in said.splitlines() if line.startswith(MARK)]
+    try:
+        data = json.loads(lines[-1].removeprefix(MARK)) if lines else {}
+    except ValueError:
+        return found
+    for word in found:
+        names = data.get(word) if isinstance(data, dict) else None
+        if isinstance(names, list):
+            found[word] = [str(name)[:60] for name in names[:8]]
+    return found

@@ -1,0 +1,55 @@
+"""The exam of lesson 10: a Python package, as a folder and as the cells of a notebook."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.commands import run as quick_look
+from autograder.layout import Layout
+from autograder.sandboxes.choose import strongest
+from tests.judgement.references import exercises
+
+LAYOUT = Layout.here()
+PACKAGE = 'my_robot_pkg'
+
+pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Return the reference as the folder that ``ros2 pkg create`` and the cells make."""
+    reference = next(one for one in exercises() if one.name == 'limiter')
+    files = {**reference.files, f'resource/{PACKAGE}': '', f'{PACKAGE}/__init__.py': ''}
+    files[f'{PACKAGE}/limiter.py'] = files.pop('limiter.py')
+    for name, text in files.items():
+        path = tmp_path / PACKAGE / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding='utf-8')
+    return tmp_path / PACKAGE
+
+
+def result_of(folder):
+    """Return the result of the visible exam on a folder."""
+    looks = quick_look.looks(folder, quick_look.exams_named('limiter', LAYOUT, False), LAYOUT)
+    ((_, result),) = quick_look.quick_look(looks, strongest(), None)
+    return result
+
+
+def test_whole_folder_has_full_marks(folder):
+    """Its own marker and __init__.py are used."""
+    result = result_of(folder)
+
+    assert (result.points, result.failed) == (20, ())
+
+
+@pytest.mark.parametrize('place', ['limiter.py', 'src/limiter.py', f'{PACKAGE}/nodes/limiter.py'])
+def test_node_in_a_wrong_folder_is_not_repaired(folder, place):
+    """Only the files of cells are put where they belong."""
+    (folder / place).parent.mkdir(exist_ok=True)
+    (folder / PACKAGE / 'limiter.py').rename(folder / place)
+
+    result = result_of(folder)
+
+    assert result.points == 2
+    assert result.failed[0].cause_id == 'entry_point_module'
+    assert 'my_robot_pkg.limiter' in result.failed[0].cause

@@ -1,0 +1,54 @@
+"""What the grader adds to a Python package that came as cells."""
+
+from __future__ import annotations
+
+import importlib
+
+import pytest
+
+from autograder.runs.observe import HERE
+
+
+@pytest.fixture
+def build_package(monkeypatch):
+    """Return the script, which runs inside the sandbox."""
+    monkeypatch.syspath_prepend(str(HERE / 'inside'))
+    return importlib.import_module('build_package')
+
+
+def names(folder):
+    """Return the files in a folder."""
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob('*.*'))
+
+
+def written(folder, *files):
+    """Write empty files."""
+    for name in files:
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).touch()
+    return folder
+
+
+def test_cells_become_a_package(build_package, tmp_path):
+    """The node goes into the inner folder; what is no node stays."""
+    folder = written(tmp_path, 'setup.py', 'a.py', 'config/a.yaml')
+    build_package.add_what_no_cell_is(folder, 'pack')
+
+    assert names(folder) == ['config/a.yaml', 'pack/__init__.py', 'pack/a.py', 'setup.py']
+    assert (folder / 'resource' / 'pack').is_file()
+
+
+@pytest.mark.parametrize(
+    'files',
+    [
+        ('CMakeLists.txt', 'a.py'),
+        ('setup.py', 'a.py', 'pack/__init__.py'),
+        ('setup.py', 'a.py', 'resource/pack'),
+    ],
+)
+def test_whole_package_stays_as_it_is(build_package, tmp_path, files):
+    """Its mistakes are the student's."""
+    before = names(written(tmp_path, *files))
+    build_package.add_what_no_cell_is(tmp_path, 'pack')
+
+    assert names(tmp_path) == before
