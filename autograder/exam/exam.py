@@ -44,6 +44,7 @@ class Failed(Exception):
     :param observed: what was seen instead
     :param why: the likely cause; leave it out when unsure
     :param share: part of the check's points that is earned all the same, 0 to 1
+    :param blocks: whether the checks that need this one wait for it
     :param at: virtual time of the first deviation [ns], if no single event shows it
     :param every_s: what was due comes once in so many seconds; for the picture only
     """
@@ -55,6 +56,7 @@ class Failed(Exception):
         observed: str,
         why: Cause | None = None,
         share: float = 0.0,
+        blocks: bool = True,
         at: int | None = None,
         every_s: float | None = None,
     ) -> None:
@@ -64,6 +66,7 @@ class Failed(Exception):
         self.observed = observed
         self.why = why
         self.share = share
+        self.blocks = blocks
         self.at = at
         self.every_s = every_s
 

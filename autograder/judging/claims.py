@@ -55,11 +55,14 @@ def claim(name: str, sentence: str) -> Callable[[Judge], Judge]:
     return named
 
 
-def node(name: str, check: str = 'starts_its_node', sentence: str = '') -> Judge:
+def node(
+    name: str, check: str = 'starts_its_node', sentence: str = '', only_named: bool = False
+) -> Judge:
     """
     Return the check for a node.
 
     :param name: its full name
+    :param only_named: see :func:`autograder.judging.checks.require_node`
     :param check: name of the check; so in all claims
     :param sentence: what learners read, by default a plain sentence; so in all claims
     """
@@ -67,7 +70,7 @@ def node(name: str, check: str = 'starts_its_node', sentence: str = '') -> Judge
 
     @claim(check, sentence or f'Your program starts a node called {base}.')
     def judge(run: Run) -> None:
-        require_node(run, name)
+        require_node(run, name, only_named)
 
     return judge
 

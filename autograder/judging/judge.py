@@ -23,8 +23,9 @@ def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
     :raises GraderError: if a check itself breaks, which says nothing about the student
     """
     results: dict[str, CheckResult] = {}
+    blocked: set[str] = set()
     for check in exam.checks:
-        result = _judge_one(exam, check, run, results)
+        result = _judge_one(exam, check, run, results, blocked)
         results[check.name] = without_namespace(exam.scenario, result) if exam.hidden else result
     return tuple(results.values())
 
@@ -37,12 +38,10 @@ def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
     """
     nothing = Run(files, Recording({}, ()), exam.facts)
     results: dict[str, CheckResult] = {}
-    blocked = set()
+    blocked: set[str] = set()
     for check in exam.checks:
         if check.static:
-            results[check.name] = _judge_one(exam, check, nothing, results)
-            if results[check.name].verdict is not Verdict.PASSED:
-                blocked.add(check.name)
+            results[check.name] = _judge_one(exam, check, nothing, results, blocked)
         elif blocked & set(check.needs):
             blocked.add(check.name)
         else:
@@ -50,9 +49,17 @@ def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
     return False
 
 
-def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResult]) -> CheckResult:
-    waits = [name for name in check.needs if earlier[name].verdict is not Verdict.PASSED]
+def _judge_one(
+    exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResult], blocked: set[str]
+) -> CheckResult:
+    """
+    Judge one check.
+
+    :param blocked: checks for which others wait; this one is added if it belongs to them
+    """
+    waits = [name for name in check.needs if name in blocked]
     if waits:
+        blocked.add(check.name)
         return CheckResult(
             check=check.name,
             title=check.title,
@@ -65,6 +72,8 @@ def _judge_one(exam: Exam, check: Check, run: Run, earlier: dict[str, CheckResul
     try:
         check.judge(run)
     except Failed as failure:
+        if failure.blocks:
+            blocked.add(check.name)
         why = failure.why or Cause('', '', how_to_look(run))
         return CheckResult(
             check=check.name,

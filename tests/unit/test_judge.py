@@ -67,6 +67,19 @@ class TestJudge:
 
         assert result.read == place
 
+    def test_failure_that_blocks_nothing_costs_its_own_points_alone(self):
+        """A node with a wrong name, for example: what it does can be judged all the same."""
+        exam = make_exam()
+
+        @exam.check(points=1)
+        def has_its_name(run):
+            """It has its name."""
+            raise Failed(expected='a', observed='b', blocks=False)
+
+        exam.check(points=4, needs=['has_its_name'])(passes)
+
+        assert [one.points for one in judge(exam, Run({}, NOTHING))] == [0, 4]
+
     def test_failed_check_tells_five_things(self):
         """Expected, observed, cause, what to try and where to read reach the result."""
         exam = make_exam(read='Part 1')

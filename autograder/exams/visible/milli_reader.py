@@ -225,7 +225,7 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
             'names': Specification(inputs, naming, NAME_SLIPS, burst),
         },
     )
-    exam.check(points=1, read=EXERCISE)(node(NODE))
+    exam.check(points=1, read=EXERCISE)(node(NODE, only_named=True))
     exam.check(
         points=1, needs=['starts_its_node'], read='lesson 03, Part 1: Speaking and listening'
     )(passes((SOURCE, SOURCE_TYPE), (TARGET, TARGET_TYPE), 'hears_and_publishes'))

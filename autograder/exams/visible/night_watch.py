@@ -157,7 +157,7 @@ def levels_by_second(found: Sequence[Event]) -> list[Levels]:
 
 def starts_in_the_namespace(run: Run) -> None:
     """Your node is called night_watch, and its namespace is the one chosen at its start."""
-    require_node(run, node_of(run))
+    require_node(run, node_of(run), only_named=True)
 
 
 def reports_every_second(run: Run) -> None:

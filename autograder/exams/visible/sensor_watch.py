@@ -337,7 +337,7 @@ def build(distances: Sequence[float]) -> Exam:
         read='Part 5: Promises over time',
         facts={'distances': list(distances)},
     )
-    exam.check(points=1, read=EXERCISE)(node(NODE))
+    exam.check(points=1, read=EXERCISE)(node(NODE, only_named=True))
     for points, judge, read in (
         (2, asks_for_no_more_than_is_offered, 'Part 3: Offer and request'),
         (2, requests_the_deadline, ''),
