@@ -131,8 +131,10 @@ def require_reports(run: Run, node: str, period_s: int) -> None:
             return OTHER_NODE_LOGS
         if not lines:
             others = watched_lines(run, node)
-            return why_not_logged(run, others, INFO) or why_no_line(
-                run, f'self.create_timer({period_s}.0, self.report)'
+            return (
+                why_not_logged(run, others, INFO)
+                or why_left_out(run, INFO, own_logs(run, node, INFO))
+                or why_no_line(run, f'self.create_timer({period_s}.0, self.report)')
             )
         return why_left_out(run, INFO, lines) if len(lines) < seconds // period_s else None
 

@@ -14,7 +14,7 @@ from itertools import groupby
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, FeedTopic, Join, Qos, Scenario
-from autograder.exam.slips import leaving_out
+from autograder.exam.slips import leaving_out, MISSES_SOME
 from autograder.exam.specification import each, in_order, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import own_words
@@ -242,7 +242,9 @@ def _why_other_maps(run: Run) -> Cause | None:
     if others:
         text = f'{own_words(run, others[0][:40], "What is published")} is no text of a survey.'
         return Cause('wrong_text', text, 'Publish String(data=survey.data), unchanged.')
-    return REPEATS if any(len(row or ()) > 1 for row in found) else None
+    if any(len(row or ()) > len(asked(run).row(place)) for place, row in enumerate(found)):
+        return REPEATS
+    return MISSES_SOME if len(found[-1] or ()) < asked(run).burst else None
 
 
 def _bare(text: str) -> str:

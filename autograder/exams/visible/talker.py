@@ -102,7 +102,11 @@ def counts_its_greetings(run: Run) -> None:
 
 
 def _why_text(texts: list[str], place: int, first: int) -> Cause | None:
-    if GREETING.fullmatch(texts[place]) or '{' in texts[place]:
+    written = GREETING.fullmatch(texts[place])
+    if written and int(written[1]) == first + place:
+        slip = 'The number is right, and written with other digits than 1, 2, 3.'
+        return Cause('wrong_text', slip, "Publish String(data=f'hello {self.count}').")
+    if written or '{' in texts[place]:
         return why_not_numbered(texts, place, first)
     near = GREETING.fullmatch(' '.join(re.findall(r'[a-z]+|\d+', texts[place].lower())))
     slip = 'Capitals, spaces and punctuation count.' if near else 'It has another form.'

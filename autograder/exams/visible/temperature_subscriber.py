@@ -195,7 +195,8 @@ def logs_every_reading(run: Run) -> None:
 def _why_not_logged(run: Run, reading: Reading, group: Sent) -> Cause | None:
     # With an INFO line after it, the line is not elsewhere: it lacks the value, or a burst is cut.
     elsewhere = None if group.count(INFO) else why_elsewhere(run, INFO, reading.is_in)
-    if why := why_silent(run) or elsewhere:
+    left_out = why_left_out(run, INFO, run.recording.logs(level=INFO))
+    if why := why_silent(run) or left_out or elsewhere:
         return why
     if group.row is None:
         return None
