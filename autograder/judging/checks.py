@@ -36,7 +36,7 @@ def require_node(run: Run, node: str, only_named: bool = False) -> None:
     Fail unless a node was seen.
 
     :param node: full name, ``/talker`` or ``/lab/talker``
-    :param only_named: whether a program with one node of another name is judged by that node
+    :param only_named: whether a program whose only node has a wrong name is judged by that node
     """
     if node in run.recording.nodes:
         return

@@ -68,7 +68,7 @@ class TestJudge:
         assert result.read == place
 
     def test_failure_that_blocks_nothing_costs_its_own_points_alone(self):
-        """A node with a wrong name, for example: what it does can be judged all the same."""
+        """For example a wrong node name: its messages are judged as if the name were right."""
         exam = make_exam()
 
         @exam.check(points=1)

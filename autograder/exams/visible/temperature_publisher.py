@@ -132,7 +132,7 @@ def _seconds_in_rhythm(run: Run, found: list[int]) -> tuple[int, int | None]:
 
 
 def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
-    """Explain a wrong rhythm, unless the gaps show that it is the rhythm of another clock."""
+    """Explain a wrong rhythm, unless the gaps are those of a different clock."""
     if why := why_silent(run):
         return why
     gaps = [later['clock_ns'] - earlier['clock_ns'] for earlier, later in pairwise(found)]
