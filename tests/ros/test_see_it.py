@@ -1,0 +1,33 @@
+"""``see_it.py``: the one command for people who only want to look."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import re
+import subprocess
+import sys
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_listener_hears_every_message() -> None:
+    """The program ends by itself after three messages, each published and heard."""
+    done = subprocess.run(
+        [sys.executable, 'see_it.py'], cwd=ROOT, capture_output=True, text=True, timeout=60
+    )
+    said = done.stdout + done.stderr
+    assert done.returncode == 0, said
+    assert 'Traceback' not in said
+    for number in (1, 2, 3):
+        assert f'[talker]: publishing: hello {number}' in said
+        assert f'[listener]: heard: hello {number}' in said
+
+
+def test_its_versions_are_those_of_the_course() -> None:
+    """Each dependency stands with the same version in the set-up's list."""
+    header = re.search(r'^# dependencies = \[(.+)\]$', (ROOT / 'see_it.py').read_text(), re.M)
+    assert header is not None
+    wanted = re.findall(r'"([^"]+)"', header[1])
+    pinned = (ROOT / 'environment' / 'requirements.in').read_text().splitlines()
+    assert wanted
+    assert set(wanted) <= set(pinned)
