@@ -9,6 +9,8 @@
 #|  make test                 run all tests except browser, cluster, PostgreSQL and benchmarks
 #|  make test-browser         test JupyterLab and formgrader in headless Chromium; also
 #|                            test-cluster (Dask) and test-postgres (a real server)
+#|  make hub                  run a JupyterHub for a class on this machine, as root (docs/hub.md);
+#|                            make test-hub tests it in headless Chromium
 #|  make check                check style, types, words, and that generated files are up to date
 #|  make coverage             write docs/coverage.md: what the course claims, teaches and tests
 #|  make judgement            write docs/agreement.md, mutants.md, causes.md: how well the grader
@@ -16,7 +18,7 @@
 #|  make bench                run the benchmarks; half an hour, preferably on a quiet machine
 #|  make soak                 judge the same files 200 times, with and without load; half an hour
 
-.PHONY: grade quick test test-browser test-cluster test-postgres check coverage judgement release execute bench soak
+.PHONY: grade quick hub test test-browser test-hub test-cluster test-postgres check coverage judgement release execute bench soak
 
 grade: prepare
 	@exec $(PY) -m autograder grade $(ARGS)
@@ -32,13 +34,18 @@ quick: prepare
 test: prepare
 	@exec $(WITH_ROS) python -m pytest -n auto --maxprocesses 4 --dist loadfile $(ARGS)
 
-test-browser: prepare
+# HUB=FILE names other settings than deploy/hub/hub.toml.
+hub: export HUB := $(HUB)
+hub: prepare
+	@exec $(PY) -m deploy.hub
+
+test-browser test-hub: test-%: prepare
 	@for name in chromium chromium-browser google-chrome; do \
 	  command -v $$name >/dev/null && exit; \
 	done; echo 'No Chromium here. Try: sudo apt-get install -y chromium'; exit 1
 	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps \
 	  -r environment/requirements-browser.txt
-	@exec $(WITH_ROS) python -m pytest -m browser $(ARGS)
+	@exec $(WITH_ROS) python -m pytest -m $* $(ARGS)
 
 # Beyond one machine: a scheduler and two workers on loopback; a real PostgreSQL server.
 test-cluster test-postgres: test-%: prepare

@@ -1,0 +1,95 @@
+"""
+``make hub``: prepare a JupyterHub for the course and run it until Ctrl-C.
+
+    python -m deploy.hub           prepare and run
+    python -m deploy.hub prepare   prepare only
+    python -m deploy.hub remove    remove the hub's folder; accounts and homes stay
+
+The environment variable HUB names the file of settings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import os
+from pathlib import Path
+import shutil
+import signal
+import subprocess
+import sys
+
+from deploy.hub.prepare import HubError, prepare
+from deploy.hub.settings import HERE, read, SETTING, Settings, SettingsError
+from environment.places import PROJECT
+
+STOP_S = 60.0
+"""How long the servers of all users may take to stop."""
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run one command; the exit code is 0, or 2 if something is wrong."""
+    command = arguments[0] if arguments else 'run'
+    if command not in ('run', 'prepare', 'remove'):
+        print(__doc__.strip(), file=sys.stderr)
+        return 2
+    path = Path(os.environ.get(SETTING) or HERE / 'hub.toml').resolve()
+    try:
+        settings = read(path)
+        if command == 'remove':
+            shutil.rmtree(settings.folder, ignore_errors=True)
+            return 0
+        prepare(settings)
+    except (SettingsError, HubError) as error:
+        print(f'hub: {error}', file=sys.stderr)
+        return 2
+    return 0 if command == 'prepare' else _run(settings, path)
+
+
+def _run(settings: Settings, path: Path) -> int:
+    """Run the hub in the foreground; when it is told to stop, stop servers and proxy with it."""
+    print(f'Open http://127.0.0.1:{settings.port}/ and log in as {", ".join(settings.users)}.')
+    if settings.login == 'first_use':
+        print("The first password that a user types becomes this user's password.")
+    print('Ctrl-C stops the hub, its proxy and all servers.', flush=True)
+    log = settings.run / 'hub.log'
+    environ = {
+        **os.environ,
+        SETTING: str(path),
+        'PATH': f'{settings.hub}/bin:/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin',
+        'PYTHONPATH': str(PROJECT),
+    }
+    config = str(HERE / 'jupyterhub_config.py')
+    command = [str(settings.hub / 'bin' / 'jupyterhub'), '-f', config]
+    with log.open('a', encoding='utf-8') as file:
+        hub = subprocess.Popen(
+            command,
+            cwd=settings.run,
+            env=environ,
+            stdout=file,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,  # a Ctrl-C reaches it once, through us
+        )
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        code = hub.wait()
+        print(f'hub: JupyterHub ended with code {code}. Look into {log}', file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print('Stopping the servers ...', flush=True)
+        return _stop(hub)
+
+
+def _stop(hub: subprocess.Popen[bytes]) -> int:
+    """Wait until the hub has stopped its servers and its proxy."""
+    hub.terminate()
+    try:
+        hub.wait(STOP_S)
+    except subprocess.TimeoutExpired:
+        os.killpg(hub.pid, signal.SIGKILL)
+        hub.wait()
+        return 2
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

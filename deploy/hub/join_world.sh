@@ -1,0 +1,15 @@
+#!/bin/sh
+# `ros_world`: open a shell in the ROS world of one of your kernels, to use `ros2` beside its nodes.
+# Without a number it takes the only kernel, or lists them.
+kernels=$(pgrep --euid "$(id -u)" --full '[i]pykernel_launcher' | while read -r pid; do
+  [ "$(readlink "/proc/$pid/ns/net")" = "$(readlink /proc/self/ns/net)" ] || echo "$pid"
+done)
+chosen=${1:-$kernels}
+case $chosen in
+  '') echo 'No kernel with a ROS world of its own is running. Try: run a cell of a lesson first' >&2; exit 1 ;;
+  *[!0-9]*)
+    echo 'Several kernels are running. Try: ros_world NUMBER' >&2
+    for pid in $kernels; do echo "  $pid  in $(readlink "/proc/$pid/cwd")" >&2; done
+    exit 2 ;;
+esac
+exec nsenter --preserve-credentials --user --net --mount --target "$chosen" "${SHELL:-bash}"

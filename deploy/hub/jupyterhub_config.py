@@ -1,0 +1,117 @@
+"""
+JupyterHub's settings for the course, read by ``jupyterhub`` as ``deploy.hub`` starts it.
+
+Students run the environment of the shared students' copy, the instructor that of the own clone.
+"""
+
+import os
+from pathlib import Path
+import pwd
+import shutil
+import subprocess
+import sys
+
+from jupyterhub.spawner import LocalProcessSpawner
+
+from deploy.hub.memory import limit
+from deploy.hub.settings import LOGINS, read, SETTING
+
+c = get_config()  # JupyterHub puts it here
+
+settings = read(Path(os.environ[SETTING]))
+GRADED = set((settings.folder / 'graded_lessons.txt').read_text(encoding='utf-8').split())
+idle_s = int(60 * settings.idle_minutes)
+
+
+class CourseSpawner(LocalProcessSpawner):
+    """Starts a user's server in the folder of the course, under the limit of memory."""
+
+    async def start(self) -> tuple[str, int]:
+        """Start it and put it under the limit, before it can start a kernel."""
+        started = await super().start()
+        if settings.memory_mib and not limit(self.user.name, self.pid, settings.memory_mib):
+            self.log.warning('No limit of memory: this system offers no control group for it.')
+        return started
+
+
+def prepare_server(spawner: CourseSpawner) -> None:
+    """Choose the environment and the folder of a server; give students the lessons."""
+    name = spawner.user.name
+    home = Path(pwd.getpwnam(name).pw_dir)
+    course = settings.course_of(home)
+    mine = name == settings.instructor
+    venv = (course if mine else settings.copy) / '.venv'
+    spawner.environment = {
+        'COURSE_EXCHANGE': str(settings.exchange),
+        'LANG': 'C.UTF-8',
+        'PATH': f'{venv}/bin:/usr/local/bin:/usr/bin:/bin',
+    }
+    if not mine:
+        _copy_lessons(name, course)
+    # nbgrader reads the settings of the folder in which the server starts.
+    spawner.cmd = ['sh', '-c', f'cd {course} && exec {venv}/bin/jupyterhub-singleuser "$@"', 'sh']
+    spawner.notebook_dir = str(course)
+    spawner.default_url = '/lab/tree/' + ('notebooks/' if mine else '') + 'START_HERE.ipynb'
+
+
+def _copy_lessons(name: str, course: Path) -> None:
+    """Give a student what need not be fetched: as the student, and never over own work."""
+    source = settings.copy / 'notebooks'
+    wanted = [path for path in sorted(source.iterdir()) if path.name not in GRADED]
+    copy = 'mkdir -p "$0" && cp -r --no-clobber "$@" "$0/"'
+    command = ['runuser', '-u', name, '--', 'sh', '-c', copy, str(course), *map(str, wanted)]
+    subprocess.run(command, check=True, cwd='/')
+
+
+c.JupyterHub.bind_url = f'http://127.0.0.1:{settings.port}/'
+c.JupyterHub.hub_port = settings.port + 1
+c.JupyterHub.spawner_class = CourseSpawner
+c.JupyterHub.db_url = f'sqlite:///{settings.run}/hub.sqlite'
+c.JupyterHub.cookie_secret_file = str(settings.run / 'cookie_secret')
+c.JupyterHub.pid_file = str(settings.run / 'hub.pid')
+c.JupyterHub.template_vars = {'announcement_login': 'ROS 2 nodes and topics'}
+c.ConfigurableHTTPProxy.command = [
+    shutil.which('node') or 'node',
+    str(
+        settings.proxy
+        / 'node_modules'
+        / 'configurable-http-proxy'
+        / 'bin'
+        / 'configurable-http-proxy'
+    ),
+]
+c.ConfigurableHTTPProxy.api_url = f'http://127.0.0.1:{settings.port + 2}'
+c.ConfigurableHTTPProxy.pid_file = str(settings.run / 'proxy.pid')
+
+c.JupyterHub.authenticator_class = LOGINS[settings.login]
+c.Authenticator.allowed_users = set(settings.users)
+c.PAMAuthenticator.open_sessions = False
+c.FirstUseAuthenticator.dbm_path = str(settings.run / 'passwords.dbm')
+c.FirstUseAuthenticator.create_users = False
+
+c.Spawner.pre_spawn_hook = prepare_server
+c.Spawner.start_timeout = 120
+c.Spawner.args = [
+    '--MultiKernelManager.default_kernel_name=ros2_jazzy',
+    # Kernels are stopped even if a plot in them keeps drawing: outputs do not count as activity.
+    f'--MappingKernelManager.cull_idle_timeout={idle_s}',
+    f'--MappingKernelManager.cull_interval={max(1, idle_s // 4)}',
+    '--MappingKernelManager.cull_connected=True',
+]
+
+c.JupyterHub.load_roles = [
+    {
+        'name': 'culler',
+        'scopes': ['list:users', 'read:users:activity', 'read:servers', 'delete:servers'],
+        'services': ['culler'],
+    }
+]
+c.JupyterHub.services = [
+    {
+        'name': 'culler',
+        'command': [
+            *(sys.executable, '-m', 'jupyterhub_idle_culler'),
+            *(f'--timeout={idle_s}', f'--cull-every={max(1, idle_s // 4)}'),
+        ],
+    }
+]

@@ -1,0 +1,180 @@
+"""Install a hub: accounts, JupyterHub, its proxy, the students' copy, the instructor's clone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+import json
+import os
+from pathlib import Path
+import pwd
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+
+from autograder.authoring.student_bundle import pack, TOP
+from autograder.layout import Layout, lesson_files
+from deploy.hub import worlds
+from deploy.hub.settings import HERE, Settings
+from environment.exchange import ROOT_MODE
+from environment.places import PROJECT, write_atomically
+
+GRADED = 'graded_lessons.txt'
+"""Names of the lessons that students fetch through nbgrader, in the hub's folder."""
+COURSE_SETTINGS = """\
+# Written by the hub's set-up, for the students' servers.
+c = get_config()
+c.CourseDirectory.course_id = {course!r}
+c.Exchange.root = {exchange!r}
+"""
+
+
+class HubError(Exception):
+    """Raised when a step of the installation cannot be done; its text says what to try."""
+
+
+def prepare(settings: Settings) -> None:
+    """
+    Do all steps that are not done yet; a second time takes seconds.
+
+    :raises HubError: if one fails
+    """
+    _require_system()
+    steps: tuple[tuple[str, Callable[[Settings], None]], ...] = (
+        ('accounts', _accounts),
+        ('JupyterHub and its proxy', _hub),
+        ("students' copy", _students_copy),
+        ("instructor's clone", _instructors_clone),
+        ('exchange', _exchange),
+        ('a ROS world for each kernel', _worlds),
+    )
+    os.umask(0o022)  # all users read what is installed
+    for number, (title, step) in enumerate(steps, 1):
+        print(f'[{number}/{len(steps)}] {title} ...', flush=True)
+        step(settings)
+
+
+def home_of(user: str) -> Path:
+    """Return a user's home."""
+    return Path(pwd.getpwnam(user).pw_dir)
+
+
+def run(*command: str | Path, cwd: Path = Path('/'), user: str = '') -> None:
+    """
+    Run one command, as another user if one is named.
+
+    :raises HubError: if it fails, with its last lines
+    """
+    env: Mapping[str, str] = {
+        'PATH': '/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin',
+        'LANG': 'C.UTF-8',
+        'HOME': str(home_of(user)) if user else str(Path.home()),
+        'CI': 'true',  # no living line
+        **{name: value for name, value in os.environ.items() if name.startswith('PIP_')},
+    }
+    words = [*(('runuser', '-u', user, '--') if user else ()), *map(str, command)]
+    done = subprocess.run(
+        words, cwd=cwd, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    if done.returncode:
+        last = '\n'.join(done.stdout.strip().splitlines()[-12:])
+        raise HubError(f'{" ".join(words)}: ended with code {done.returncode}\n{last}')
+
+
+def _require_system() -> None:
+    if os.geteuid() != 0:
+        raise HubError('A hub starts servers of several users. Try: sudo make hub')
+    needed = {'npm': 'npm', 'runuser': 'util-linux', 'useradd': 'passwd', 'pgrep': 'procps'}
+    needed |= {'unshare': 'util-linux', 'ip': 'iproute2', 'git': 'git'}
+    lacking = sorted({package for name, package in needed.items() if not shutil.which(name)})
+    if lacking:
+        raise HubError(f'Programs are missing. Try: apt-get install -y {" ".join(lacking)}')
+
+
+def _accounts(settings: Settings) -> None:
+    """Create accounts without a password, and keep homes to their owners."""
+    for user in settings.users:
+        try:
+            pwd.getpwnam(user)
+        except KeyError:
+            run('useradd', '--create-home', '--shell', '/bin/bash', user)
+        home_of(user).chmod(0o700)
+
+
+def _hub(settings: Settings) -> None:
+    settings.run.mkdir(parents=True, exist_ok=True)
+    settings.run.chmod(0o700)
+    wanted = (HERE / 'requirements.txt').read_text(encoding='utf-8')
+    stamp = settings.hub / 'requirements.txt'
+    if not stamp.is_file() or stamp.read_text(encoding='utf-8') != wanted:
+        run(sys.executable, '-m', 'venv', '--clear', settings.hub)
+        pip = (settings.hub / 'bin' / 'python', '-m', 'pip', 'install', '--quiet', '--no-deps')
+        run(*pip, '-r', HERE / 'requirements.txt')
+        write_atomically(stamp, wanted)
+    settings.proxy.mkdir(exist_ok=True)
+    for name in ('package.json', 'package-lock.json'):
+        shutil.copyfile(HERE / name, settings.proxy / name)
+    if not (settings.proxy / 'node_modules' / 'configurable-http-proxy').is_dir():
+        run('npm', 'ci', '--omit=dev', '--no-audit', '--no-fund', cwd=settings.proxy)
+
+
+def _students_copy(settings: Settings) -> None:
+    """Unpack the bundle over the copy; running kernels keep the files that they have opened."""
+    layout = Layout(PROJECT)
+    with tempfile.TemporaryDirectory(dir=settings.folder) as scratch:
+        bundle = Path(scratch) / 'bundle.zip'
+        pack(layout, bundle)
+        with zipfile.ZipFile(bundle) as archive:
+            archive.extractall(scratch)
+        unpacked = Path(scratch) / TOP
+        settings.copy.mkdir(exist_ok=True)
+        for source in sorted(unpacked.rglob('*')):
+            target = settings.copy / source.relative_to(unpacked)
+            if source.is_dir():
+                target.mkdir(parents=True, exist_ok=True)
+            elif not target.is_file() or target.read_bytes() != source.read_bytes():
+                source.replace(target)  # in one step, for who reads it now
+    run('make', 'prepare', cwd=settings.copy)
+    _add_server(settings.copy / '.venv')
+    course = COURSE_SETTINGS.format(course=layout.facts.name, exchange=str(settings.exchange))
+    write_atomically(settings.copy / '.venv' / 'etc' / 'jupyter' / 'nbgrader_config.py', course)
+    graded = [path.parent.name for path in lesson_files(layout.notebooks) if _is_graded(path)]
+    write_atomically(settings.folder / GRADED, '\n'.join(graded) + '\n')
+
+
+def _is_graded(notebook: Path) -> bool:
+    cells = json.loads(notebook.read_text(encoding='utf-8'))['cells']
+    return any(cell['metadata'].get('nbgrader', {}).get('grade') for cell in cells)
+
+
+def _instructors_clone(settings: Settings) -> None:
+    user, clone = settings.instructor, settings.course_of(home_of(settings.instructor))
+    if not clone.exists():
+        run('git', 'clone', '--quiet', '--no-hardlinks', PROJECT, clone)
+        run('chown', '-R', f'{user}:', clone)
+    run('make', 'prepare', cwd=clone, user=user)
+    _add_server(clone / '.venv', user)
+
+
+def _add_server(venv: Path, user: str = '') -> None:
+    """Add what a server needs under a hub, and nothing that changes another version."""
+    pip = (venv / 'bin' / 'python', '-m', 'pip', 'install', '--quiet', '--no-deps')
+    run(*pip, '-r', HERE / 'requirements-server.txt', user=user)
+
+
+def _exchange(settings: Settings) -> None:
+    settings.exchange.mkdir(exist_ok=True)
+    settings.exchange.chmod(ROOT_MODE)
+    shutil.chown(settings.exchange, settings.instructor)
+
+
+def _worlds(settings: Settings) -> None:
+    reason = worlds.refused(settings.students[0] if settings.students else settings.instructor)
+    if reason:
+        print(worlds.FALLBACK.format(reason=reason))
+        return
+    worlds.install(settings.copy / '.venv')
+    clone = settings.course_of(home_of(settings.instructor)) / '.venv'
+    worlds.install(clone)
+    run('chown', '-R', f'{settings.instructor}:', clone / 'etc', clone / 'share', clone / 'bin')

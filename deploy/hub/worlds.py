@@ -1,0 +1,58 @@
+"""A ROS world for each kernel that nobody else can enter, where this system allows it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import shutil
+import subprocess
+
+from deploy.hub.settings import HERE
+from environment.install_files import KERNEL_NAME
+from environment.places import write_atomically
+
+SCRIPT, JOIN = 'own_world.sh', 'ros_world'
+TRIAL_S = 20.0
+FALLBACK = (
+    'Kernels share the network of this machine: each takes a ROS domain of its own, and who sets '
+    'that domain on purpose can listen. Reason: {reason}'
+)
+
+
+def refused(user: str) -> str:
+    """
+    Try whether a user may have a network namespace.
+
+    :param user: the system user who tries it
+    :returns: empty if it works, else the reason in one line
+    """
+    command = ['runuser', '-u', user, '--', 'sh', str(HERE / SCRIPT), 'true']
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=TRIAL_S, cwd='/')
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return str(error)
+    lines = done.stderr.strip().splitlines()
+    return '' if done.returncode == 0 else (lines or [f'code {done.returncode}'])[-1]
+
+
+def install(venv: Path) -> None:
+    """
+    Have an environment start each kernel in a world of its own.
+
+    The server reaches it over Unix sockets: a network address does not lead into the namespace.
+
+    :param venv: a prepared environment of the course
+    """
+    for source, name in ((SCRIPT, SCRIPT), ('join_world.sh', JOIN)):
+        shutil.copyfile(HERE / source, venv / 'bin' / name)
+        (venv / 'bin' / name).chmod(0o755)
+    kernel = venv / 'share' / 'jupyter' / 'kernels' / KERNEL_NAME / 'kernel.json'
+    spec = json.loads(kernel.read_text(encoding='utf-8'))
+    script = str(venv / 'bin' / SCRIPT)
+    if spec['argv'][0] != script:
+        spec['argv'].insert(0, script)
+    write_atomically(kernel, json.dumps(spec, indent=1) + '\n')
+    config = venv / 'etc' / 'jupyter' / 'jupyter_server_config.json'
+    settings = json.loads(config.read_text(encoding='utf-8'))
+    settings['KernelManager'] = {'transport': 'ipc'}
+    write_atomically(config, json.dumps(settings, indent=1) + '\n')

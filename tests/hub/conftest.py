@@ -1,0 +1,46 @@
+"""
+The hub of the tests, one for all of them.
+
+The accounts are made for it and removed after it.  ``HUB_TEST_FOLDER`` names a folder that is kept
+with its accounts, so that preparing it takes seconds the next time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+import os
+from pathlib import Path
+import shutil
+import subprocess
+import tempfile
+
+import pytest
+
+from tests.hub.running_hub import ANN, BOB, Hub, running, TEACHER
+
+BROWSERS = ('chromium', 'chromium-browser', 'google-chrome')
+ARGUMENTS = ('--no-sandbox', '--disable-gpu', '--disable-background-networking')
+
+
+@pytest.fixture(scope='session')
+def hub() -> Iterator[Hub]:
+    """Return a running hub and a headless Chromium."""
+    assert os.geteuid() == 0, 'A hub needs root. Try: sudo make test-hub'
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    assert found, 'No browser. Try: sudo apt-get install -y chromium'
+    from playwright.sync_api import sync_playwright
+
+    kept = os.environ.get('HUB_TEST_FOLDER')
+    folder = Path(kept or tempfile.mkdtemp(prefix='hubtest-', dir='/srv'))
+    folder.mkdir(exist_ok=True)
+    folder.chmod(0o755)
+    try:
+        with running(folder) as settings, sync_playwright() as playwright:
+            browser = playwright.chromium.launch(executable_path=found, args=list(ARGUMENTS))
+            yield Hub(settings, browser)
+            browser.close()
+    finally:
+        if not kept:
+            shutil.rmtree(folder)
+            for user in (TEACHER, ANN, BOB):
+                subprocess.run(['userdel', '--remove', user], capture_output=True, check=False)

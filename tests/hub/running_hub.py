@@ -1,0 +1,130 @@
+"""A real hub with one instructor and two students, prepared and run as ``make hub`` does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+import os
+from pathlib import Path
+import pwd
+import signal
+import socket
+import subprocess
+import sys
+from typing import Any
+from urllib.error import URLError
+from urllib.request import urlopen
+
+from deploy.hub.settings import read, Settings
+
+ROOT = Path(__file__).resolve().parents[2]
+TEACHER, ANN, BOB = 'hubtest_teacher', 'hubtest_ann', 'hubtest_bob'
+PREPARED_S, STARTED_S, STOPPED_S, PAGE_MS = 1200.0, 120.0, 90.0, 120_000
+
+
+@dataclass
+class Hub:
+    """
+    A running hub.
+
+    :param settings: of the hub
+    :param browser: a Chromium
+    """
+
+    settings: Settings
+    browser: Any
+
+    @property
+    def address(self) -> str:
+        """Where it listens, with a slash at its end."""
+        return f'http://127.0.0.1:{self.settings.port}/'
+
+    def log_in(self, user: str, password: str = '') -> Any:
+        """Type a name and a password, and return the page that follows."""
+        page = self.browser.new_context(viewport={'width': 1360, 'height': 900}).new_page()
+        page.set_default_timeout(PAGE_MS)
+        page.goto(self.address)
+        page.fill('#username_input', user)
+        page.fill('#password_input', password or f'the password of {user}')
+        page.click('#login_submit')
+        return page
+
+    def lab_of(self, user: str) -> Any:
+        """Log a user in, and return the page with this user's JupyterLab."""
+        page = self.log_in(user)
+        page.locator('.jp-NotebookPanel').first.wait_for()
+        return page
+
+
+def home_of(user: str) -> Path:
+    """Return a user's home."""
+    return Path(pwd.getpwnam(user).pw_dir)
+
+
+def as_user(user: str, *command: str | Path) -> subprocess.CompletedProcess[str]:
+    """Run a command as one of the users, at home."""
+    home = home_of(user)
+    words = ['runuser', '-u', user, '--', 'env', f'HOME={home}', *map(str, command)]
+    return subprocess.run(words, capture_output=True, text=True, cwd=home, timeout=120)
+
+
+@contextmanager
+def running(folder: Path) -> Iterator[Settings]:
+    """Prepare a hub in a folder, run it, stop it as Ctrl-C does, and see that nothing is left."""
+    file = folder / 'hub.toml'
+    file.write_text(
+        f"folder = '{folder}'\nport = {_port_before_two_free()}\ninstructor = '{TEACHER}'\n"
+        f"students = ['{ANN}', '{BOB}']\nmemory_mib = 3000\nidle_minutes = 60\n"
+    )
+    environ = {**os.environ, 'HUB': str(file)}
+    command = [sys.executable, '-m', 'deploy.hub']
+    subprocess.run([*command, 'prepare'], cwd=ROOT, env=environ, check=True, timeout=PREPARED_S)
+    hub = subprocess.Popen(command, cwd=ROOT, env=environ, text=True, stdout=subprocess.PIPE)
+    settings = read(file)
+    try:
+        _wait_until_it_answers(settings, hub)
+        yield settings
+    finally:
+        hub.send_signal(signal.SIGINT)
+        assert hub.wait(STOPPED_S) == 0
+    left = ['pgrep', '--list-full', '--euid', f'{TEACHER},{ANN},{BOB}']
+    assert subprocess.run(left, capture_output=True, text=True).stdout == ''
+    with socket.socket() as probe:
+        assert probe.connect_ex(('127.0.0.1', settings.port)) != 0, 'the proxy is left'
+
+
+def _wait_until_it_answers(settings: Settings, hub: subprocess.Popen[str]) -> None:
+    for line in hub.stdout or ():
+        if 'Ctrl-C' in line:
+            break
+    log = settings.run / 'hub.log'
+    tail = subprocess.Popen(
+        ['tail', '--follow=name', '--lines=+1', '--retry', log],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+    )  # fmt: skip
+    try:
+        for line in tail.stdout or ():
+            if 'JupyterHub is now running' in line:
+                break
+    finally:
+        tail.kill()
+        tail.wait()
+    try:
+        with urlopen(f'http://127.0.0.1:{settings.port}/hub/login', timeout=STARTED_S):
+            return
+    except URLError as error:
+        raise AssertionError(f'The hub does not answer:\n{log.read_text()[-3000:]}') from error
+
+
+def _port_before_two_free() -> int:
+    """Return a port that is free, as are the next two."""
+    for port in range(18000, 19000, 3):
+        with socket.socket() as one, socket.socket() as two, socket.socket() as three:
+            try:
+                for offset, probe in enumerate((one, two, three)):
+                    probe.bind(('127.0.0.1', port + offset))
+            except OSError:
+                continue
+            return port
+    raise AssertionError('no three free ports')

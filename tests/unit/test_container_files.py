@@ -1,0 +1,52 @@
+"""The files of the container routes fit together and are of the form that their tools read."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import re
+
+import pytest
+import yaml
+
+from deploy.container.profile import CALLS, with_namespaces
+
+ROOT = Path(__file__).parents[2]
+CONTAINER = ROOT / 'deploy' / 'container'
+
+
+def test_the_profile_allows_eight_calls_more_and_forbids_no_other() -> None:
+    """What Docker's profile says about other calls stays as it is."""
+    rules = [{'names': ['read'], 'action': 'SCMP_ACT_ALLOW'}]
+    made = with_namespaces({'defaultAction': 'SCMP_ACT_ERRNO', 'syscalls': rules})
+    assert made['defaultAction'] == 'SCMP_ACT_ERRNO'
+    assert made['syscalls'][:-1] == rules
+    assert set(made['syscalls'][-1]['names']) == set(CALLS)
+    assert len(CALLS) == 8
+
+
+@pytest.mark.parametrize('wrong', [{}, {'syscalls': []}, {'defaultAction': 'x', 'syscalls': {}}])
+def test_another_file_is_refused(wrong: dict[str, object]) -> None:
+    """A file of another form is no profile."""
+    with pytest.raises(ValueError, match='expected a seccomp profile'):
+        with_namespaces(wrong)
+
+
+def test_paths_and_stages_exist() -> None:
+    """Compose and the development container name the Dockerfile and a stage that it has."""
+    compose = yaml.safe_load((CONTAINER / 'compose.yaml').read_text())['services']['course']
+    build = compose['build']
+    assert (CONTAINER / build['context'] / build['dockerfile']).samefile(CONTAINER / 'Dockerfile')
+    folder = ROOT / '.devcontainer'
+    described = json.loads((folder / 'devcontainer.json').read_text())['build']
+    assert (folder / described['dockerfile']).samefile(CONTAINER / 'Dockerfile')
+    stages = re.findall(r'^FROM \S+ AS (\w+)$', (CONTAINER / 'Dockerfile').read_text(), re.M)
+    assert described['target'] in stages
+
+
+def test_documentation_names_the_same_calls() -> None:
+    """environment.md lists exactly the calls that the script adds."""
+    text = (ROOT / 'environment.md').read_text(encoding='utf-8')
+    listed = re.search(r'eight system calls more: ((?:`\w+`(?:,\n?\s?| and |\n)*)+)', text)
+    assert listed
+    assert set(re.findall(r'`(\w+)`', listed[1])) == set(CALLS)

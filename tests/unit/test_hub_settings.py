@@ -1,0 +1,72 @@
+"""The settings of a hub, and the files that give each kernel a ROS world of its own."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from deploy.hub import worlds
+from deploy.hub.settings import HERE, read, SettingsError
+
+GOOD = {
+    'folder': "'/srv/hub'",
+    'port': '8000',
+    'instructor': "'ann'",
+    'students': "['bob', 'cem']",
+}
+
+
+def written(where: Path, **changed: str | None) -> Path:
+    """Write a file of settings with some lines changed, or left out if None."""
+    lines = {**GOOD, **changed}
+    file = where / 'hub.toml'
+    file.write_text(''.join(f'{name} = {value}\n' for name, value in lines.items() if value))
+    return file
+
+
+def test_the_settings_of_the_course_can_be_read() -> None:
+    """The file that `make hub` uses is complete."""
+    settings = read(HERE / 'hub.toml')
+    assert settings.users == (settings.instructor, *settings.students)
+
+
+@pytest.mark.parametrize(
+    ('changed', 'said'),
+    [
+        ({'folder': "'hub'"}, 'an absolute path'),
+        ({'port': '80'}, 'from 1024 to'),
+        ({'port': "'8000'"}, 'from 1024 to'),
+        ({'students': "['bob', 'ann']"}, 'stands twice'),
+        ({'students': "['bob; reboot']"}, 'not a system user name: bob; reboot'),
+        ({'login': "'dummy'"}, 'first_use, pam'),
+        ({'memory_mib': '100'}, 'at least 512'),
+        ({'idle_minutes': '0'}, 'above 0'),
+        ({'instructor': None}, 'missing: instructor'),
+        ({'color': "'red'"}, 'unknown: color'),
+        ({'folder': "'/srv"}, 'hub.toml:'),
+    ],
+)
+def test_a_value_that_cannot_be_used_is_named(
+    tmp_path: Path, changed: dict[str, str | None], said: str
+) -> None:
+    """The error says which line is wrong and what is expected."""
+    with pytest.raises(SettingsError, match=said):
+        read(written(tmp_path, **changed))
+
+
+def test_a_kernel_starts_in_its_own_world_and_the_server_reaches_it(tmp_path: Path) -> None:
+    """The script stands once before the kernel's command, and the server uses Unix sockets."""
+    kernel = tmp_path / 'share' / 'jupyter' / 'kernels' / 'ros2_jazzy' / 'kernel.json'
+    config = tmp_path / 'etc' / 'jupyter' / 'jupyter_server_config.json'
+    for path, content in ((kernel, {'argv': ['python', '-m', 'kernel']}), (config, {'A': 1})):
+        path.parent.mkdir(parents=True)
+        path.write_text(json.dumps(content))
+    (tmp_path / 'bin').mkdir()
+    for _ in range(2):  # a second start of the hub changes nothing
+        worlds.install(tmp_path)
+    script = tmp_path / 'bin' / worlds.SCRIPT
+    assert json.loads(kernel.read_text())['argv'] == [str(script), 'python', '-m', 'kernel']
+    assert json.loads(config.read_text()) == {'A': 1, 'KernelManager': {'transport': 'ipc'}}
+    assert script.stat().st_mode & 0o111
