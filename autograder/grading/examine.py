@@ -15,7 +15,7 @@ from autograder.judging.judge import judge, worth_running
 from autograder.recording import Event, header, Recording
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.runs.kept import recorded
-from autograder.runs.pool import Place
+from autograder.runs.task import Place
 from autograder.sandboxes.isolation import not_protected
 from autograder.sandboxes.sandbox import Sandbox
 

@@ -21,7 +21,7 @@ from autograder.errors import ProbeFailed, RecordingInvalid, TooBusy
 from autograder.exam.exam import Exam
 from autograder.recording import Event, Recording
 from autograder.runs.observe import observe
-from autograder.runs.pool import outcome_of, Place, task_of
+from autograder.runs.task import outcome_of, Place, task_of
 from autograder.runs.version import environment_digest, made_with
 from autograder.sandboxes.sandbox import Sandbox
 

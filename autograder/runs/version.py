@@ -41,7 +41,7 @@ GIT_S = 5.0
 FURTHER = 'packages of environment/messages.txt'
 """What two machines must have in common, and what only runs that name such a package depend on."""
 TASKS = 1
-"""Format of what :mod:`autograder.runs.pool` sends and gets."""
+"""Format of what :mod:`autograder.runs.task` sends and gets."""
 
 
 @lru_cache(maxsize=4)
