@@ -24,7 +24,6 @@ from autograder.collect.source.deliveries import Handed, Piece
 from autograder.collect.source.times import late_notes, read_time, STAMP
 from autograder.collect.table import LEFT, Row
 from autograder.results import first_of
-from autograder.submission.ids import student_id
 from autograder.submission.tree import NotTakenInError, UnreadableError
 
 MOST_NOTEBOOKS = 50
@@ -61,14 +60,12 @@ class Chosen:
     """
     A notebook that can be collected.
 
-    :param student: the student id
     :param digest: SHA-256 of its content
     :param strange: whether it contains no cell of the assignment
     :param when: time of delivery in UTC, None if it is not known
     """
 
     handed: Handed
-    student: str
     assignment: str
     piece: Piece
     digest: str
@@ -89,7 +86,7 @@ class Chosen:
 
     def row(self, done: str, course: Course, *why: str) -> Row:
         """Return the row of the table, with ``why`` as its first note."""
-        due = course.due.of(self.student, self.assignment) if self.when else None
+        due = course.due.of(self.handed.id, self.assignment) if self.when else None
         place = self.piece.place
         return _row(self.handed, self.assignment, place, done, why, self.notes, self.when, due)
 
@@ -150,7 +147,7 @@ def choose(
 
 def _unusable(handed: Handed, course: Course, wanted: str) -> str:
     """Return why nothing can be collected, before anything is read; empty if something can."""
-    if not student_id(handed.student):
+    if not handed.id:
         return 'no letter or digit in the name'
     if why := handed.doubt or handed.instead:
         return why
@@ -250,8 +247,7 @@ def _chosen(
     if name != course.file_names[assignment]:
         said.append(f'the file was called {name[:60]!r}')
     said += about_time
-    student = student_id(handed.student)
-    return Chosen(handed, student, assignment, best.piece, best.digest, strange, when, tuple(said))
+    return Chosen(handed, assignment, best.piece, best.digest, strange, when, tuple(said))
 
 
 def _time(
@@ -285,11 +281,6 @@ def _others(
     for place in handed.places:
         there = [one for one in seen if one.piece.place == place]
         about = goal or next((one.content or one.named for one in there), '')
-        if not there and place not in taken:
-            names = [piece.file.name for piece in handed.pieces if piece.place == place]
-            yield _left(
-                handed, goal, place, f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]
-            )
         reasons = [
             _why_not(one, chosen, goal)
             for one in there
@@ -298,12 +289,15 @@ def _others(
             or (not one.shared and one.named in lost)
             or (single and one.content not in ('', goal))
         ]
+        if not there and place not in taken:
+            names = [piece.file.name for piece in handed.pieces if piece.place == place]
+            reasons = [f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]]
         if reasons:
             yield _left(handed, about, place, first_of(reasons, NAMES_SHOWN, '; '))
 
 
 def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
-    path = one.piece.file.path[:80]
+    path, about = one.piece.file.path[:80], goal or one.named
     if one.why:
         return f'{path}: {one.why}'
     for rival in chosen:
@@ -312,21 +306,20 @@ def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
             return 'an earlier one' if same else f'{path}: {rival.piece.file.path} counts'
     if one.content:
         return f'wrong assignment: {path} is {one.content}'
-    if goal and one.named not in ('', goal):
-        return f'{path}: named like {one.named}, but it contains no cell of {goal}'
-    if chosen and not one.named:
-        return f'{path}: it contains no cell of {goal or "this course"}'
-    if goal or one.named:
-        return (
-            f'{path}: it contains no cell of {goal or one.named}, and it is not the only notebook'
-        )
-    return f'{path}: not an assignment of this course; name one with --assignment'
+    if not about and not chosen:
+        return f'{path}: not an assignment of this course; name one with --assignment'
+    other = goal and one.named not in ('', goal)
+    named = f'named like {one.named}, but ' if other else ''
+    more = '' if other or (chosen and not one.named) else ', and it is not the only notebook'
+    return f'{path}: {named}it contains no cell of {about or "this course"}{more}'
 
 
 def _said(handed: Handed) -> tuple[str, ...]:
     """Return the notes of the source, and a note if the name was changed."""
-    same = student_id(handed.student) == handed.student
-    return (*handed.notes, *(() if same else (f'the name was {handed.student[:60]!r}',)))
+    return (
+        *handed.notes,
+        *(() if handed.id == handed.student else (f'the name was {handed.student[:60]!r}',)),
+    )
 
 
 def _left(handed: Handed, assignment: str, place: str, why: str) -> Row:
@@ -344,8 +337,7 @@ def _row(
     due: datetime | None = None,
 ) -> Row:
     """Return a row of the table, with its first note and whether the work is late."""
-    student = student_id(handed.student)
-    person = '' if handed.person == student else handed.person
+    person = '' if handed.person == handed.id else handed.person
     handed_in = f'{when:%Y-%m-%d %H:%M}' if when else ''
     said = (*first, *late_notes(handed.late, when, due), *notes)
-    return Row(student, assignment, place, done, said, person, handed_in)
+    return Row(handed.id, assignment, place, done, said, person, handed_in)

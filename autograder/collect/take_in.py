@@ -14,7 +14,7 @@ from autograder.collect.namesakes import in_doubt, keep_namesakes, Namesakes, re
 from autograder.collect.owners import owner_rule, with_owners_checked
 from autograder.collect.source.course import Course
 from autograder.collect.source.tree import opened
-from autograder.collect.table import LEFT, Row
+from autograder.collect.table import LEFT, Row, unclaimed
 from autograder.collect.write_copy import lay
 from autograder.layout import Layout
 from autograder.submission.tree import Tree, UnreadableError
@@ -50,7 +50,7 @@ def collect(
             rule = owner_rule(layout, trust_names)
             there = replace(there, handed=with_owners_checked(there.handed, rule))
         rows = list(_refused(tree))
-        rows += [Row('', '', one.place, LEFT, (one.why,)) for one in there.left]
+        rows += there.left
         found, others, known = _choose(there, course, assignment, tree.name)
         rows += others
         here: list[Chosen] = []
@@ -59,7 +59,7 @@ def collect(
             here += several[:1] if done[0].done != LEFT else []
             rows += done
     if any(one.when for one in found) and course.due.problem:
-        rows.append(Row('', '', 'the gradebook', LEFT, (course.due.problem,)))
+        rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
         names = {row.student: row.person for row in rows if row.done != LEFT and row.person}
         numbers = [(one.handed, one.assignment) for one in here]
@@ -105,7 +105,7 @@ def _kept(path: Path, what: str, keep: Callable[[], None]) -> Iterator[Row]:
         keep()
     except OSError as error:
         why = f'{what} cannot be written: {(error.strerror or "error").lower()}'
-        yield Row('', '', str(path), LEFT, (why,))
+        yield unclaimed(str(path), why)
 
 
 def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[NotCollected]:
@@ -134,7 +134,7 @@ def _by_owner(found: Sequence[Chosen]) -> dict[tuple[str, str], list[Chosen]]:
     """Group deliveries by owner, the newest with cells of the assignment first."""
     owners: dict[tuple[str, str], list[Chosen]] = {}
     for one in found:
-        owners.setdefault((one.student, one.assignment), []).append(one)
+        owners.setdefault((one.handed.id, one.assignment), []).append(one)
     for several in owners.values():
         several.sort(
             key=lambda one: (

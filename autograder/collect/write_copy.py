@@ -30,7 +30,7 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
     :raises OSError: if it cannot be written
     :raises UnreadableError: if the source has changed since it was read
     """
-    folder = to / one.student / one.assignment
+    folder = to / one.handed.id / one.assignment
     for part in (folder.parent, folder):
         if part.is_symlink():
             raise NotADirectoryError(20, 'a link where a folder should be')
