@@ -112,26 +112,25 @@ def _fitting(
     all_ways: Mapping[str, Sequence[Reading]],
 ) -> list[Reading]:
     """Return the readings that agree with the other files."""
-    named: dict[str, set[str]] = {}
-    for one in settled.values():
-        named.setdefault(one.user, set()).add(one.name)
-    anonymous = {one.anonymous for one in settled.values()}
+    known = settled.values()
+    names = {one.user: one.name for one in known}
+    near = [int(one.attachment) for one in known if one.attachment]
     numbers = Counter(
         number for found in all_ways.values() for number in {one.attachment for one in found}
     )
-    near = [int(one.attachment) for one in settled.values() if one.attachment]
 
     def is_attachment(number: str) -> bool:
         found = int(number)
         among = not near or (min(near) <= found * _SPREAD and found <= max(near) * _SPREAD)
         return among and numbers[number] == 1
 
-    def fits(one: Reading) -> bool:
-        same_name = one.name in named.get(one.user, {one.name})
-        possible = not one.attachment or is_attachment(one.attachment)
-        return possible and same_name and anonymous <= {one.anonymous}
-
-    return [one for one in ways if fits(one)]
+    return [
+        one
+        for one in ways
+        if names.get(one.user, one.name) == one.name
+        and (not one.attachment or is_attachment(one.attachment))
+        and all(one.anonymous == other.anonymous for other in known)
+    ]
 
 
 def _of_user(
