@@ -19,7 +19,7 @@ from autograder.clock.virtual_clock import SYSTEM_TIME_NS, virtual_clock
 from autograder.errors import SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
-from autograder.sandboxes.isolation import fix_for, System
+from autograder.sandboxes.isolation import fix_for
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
 TRIAL = """
@@ -148,5 +148,5 @@ def _try_to_join(confined: Confined) -> None:
     if joined.returncode != 0:
         raise SandboxUnavailable(
             f'The probe cannot join the sandbox network: {joined.stderr.strip()}.',
-            fix_for('namespace', System.here()),
+            fix_for('namespace'),
         )

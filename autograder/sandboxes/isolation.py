@@ -156,12 +156,14 @@ class System:
         )
 
 
-def fix_for(said: str, system: System) -> str:
+def fix_for(said: str, system: System | None = None) -> str:
     """
-    Return the fix for bubblewrap's error message on this system.
+    Return the fix for bubblewrap's error message.
 
     :param said: its own words
+    :param system: None for the running one
     """
+    system = system or System.here()
     if 'nknown option' in said:
         return FIX_OLD
     refused = ('uid map', 'RTM_NEWADDR', 'namespace', 'pivot_root', 'Operation not permitted')

@@ -31,7 +31,7 @@ from autograder.errors import ProbeFailed, SandboxUnavailable
 from autograder.sandboxes import landlock
 from autograder.sandboxes import sandbox as sandboxes
 from autograder.sandboxes.confined import Confined, end_group, Limits, Program
-from autograder.sandboxes.isolation import fix_for, System
+from autograder.sandboxes.isolation import fix_for
 from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
@@ -230,7 +230,7 @@ class ForkServer:
         _, said = self.process.communicate()
         what = said.decode(errors='replace').strip() or 'no word'
         raise SandboxUnavailable(
-            f'The fork server of the probes did not start: {what}.', fix_for(what, System.here())
+            f'The fork server of the probes did not start: {what}.', fix_for(what)
         )
 
 

@@ -44,11 +44,6 @@ class Found:
     single: bool = False
 
 
-def kind_of(tree: Tree) -> str:
-    """Return which platform a source comes from, by its names."""
-    return _recognised(tree)[0]
-
-
 def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> Found:
     """
     Return all deliveries in a source.
@@ -57,7 +52,7 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     :param prefix: the beginning to remove from the names of folders
     :raises NotTakenInError: if the source does not match its names or ``kind``
     """
-    chosen, place = (kind, None) if kind else _recognised(tree)
+    chosen, place = (kind, None) if kind else recognised(tree)
     found: list[Handed | Row] = []
     if system := SYSTEMS.get(chosen):
         if prefix:
@@ -95,7 +90,7 @@ def _refuse_unused(prefix: str, place: Level, where: str) -> None:
         )
 
 
-def _recognised(tree: Tree) -> tuple[str, Level | None]:
+def recognised(tree: Tree) -> tuple[str, Level | None]:
     """Return the platform that recognises most names, on the outermost level that has any."""
     for place in _levels(tree):
         claims = {name: system.claims(place) for name, system in SYSTEMS.items()}
