@@ -81,11 +81,8 @@ class Chosen:
     def row(self, done: str, course: Course, said: str) -> Row:
         """Return the row of the table, with ``said`` as its first note."""
         due = course.due.of(self.handed.id, self.assignment) if self.when else None
-        notes = (
-            *((said,) if said else ()),
-            *late_notes(self.handed.late, self.when, due),
-            *self.notes,
-        )
+        late = late_notes(self.handed.late, self.when, due)
+        notes = (*filter(None, (said,)), *late, *self.notes)
         return _row(self.handed, self.assignment, self.seen.piece.place, done, notes, self.when)
 
 
@@ -141,7 +138,7 @@ def choose(
             for name in [goal] if goal else sorted({one.about for one in seen} - {''}):
                 found = _fitting(seen, name, course, bool(goal))
                 fitting.setdefault((handed.id, name), []).extend(found)
-    chosen: dict[tuple[str, str], Chosen] = {}
+    chosen: dict[str, dict[str, Chosen]] = {}
     reasons: dict[Seen, str] = {}
     for (student, assignment), candidates in fitting.items():
         names = {one.handed.called or one.handed.student for one in candidates}
@@ -150,13 +147,13 @@ def choose(
             reasons |= dict.fromkeys(candidates, why)
         elif candidates:
             best = _best(candidates, assignment, course)
-            chosen[student, assignment] = best
+            chosen.setdefault(student, {})[assignment] = best
             reasons |= {one: _why_another(one, best) for one in candidates}
     rows: list[Row] = []
     for handed, seen in delivered:
-        mine = {name: best for (student, name), best in chosen.items() if student == handed.id}
+        mine = chosen.get(handed.id, {})
         rows += _others(handed, seen, course, mine, reasons, wanted, single)
-    return list(chosen.values()), rows
+    return [best for mine in chosen.values() for best in mine.values()], rows
 
 
 def _unusable(handed: Handed, course: Course, wanted: str) -> str:
@@ -320,7 +317,9 @@ def _others(
             names = [piece.file.name for piece in handed.pieces if piece.place == place]
             said = [f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]]
         if why or said:
-            yield _left(handed, about, place, why or first_of(said, NAMES_SHOWN, '; '))
+            late = late_notes(handed.late, handed.when, None)
+            notes = (why or first_of(said, NAMES_SHOWN, '; '), *late, *_said(handed))
+            yield _row(handed, about, place, LEFT, notes, handed.when)
 
 
 def _why_not(one: Seen, chosen: bool, goal: str) -> str:
@@ -344,15 +343,8 @@ def _why_not(one: Seen, chosen: bool, goal: str) -> str:
 
 def _said(handed: Handed) -> tuple[str, ...]:
     """Return the notes of the source, and a note if the name was changed."""
-    return (
-        *handed.notes,
-        *(() if handed.id == handed.student else (f'the name was {handed.student[:60]!r}',)),
-    )
-
-
-def _left(handed: Handed, assignment: str, place: str, why: str) -> Row:
-    notes = (why, *late_notes(handed.late, handed.when, None), *_said(handed))
-    return _row(handed, assignment, place, LEFT, notes, handed.when)
+    renamed = f'the name was {handed.student[:60]!r}' if handed.id != handed.student else ''
+    return (*handed.notes, *filter(None, (renamed,)))
 
 
 def _row(

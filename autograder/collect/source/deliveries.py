@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
+from functools import cached_property
 
 from autograder.collect.source.tree import REPOSITORY
 from autograder.collect.table import Row
@@ -68,7 +69,7 @@ class Handed:
     number: str = ''
     owners: frozenset[int] = frozenset()
 
-    @property
+    @cached_property
     def id(self) -> str:
         """Return the student id, empty if the name has no letter or digit."""
         return student_id(self.student)
