@@ -200,7 +200,7 @@ def _fitting(seen: Sequence[Seen], assignment: str, course: Course, only: bool) 
     """
     Return the notebooks of a delivery that may be for an assignment.
 
-    One without a cell of the assignment is it only if it cannot be confused with another.
+    A notebook without its cells may be for it only if no other notebook can be meant.
 
     :param only: whether everything was handed in for this assignment
     """

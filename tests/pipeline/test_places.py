@@ -111,7 +111,7 @@ BUSY = TALKER.format(word='right').replace(
 @pytest.mark.ros
 @pytest.mark.slow
 def test_a_grading_that_is_stopped_ends_its_runs_and_records_nothing(tmp_path):
-    """Ctrl-C does not wait for a run, and a run that it ends is no evidence."""
+    """Ctrl-C does not wait for a run, and a run that it ends is never recorded."""
     seen = threading.Event()
     with ThreadPoolExecutor(1, thread_name_prefix=THREADS) as threads:
         run = threads.submit(
