@@ -2,10 +2,10 @@
 Kill a grading repeatedly, and continue it: nothing may be lost, duplicated or left over.
 
 A class is graded once undisturbed.  Then it is graded from scratch while, at random instants, the
-command itself, one of its worker processes, or a process of a run (sandbox, probe, a student's
-program) is killed without warning; the same command is started again until it completes.  Its
-results, and what is in the gradebook, have to be the same as in the undisturbed grading.  No
-sandbox may outlive its grader, and no temporary file may be left at the end.
+command itself or a process of a run (sandbox, probe, a student's program) is killed without
+warning; the same command is started again until it completes.  Its results, and what is in the
+gradebook, have to be the same as in the undisturbed grading.  No sandbox may outlive its grader,
+and no temporary file may be left at the end.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ SECONDS = 10
 ORPHANS_S = 60.0
 """How long the processes of a killed grader may take to end on a busy machine."""
 NOT_COMPARED = ('timing', 'recording', 'pictures')
-KINDS = ('grader', 'worker', 'run')
+KINDS = ('grader', 'run')
 REFUSED = 2
 Facts = Mapping[str, Any]
 
@@ -67,7 +67,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.kills')
     parser.add_argument('--kills', type=int, default=FULL_KILLS, metavar='N', help='how many')
     parser.add_argument('--seed', type=int, default=1, metavar='N', help='of the instants')
-    parser.add_argument('--jobs', type=int, default=2, metavar='N', help='worker processes')
+    parser.add_argument('--jobs', type=int, default=2, metavar='N', help='parallel runs')
     chosen = parser.parse_args()
     facts = report.machine()
     began = time.monotonic()
@@ -190,7 +190,7 @@ def _killed_or_done(
     except subprocess.TimeoutExpired:
         pass
     kind = chance.choice(KINDS)
-    others = {'worker': _workers, 'run': _of_runs}.get(kind, lambda _: [])(grading.pid)
+    others = _of_runs(grading.pid) if kind == 'run' else []
     if others:
         _kill(chance.choice(others))
         account.kills[kind] += 1
@@ -217,11 +217,6 @@ def _family(pid: int) -> list[psutil.Process]:
         return psutil.Process(pid).children(recursive=True)
     except psutil.Error:
         return []
-
-
-def _workers(pid: int) -> list[psutil.Process]:
-    """Return the grader's worker processes."""
-    return [one for one in _family(pid) if any('spawn_main' in word for word in _words(one))]
 
 
 def _of_runs(pid: int) -> list[psutil.Process]:

@@ -23,10 +23,9 @@ import time
 from typing import Any
 
 from autograder.authoring.sample_class import write_sample_class
-from autograder.commands.grade import in_a_pool
 from autograder.grading.pipeline import grade_class, load_lesson, SandboxEngine
 from autograder.layout import Layout
-from autograder.runs.pool import grading_folder
+from autograder.runs.grading_folder import grading_folder
 from autograder.sandboxes.choose import strongest
 from autograder.submission.inbox import discover
 from benchmarks import report
@@ -105,10 +104,8 @@ def _grade_once(submitted: Path, recordings: Path, jobs: int) -> Outcome:
     """
     layout = Layout.here()
     outcome: Outcome = {}
-    with (
-        grading_folder(),
-        in_a_pool(SandboxEngine(strongest(), recordings, fresh=True), jobs) as engine,
-    ):
+    engine = SandboxEngine(strongest(), recordings, fresh=True)
+    with grading_folder():
         for assignment in layout.assignments():
             lesson = load_lesson(layout, assignment, engine)
             submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())

@@ -126,6 +126,8 @@ def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator
             [driver_file, *map(str, (system_time_ns, page_fd, *ends))],
             pass_fds=(page_fd, *ends),
             env={},
+            # Apart from the terminal's process group: Ctrl-C must not stop the time of a run.
+            start_new_session=True,
         )
     except BaseException:
         for ours, _ in pairs:

@@ -1,8 +1,9 @@
 """
-Choose the notebook of a delivery that counts for each assignment.
+Choose the notebook that counts for each student and assignment.
 
-Content decides first: the notebook with most grade ids of the assignment counts, whatever its file
-is called.  Then the name decides, and then the time: the newest attempt counts.  A notebook
+Of several deliveries the newest counts.  In a delivery, content decides first: the notebook with
+most grade ids of the assignment counts, whatever its file is called.  Then the name decides, and
+then the attempt: the newest counts.  A notebook
 without a cell of the course is collected only if it is the only one delivered for the assignment:
 grading can explain a broken notebook, but private notes must not replace the answers.
 
@@ -14,17 +15,15 @@ not replace one in lesson 6.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import datetime
-import hashlib
 
 from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Handed, Piece
 from autograder.collect.source.times import late_notes, read_time, STAMP
 from autograder.collect.table import LEFT, Row
 from autograder.results import first_of
-from autograder.submission.ids import student_id
 from autograder.submission.tree import NotTakenInError, UnreadableError
 
 MOST_NOTEBOOKS = 50
@@ -33,19 +32,19 @@ MOST_BYTES_EACH = 256 << 20
 NAMES_SHOWN = 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Seen:
     """
     Facts about a notebook; the notebooks of a class are too large to hold at once.
 
-    :param digest: SHA-256 of its content
+    :param handed: the delivery that it belongs to
     :param shared: how many grade ids it has of each assignment
     :param named: the assignment that its name or folder suggests
     :param why: why it was not read
     """
 
+    handed: Handed
     piece: Piece
-    digest: str = ''
     shared: Mapping[str, int] = field(default_factory=dict)
     named: str = ''
     why: str = ''
@@ -55,43 +54,36 @@ class Seen:
         """Return the assignment that most cells belong to, or an empty string."""
         return max(self.shared, key=lambda name: (self.shared[name], name), default='')
 
+    @property
+    def about(self) -> str:
+        """Return the assignment that it seems to belong to, or an empty string."""
+        return self.content or self.named
+
 
 @dataclass(frozen=True)
 class Chosen:
     """
     A notebook that can be collected.
 
-    :param student: the student id
-    :param digest: SHA-256 of its content
-    :param strange: whether it contains no cell of the assignment
     :param when: time of delivery in UTC, None if it is not known
     """
 
-    handed: Handed
-    student: str
+    seen: Seen
     assignment: str
-    piece: Piece
-    digest: str
-    strange: bool
     when: datetime | None
     notes: tuple[str, ...]
 
-    def read(self) -> bytes:
-        """
-        Return the content; it must be the same as when it was chosen.
+    @property
+    def handed(self) -> Handed:
+        """Return the delivery that it belongs to."""
+        return self.seen.handed
 
-        :raises UnreadableError: if the file has changed
-        """
-        data = self.piece.file.read()
-        if hashlib.sha256(data).hexdigest() != self.digest:
-            raise UnreadableError('the file changed while it was collected')
-        return data
-
-    def row(self, done: str, course: Course, *why: str) -> Row:
-        """Return the row of the table, with ``why`` as its first note."""
-        due = course.due.of(self.student, self.assignment) if self.when else None
-        place = self.piece.place
-        return _row(self.handed, self.assignment, place, done, why, self.notes, self.when, due)
+    def row(self, done: str, course: Course, said: str) -> Row:
+        """Return the row of the table, with ``said`` as its first note."""
+        due = course.due.of(self.handed.id, self.assignment) if self.when else None
+        late = late_notes(self.handed.late, self.when, due)
+        notes = (*filter(None, (said,)), *late, *self.notes)
+        return _row(self.handed, self.assignment, self.seen.piece.place, done, notes, self.when)
 
 
 def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
@@ -107,9 +99,7 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
         frequent
     """
     students = [one for one in seen if one]
-    votes = Counter(
-        found for one in students for found in {each.content or each.named for each in one} - {''}
-    )
+    votes = Counter(found for one in students for found in {each.about for each in one} - {''})
     ranked = votes.most_common(2)
     if len(ranked) == 1 or (ranked and ranked[0][1] > ranked[1][1]):
         return ranked[0][0]
@@ -128,29 +118,47 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
 
 
 def choose(
-    handed: Handed, seen: Sequence[Seen], course: Course, wanted: str = '', single: bool = False
+    delivered: Sequence[tuple[Handed, Sequence[Seen]]],
+    course: Course,
+    wanted: str = '',
+    single: bool = False,
 ) -> tuple[list[Chosen], list[Row]]:
     """
-    Find the notebooks in one student's delivery, one for each assignment.
+    Find the notebooks to collect, one for each student and assignment.
 
-    :param seen: its notebooks, as :func:`look` has found them
+    :param delivered: the deliveries with their notebooks, as :func:`look` has found them
     :param wanted: the only assignment to look for; empty to go by the source and the notebooks
     :param single: whether the whole source belongs to this assignment, so that others are mistakes
     :returns: the notebooks, and a row for each entry of the source without one
     """
-    goal = wanted or handed.assignment
-    if why := _unusable(handed, course, wanted):
-        return [], [_left(handed, goal, place, why) for place in handed.places]
-    for_what = [goal] if goal else sorted({one.content or one.named for one in seen} - {''})
-    picked = (_pick(handed, seen, assignment, course, bool(goal)) for assignment in for_what)
-    chosen = [one for one in picked if one is not None]
-    lost = set(for_what) - {one.assignment for one in chosen}
-    return chosen, list(_others(handed, seen, chosen, goal, lost, single))
+    fitting: dict[tuple[str, str], list[Seen]] = {}
+    for handed, seen in delivered:
+        goal = wanted or handed.assignment
+        if not _unusable(handed, course, wanted):
+            for name in [goal] if goal else sorted({one.about for one in seen} - {''}):
+                found = _fitting(seen, name, course, bool(goal))
+                fitting.setdefault((handed.id, name), []).extend(found)
+    chosen: dict[str, dict[str, Chosen]] = {}
+    reasons: dict[Seen, str] = {}
+    for (student, assignment), candidates in fitting.items():
+        names = {one.handed.called or one.handed.student for one in candidates}
+        if len(names) > 1:  # two students map to one id: collect neither and report the clash
+            why = f'the same student id as {", ".join(map(repr, sorted(names)))}'[:160]
+            reasons |= dict.fromkeys(candidates, why)
+        elif candidates:
+            best = _best(candidates, assignment, course)
+            chosen.setdefault(student, {})[assignment] = best
+            reasons |= {one: _why_another(one, best) for one in candidates}
+    rows: list[Row] = []
+    for handed, seen in delivered:
+        mine = chosen.get(handed.id, {})
+        rows += _others(handed, seen, course, mine, reasons, wanted, single)
+    return [best for mine in chosen.values() for best in mine.values()], rows
 
 
 def _unusable(handed: Handed, course: Course, wanted: str) -> str:
     """Return why nothing can be collected, before anything is read; empty if something can."""
-    if not student_id(handed.student):
+    if not handed.id:
         return 'no letter or digit in the name'
     if why := handed.doubt or handed.instead:
         return why
@@ -176,57 +184,28 @@ def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
     )
     seen, left = [], MOST_BYTES_EACH
     for count, piece in enumerate(notebooks):
-        named, digest, shared, why = course.named(piece.file.parts), '', {}, ''
+        one = Seen(handed, piece, named=course.named(piece.file.parts))
         try:
             if count >= MOST_NOTEBOOKS or left <= 0:
                 raise UnreadableError(f'not read: {count} other notebooks come first')
             data = piece.file.read()
             left -= len(data)
-            digest, shared = hashlib.sha256(data).hexdigest(), course.shared(data)
+            seen.append(replace(one, shared=course.shared(data)))
         except UnreadableError as error:
-            why = str(error)
-        seen.append(Seen(piece, digest, shared, named, why))
+            seen.append(replace(one, why=str(error)))
     return seen
 
 
-def _pick(
-    handed: Handed, seen: Sequence[Seen], assignment: str, course: Course, only: bool
-) -> Chosen | None:
+def _fitting(seen: Sequence[Seen], assignment: str, course: Course, only: bool) -> list[Seen]:
     """
-    Return the notebook for an assignment, or None if there is none or the choice is unclear.
+    Return the notebooks of a delivery that may be for an assignment.
+
+    A notebook without its cells may be for it only if no other notebook can be meant.
 
     :param only: whether everything was handed in for this assignment
     """
-    fitting = [one for one in seen if one.content == assignment]
-    fitting = fitting or _without_cells(seen, assignment, course, only)
-    if not fitting:
-        return None
-    by_turn = sorted(fitting, key=lambda one: one.piece.turn)
-    newest = {one.piece.file.parts: one for one in by_turn}
-
-    def merit(one: Seen) -> tuple[int, bool, bool, int, bool, int]:
-        file = one.piece.file
-        return (
-            one.shared.get(assignment, 0),
-            course.of_file(file.name) == assignment,
-            assignment in file.parts,
-            one.piece.turn,
-            file.name == course.file_names[assignment],
-            -len(file.parts),
-        )
-
-    best = max(newest.values(), key=merit)
-    again = sum(one.piece.file.parts == best.piece.file.parts for one in fitting)
-    notes = [f'the newest of {again}'] if again > 1 else []
-    if len(newest) > 1:
-        notes.append(f'{best.piece.file.path} of {len(newest)} notebooks for it')
-    return _chosen(handed, best, assignment, course, notes)
-
-
-def _without_cells(
-    seen: Sequence[Seen], assignment: str, course: Course, only: bool
-) -> list[Seen]:
-    """Return the only notebook delivered for an assignment, if it has none of its cells."""
+    if found := [one for one in seen if one.content == assignment]:
+        return found
     names = ('', assignment) if only else (assignment,)
     if any(one.why and one.named in names for one in seen):
         return []  # the unreadable notebook may contain the answers
@@ -237,21 +216,54 @@ def _without_cells(
     return named if len(named) == 1 or not course.cells[assignment] else []
 
 
-def _chosen(
-    handed: Handed, best: Seen, assignment: str, course: Course, notes: Sequence[str]
-) -> Chosen:
-    """Return a notebook that can be collected, with notes about it."""
-    strange = not best.shared and bool(course.cells[assignment])
-    when, about_time = _time(handed, best.piece, assignment)
-    name = best.piece.file.name
-    said = [*notes, *_said(handed)]
-    if strange:
-        said.append('it contains no cell of the assignment')
-    if name != course.file_names[assignment]:
-        said.append(f'the file was called {name[:60]!r}')
-    said += about_time
-    student = student_id(handed.student)
-    return Chosen(handed, student, assignment, best.piece, best.digest, strange, when, tuple(said))
+def _best(candidates: Sequence[Seen], assignment: str, course: Course) -> Chosen:
+    """Return the notebook that counts, with notes about it."""
+
+    def merit(one: Seen) -> tuple[bool, float, int, bool, bool, int, bool, int]:
+        file, cells, when = one.piece.file, one.shared.get(assignment, 0), one.handed.when
+        return (
+            cells > 0,
+            when.timestamp() if when else 0.0,
+            cells,
+            course.of_file(file.name) == assignment,
+            assignment in file.parts,
+            one.piece.turn,
+            file.name == course.file_names[assignment],
+            -len(file.parts),
+        )
+
+    # Of two files with one name, only the newer one counts, whatever is in it.
+    by_turn = sorted(candidates, key=lambda one: one.piece.turn)
+    newest = {(one.handed.places, one.piece.file.parts): one for one in by_turn}
+    best = max(newest.values(), key=merit)
+    file = best.piece.file
+    beside = [one for one in newest.values() if one.handed is best.handed]
+    older = [one for one in candidates if one is not best and _is_attempt(one, best)]
+    notes = [f'the newest of {len(older) + 1}'] if older else []
+    if best.shared and not all(one.shared for one in older):
+        notes[0] += ' with a cell of the assignment'
+    if len(beside) > 1:
+        notes.append(f'{file.path} of {len(beside)} notebooks for it')
+    notes += _said(best.handed)
+    if course.cells[assignment] and not best.shared:
+        notes.append('it contains no cell of the assignment')
+    if file.name != course.file_names[assignment]:
+        notes.append(f'the file was called {file.name[:60]!r}')
+    when, about_time = _time(best.handed, best.piece, assignment)
+    return Chosen(best, assignment, when, (*notes, *about_time))
+
+
+def _is_attempt(one: Seen, best: Seen) -> bool:
+    """Return whether a notebook is another attempt, instead of another file of the same one."""
+    return one.handed is not best.handed or one.piece.file.parts == best.piece.file.parts
+
+
+def _why_another(one: Seen, best: Chosen) -> str:
+    """Return why a notebook for the same assignment does not count."""
+    if not _is_attempt(one, best.seen):
+        return f'{one.piece.file.path[:80]}: {best.seen.piece.file.path} counts'
+    odd = best.seen.shared and not one.shared
+    return 'a different one was collected' if odd else 'an earlier one'
 
 
 def _time(
@@ -275,62 +287,64 @@ def _time(
 def _others(
     handed: Handed,
     seen: Sequence[Seen],
-    chosen: Sequence[Chosen],
-    goal: str,
-    lost: Collection[str],
+    course: Course,
+    mine: Mapping[str, Chosen],
+    reasons: Mapping[Seen, str],
+    wanted: str,
     single: bool,
 ) -> Iterator[Row]:
-    """Yield one row for every entry that was not collected or only partly read."""
-    taken = {one.piece.place for one in chosen}
+    """
+    Yield one row for every entry that was not collected or only partly read.
+
+    :param mine: the student's notebooks that count, by assignment
+    :param reasons: why other notebooks do not count, as far as it is known
+    """
+    goal, why = wanted or handed.assignment, _unusable(handed, course, wanted)
+    taken = {one.seen.piece.place for one in mine.values() if one.handed is handed}
     for place in handed.places:
         there = [one for one in seen if one.piece.place == place]
-        about = goal or next((one.content or one.named for one in there), '')
-        if not there and place not in taken:
-            names = [piece.file.name for piece in handed.pieces if piece.place == place]
-            yield _left(
-                handed, goal, place, f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]
-            )
-        reasons = [
-            _why_not(one, chosen, goal)
+        left = [
+            one
             for one in there
             if one.why
             or place not in taken
-            or (not one.shared and one.named in lost)
+            or (goal in ('', one.about) and one.about not in ('', *mine))
             or (single and one.content not in ('', goal))
         ]
-        if reasons:
-            yield _left(handed, about, place, first_of(reasons, NAMES_SHOWN, '; '))
+        about = goal or next((one.about for one in left), '')
+        said = [reasons.get(one) or _why_not(one, bool(mine), goal) for one in left]
+        if not there and place not in taken:
+            names = [piece.file.name for piece in handed.pieces if piece.place == place]
+            said = [f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]]
+        if why or said:
+            late = late_notes(handed.late, handed.when, None)
+            notes = (why or first_of(said, NAMES_SHOWN, '; '), *late, *_said(handed))
+            yield _row(handed, about, place, LEFT, notes, handed.when)
 
 
-def _why_not(one: Seen, chosen: Sequence[Chosen], goal: str) -> str:
-    path = one.piece.file.path[:80]
+def _why_not(one: Seen, chosen: bool, goal: str) -> str:
+    """
+    Return why a notebook does not count for any assignment.
+
+    :param chosen: whether another notebook of the student does
+    """
+    path, about = one.piece.file.path[:80], goal or one.named
     if one.why:
         return f'{path}: {one.why}'
-    for rival in chosen:
-        if one.content == rival.assignment:
-            same = one.piece.file.parts == rival.piece.file.parts
-            return 'an earlier one' if same else f'{path}: {rival.piece.file.path} counts'
     if one.content:
         return f'wrong assignment: {path} is {one.content}'
-    if goal and one.named not in ('', goal):
-        return f'{path}: named like {one.named}, but it contains no cell of {goal}'
-    if chosen and not one.named:
-        return f'{path}: it contains no cell of {goal or "this course"}'
-    if goal or one.named:
-        return (
-            f'{path}: it contains no cell of {goal or one.named}, and it is not the only notebook'
-        )
-    return f'{path}: not an assignment of this course; name one with --assignment'
+    if not about and not chosen:
+        return f'{path}: not an assignment of this course; name one with --assignment'
+    other = goal and one.named not in ('', goal)
+    named = f'named like {one.named}, but ' if other else ''
+    more = '' if other or (chosen and not one.named) else ', and it is not the only notebook'
+    return f'{path}: {named}it contains no cell of {about or "this course"}{more}'
 
 
 def _said(handed: Handed) -> tuple[str, ...]:
     """Return the notes of the source, and a note if the name was changed."""
-    same = student_id(handed.student) == handed.student
-    return (*handed.notes, *(() if same else (f'the name was {handed.student[:60]!r}',)))
-
-
-def _left(handed: Handed, assignment: str, place: str, why: str) -> Row:
-    return _row(handed, assignment, place, LEFT, (why,), _said(handed), handed.when)
+    renamed = f'the name was {handed.student[:60]!r}' if handed.id != handed.student else ''
+    return (*handed.notes, *filter(None, (renamed,)))
 
 
 def _row(
@@ -338,14 +352,9 @@ def _row(
     assignment: str,
     place: str,
     done: str,
-    first: Sequence[str],
-    notes: Sequence[str],
+    notes: tuple[str, ...],
     when: datetime | None,
-    due: datetime | None = None,
 ) -> Row:
-    """Return a row of the table, with its first note and whether the work is late."""
-    student = student_id(handed.student)
-    person = '' if handed.person == student else handed.person
+    person = '' if handed.person == handed.id else handed.person
     handed_in = f'{when:%Y-%m-%d %H:%M}' if when else ''
-    said = (*first, *late_notes(handed.late, when, due), *notes)
-    return Row(student, assignment, place, done, said, person, handed_in)
+    return Row(handed.id, assignment, place, done, notes, person, handed_in)

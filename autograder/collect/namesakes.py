@@ -19,7 +19,6 @@ import json
 from autograder.collect.source.deliveries import Handed
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
-from autograder.submission.ids import student_id
 from autograder.submission.reading import read_file
 from autograder.submission.tree import NotTakenInError
 
@@ -75,8 +74,8 @@ def in_doubt(
     """
     here: dict[str, set[str]] = {}
     for one in handed:
-        if one.number and (student := student_id(one.student)):
-            here.setdefault(student, set()).add(one.number)
+        if one.number and one.id:
+            here.setdefault(one.id, set()).add(one.number)
     shared = known.shared | {student for student, numbers in here.items() if len(numbers) > 1}
     now = replace(known, shared=frozenset(shared))
     return [replace(one, doubt=one.doubt or _doubt(one, now, assignment)) for one in handed], now
@@ -84,9 +83,8 @@ def in_doubt(
 
 def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
     """Return why the owner of a delivery is unclear and what to do, or an empty string."""
-    student = student_id(one.student)
+    student, name = one.id, one.student[:60]
     before = known.numbers.get(student, {}).get(assignment, one.number)
-    name = one.student[:60]
     if one.number and student in known.shared:
         return (
             f'two people are called {name!r}: unpack the zip, add an id to the names of their '
@@ -112,7 +110,7 @@ def keep_namesakes(layout: Layout, known: Namesakes, taken: Iterable[tuple[Hande
     numbers: Numbers = {student: dict(of_one) for student, of_one in known.numbers.items()}
     for one, assignment in taken:
         if one.number:
-            numbers.setdefault(student_id(one.student), {})[assignment] = one.number
+            numbers.setdefault(one.id, {})[assignment] = one.number
     if not known.shared and not numbers and not layout.namesakes.exists():
         return
     ordered = {student: dict(sorted(numbers[student].items())) for student in sorted(numbers)}

@@ -39,6 +39,11 @@ class Row:
     handed_in: str = ''
 
 
+def unclaimed(place: str, why: str) -> Row:
+    """Return the row of an entry that belongs to no known student."""
+    return Row('', '', place, LEFT, (why,))
+
+
 def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:
     """Print the table and a summary; names from outside are escaped."""
     console = Console(width=None if sys.stdout.isatty() else 160)

@@ -14,7 +14,7 @@ from autograder.collect.namesakes import in_doubt, keep_namesakes, Namesakes, re
 from autograder.collect.owners import owner_rule, with_owners_checked
 from autograder.collect.source.course import Course
 from autograder.collect.source.tree import opened
-from autograder.collect.table import LEFT, Row
+from autograder.collect.table import LEFT, Row, unclaimed
 from autograder.collect.write_copy import lay
 from autograder.layout import Layout
 from autograder.submission.tree import Tree, UnreadableError
@@ -49,20 +49,14 @@ def collect(
         if there.kind == EXCHANGE:
             rule = owner_rule(layout, trust_names)
             there = replace(there, handed=with_owners_checked(there.handed, rule))
-        rows = list(_refused(tree))
-        rows += [Row('', '', one.place, LEFT, (one.why,)) for one in there.left]
-        found, others, known = _choose(there, course, assignment, tree.name)
-        rows += others
-        here: list[Chosen] = []
-        for several in _by_owner(found).values():
-            done = _take(several, course, to, write)
-            here += several[:1] if done[0].done != LEFT else []
-            rows += done
-    if any(one.when for one in found) and course.due.problem:
-        rows.append(Row('', '', 'the gradebook', LEFT, (course.due.problem,)))
+        chosen, others, known = _choose(there, course, assignment, tree.name)
+        taken = [(one, _take(one, course, to, write)) for one in chosen]
+        rows = [*_refused(tree), *there.left, *others, *(row for _, row in taken)]
+    if any(one.when for one in chosen) and course.due.problem:
+        rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
         names = {row.student: row.person for row in rows if row.done != LEFT and row.person}
-        numbers = [(one.handed, one.assignment) for one in here]
+        numbers = [(one.handed, one.assignment) for one, row in taken if row.done != LEFT]
         left = list(_not_collected(rows, layout))
         rows += _kept(layout.people, 'names', lambda: keep_people(layout, names))
         rows += _kept(
@@ -90,13 +84,11 @@ def _choose(
     seen = [look(one, course, wanted) for one in there.handed]
     goal = wanted or (of_all(seen, course, name) if there.single else '')
     handed, known = in_doubt(there.handed, read_namesakes(course.layout), goal)
-    found: list[Chosen] = []
-    rows: list[Row] = []
-    for one, notebooks in zip(handed, seen):
-        chosen, others = choose(one, notebooks, course, goal, there.single)
-        found += chosen
-        rows += others
-    return found, rows, known
+    delivered = [
+        (one, [replace(each, handed=one) for each in notebooks])
+        for one, notebooks in zip(handed, seen)
+    ]
+    return (*choose(delivered, course, goal, there.single), known)
 
 
 def _kept(path: Path, what: str, keep: Callable[[], None]) -> Iterator[Row]:
@@ -105,7 +97,7 @@ def _kept(path: Path, what: str, keep: Callable[[], None]) -> Iterator[Row]:
         keep()
     except OSError as error:
         why = f'{what} cannot be written: {(error.strerror or "error").lower()}'
-        yield Row('', '', str(path), LEFT, (why,))
+        yield unclaimed(str(path), why)
 
 
 def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[NotCollected]:
@@ -130,44 +122,12 @@ def _refused(tree: Tree) -> Iterator[Row]:
         yield Row('', '', places[0], LEFT, (why, *more))
 
 
-def _by_owner(found: Sequence[Chosen]) -> dict[tuple[str, str], list[Chosen]]:
-    """Group deliveries by owner, the newest with cells of the assignment first."""
-    owners: dict[tuple[str, str], list[Chosen]] = {}
-    for one in found:
-        owners.setdefault((one.student, one.assignment), []).append(one)
-    for several in owners.values():
-        several.sort(
-            key=lambda one: (
-                not one.strange,
-                one.when.timestamp() if one.when else 0.0,
-                one.piece.turn,
-                one.piece.place,
-            ),
-            reverse=True,
-        )
-    return owners
-
-
-def _take(several: Sequence[Chosen], course: Course, to: Path, write: bool) -> list[Row]:
-    """Copy the first notebook of a group to nbgrader's folder, and yield a row for each."""
-    newest, *others = several
-    names = {one.handed.called or one.handed.student for one in several}
-    if len(names) > 1:  # two students map to one id: collect neither and report the clash
-        why = f'the same student id as {", ".join(map(repr, sorted(names)))}'[:160]
-        return [one.row(LEFT, course, why) for one in several]
-    notes = [f'the newest of {len(several)}'] if others else []
-    if any(one.strange for one in others) and not newest.strange:
-        notes = [f'the newest of {len(several)} with a cell of the assignment']
+def _take(one: Chosen, course: Course, to: Path, write: bool) -> Row:
+    """Copy a notebook to nbgrader's folder, and return its row."""
     try:
-        done, said = lay(newest, course.file_names[newest.assignment], to, write)
+        done, said = lay(one, course.file_names[one.assignment], to, write)
     except OSError as error:
         done, said = LEFT, f'cannot be written: {(error.strerror or "error").lower()}'
     except UnreadableError as error:
         done, said = LEFT, str(error)
-    rows = [newest.row(done, course, *filter(None, (said, *notes)))]
-    for one in others:
-        odd = one.strange and not newest.strange
-        rows.append(
-            one.row(LEFT, course, 'a different one was collected' if odd else 'an earlier one')
-        )
-    return rows
+    return one.row(done, course, said)

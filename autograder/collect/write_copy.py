@@ -8,7 +8,6 @@ Canvas, Moodle and repositories, the last collected notebook is kept, and the ta
 
 from __future__ import annotations
 
-import hashlib
 import os
 from pathlib import Path
 
@@ -28,9 +27,9 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
     :param write: False to only report what would be done
     :returns: a word for the table, and a remark
     :raises OSError: if it cannot be written
-    :raises UnreadableError: if the source has changed since it was read
+    :raises UnreadableError: if the source cannot be read any more
     """
-    folder = to / one.student / one.assignment
+    folder = to / one.handed.id / one.assignment
     for part in (folder.parent, folder):
         if part.is_symlink():
             raise NotADirectoryError(20, 'a link where a folder should be')
@@ -38,20 +37,20 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
     wanted = stamp(one.when) if one.when else None
     there, _ = read_file(notebook, file_name)
     time_there, _ = read_file(time, STAMP)
-    same = there is not None and hashlib.sha256(there).hexdigest() == one.digest
+    data = one.seen.piece.file.read()
+    same = there == data
     if same and wanted in (None, time_there):
         return UNCHANGED, ''
     older, said = (False, '') if there is None else _older(wanted, time_there)
     if older:
         return (UNCHANGED, 'handed in again later') if same else (LEFT, said)
     if write:
-        data = None if same else one.read()
         if wanted is None and os.path.lexists(time):
             # Remove the time first: a kill must not leave an old time next to a new notebook.
             time.unlink()
         if wanted is not None and wanted != time_there:
             keep(time, wanted)
-        if data is not None:
+        if not same:
             keep(notebook, data)
     replaced = there is not None or time_there is not None
     return (REPLACED if replaced else TAKEN), '' if same else said

@@ -112,7 +112,7 @@ def sandbox_for(visible: bool) -> Any:
             f'There is no sandbox here, so the program runs as a plain process: {error.what}',
             file=sys.stderr,
         )
-        return choose.plain()
+        return choose.usable('none')
 
 
 # -- refusing -------------------------------------------------------------------------------

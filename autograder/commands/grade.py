@@ -10,8 +10,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import replace
 import json
+import os
 from pathlib import Path
 import signal
 import sys
@@ -39,11 +39,10 @@ from autograder.grading.pipeline import (
     Graded,
     grading_engine,
     load_lesson,
-    SandboxEngine,
 )
 from autograder.layout import Layout
 from autograder.results import first_of, SubmissionResult
-from autograder.runs.pool import grading_folder, Pool, processors
+from autograder.runs.grading_folder import grading_folder
 from autograder.sandboxes.isolation import banner, not_protected, WEAK
 from autograder.submission.inbox import discover, students_in, without_notebooks
 
@@ -79,7 +78,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         default=0,
         metavar='N',
         help='number of parallel runs on this machine '
-        f'(default: one per processor, here {processors()})',
+        f'(default: one per processor, here {_processors()})',
     )
     parser.add_argument(
         '--cluster',
@@ -223,7 +222,7 @@ def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> Usag
 def _engine(
     layout: Layout, chosen: argparse.Namespace, told: Console
 ) -> Iterator[tuple[Engine, int]]:
-    """Yield the engine that runs exams, in a pool or on a cluster, and the number of runs."""
+    """Yield the engine that runs exams, here or on a cluster, and the number of parallel runs."""
     if chosen.cluster:
         from autograder.grading.cluster import cluster_engine
 
@@ -233,30 +232,12 @@ def _engine(
             yield engine, max(engine.place.width, AHEAD)
         return
     engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
-    jobs = warn_if_weak(engine, chosen.jobs or processors(), told)
-    with in_a_pool(engine, jobs) as pooled:
-        # One thread more than processes: while one thread judges, every process has a run.
-        yield pooled, jobs + 1
+    yield engine, warn_if_weak(engine, chosen.jobs or _processors(), told)
 
 
-@contextmanager
-def in_a_pool(engine: SandboxEngine, jobs: int) -> Iterator[SandboxEngine]:
-    """
-    Yield an engine that runs exams in separate processes.
-
-    :param jobs: how many processes
-    """
-    with Pool(jobs, _say_stopped) as place:
-        yield replace(engine, place=place)
-
-
-def _say_stopped(pid: int) -> None:
-    """Print a warning about a worker process that is stopped."""
-    print(
-        f'worker process {pid} is stopped (SIGSTOP), so its run waits. Try: kill -CONT {pid}',
-        file=sys.stderr,
-        flush=True,
-    )
+def _processors() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0))
 
 
 def warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:

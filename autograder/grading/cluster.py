@@ -2,7 +2,7 @@
 Run exams on the workers of a Dask scheduler, as ``docs/cluster.md`` describes.
 
 Dask uses pickle to call functions in other processes.  The only function is
-:func:`autograder.runs.pool.run_task`; its argument and its result are bytes of JSON, so no object
+:func:`autograder.runs.task.run_task`; its argument and its result are bytes of JSON, so no object
 made from a submission is ever pickled or unpickled.
 """
 
@@ -17,7 +17,7 @@ from typing import Any, TYPE_CHECKING
 
 from autograder.errors import GraderError, SandboxUnavailable
 from autograder.layout import Layout
-from autograder.runs.pool import run_task, Stopped, WorkerDied
+from autograder.runs.task import run_task
 from autograder.runs.version import difference, version
 from autograder.sandboxes.isolation import MODES
 
@@ -49,20 +49,19 @@ class Cluster:
         """
         Run a task on any worker; the scheduler chooses a different one if a worker is lost.
 
-        :raises WorkerDied: if the task killed several workers
-        :raises GraderError: if the cluster was lost
+        :raises GraderError: if the task killed several workers, or the cluster was lost
         """
         from distributed.scheduler import KilledWorker
 
         try:
             answer: bytes = self._executor.submit(run_task, task).result()
         except KilledWorker as error:
-            raise WorkerDied(
+            raise GraderError(
                 'The workers that ran this submission died (killed, or out of memory).',
                 'Try: grade again. Finished runs are kept.',
             ) from error
         except CancelledError as error:
-            raise Stopped('The grading was stopped, or the cluster was lost.') from error
+            raise GraderError('The grading was stopped, or the cluster was lost.') from error
         return answer
 
     def close(self) -> None:

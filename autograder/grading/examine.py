@@ -15,7 +15,7 @@ from autograder.judging.judge import judge, worth_running
 from autograder.recording import Event, header, Recording
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.runs.kept import recorded
-from autograder.runs.pool import Place
+from autograder.runs.task import Place
 from autograder.sandboxes.isolation import not_protected
 from autograder.sandboxes.sandbox import Sandbox
 
@@ -34,8 +34,8 @@ def examine(
     Judge a student's files with an exam.
 
     :param files: relative path to text, only the files that exist
-    :param sandbox: from :func:`autograder.sandboxes.choose.strongest`, or ``plain()`` for visible
-        checks
+    :param sandbox: from :func:`autograder.sandboxes.choose.strongest`, or ``Sandbox('none')`` for
+        visible checks
     :param recordings: folder that keeps recordings; None keeps nothing
     :param fresh: run even if a recording is kept
     :param told: called with each event of a run as it happens, if it takes place here

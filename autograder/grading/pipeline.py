@@ -1,9 +1,9 @@
 """
 Grade one submission, or a class in parallel: read, run, judge, put results together.
 
-Threads here wait for runs, which take place in :mod:`autograder.runs.pool`, and judge their
-recordings.  A fault of the grader makes one submission "for review"; it never gives zero points
-and never stops the others.
+Threads run programs, here or on a cluster, and judge their recordings.  A run needs 2 % of a
+processor here: its work is in other processes.  A fault of the grader makes one submission "for
+review"; it never gives zero points and never stops the others.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from autograder.submission.submission import open_submission, Opened
 
 if TYPE_CHECKING:
     from autograder.exam.exam import Exam
-    from autograder.runs.pool import Place
+    from autograder.runs.task import Place
     from autograder.sandboxes.sandbox import Sandbox
 
 
@@ -289,7 +289,7 @@ def _end_sandboxes() -> None:
         with suppress(psutil.Error):
             if process.name() == 'bwrap' and process.ppid() == os.getpid():
                 continue
-            probing = any(word.endswith('probe.py') for word in process.cmdline())
+            probing = any(word.endswith('fork_server.py') for word in process.cmdline())
             (probes if probing else others).append(process)
     for process in (*probes, *others):
         with suppress(psutil.Error):

@@ -1,8 +1,8 @@
 """
 Keep a Python with rclpy loaded, and make the probe of each run a fork of it.
 
-Loading rclpy takes longer than a probe then works.  Here it is done once for each thread of the
-grader that runs submissions, before there is any node or network.
+Loading rclpy takes longer than a probe then works.  Here it is done once, before there is any node
+or network, and the next run uses the same process.
 
 This process takes orders from the grader alone.  A fork joins the network of its run.  Before it
 reads a word about the run, it gives up its rights, see :func:`confine.give_up`: it gets a uid that

@@ -9,26 +9,24 @@ rerun runs nothing, and a changed check is judged again in milliseconds.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 import hashlib
 import json
 from pathlib import Path
 import signal
-import threading
 from typing import Any
 
 from autograder.errors import ProbeFailed, RecordingInvalid, TooBusy
 from autograder.exam.exam import Exam
 from autograder.recording import Event, Recording
 from autograder.runs.observe import observe
-from autograder.runs.pool import outcome_of, Place, task_of
+from autograder.runs.task import outcome_of, Place, task_of
 from autograder.runs.version import environment_digest, made_with
 from autograder.sandboxes.sandbox import Sandbox
 
 Outcome = tuple[Recording, dict[str, float]]
 """A recording, and times of the run [s]."""
-_running: dict[Path, threading.Lock] = {}
-_running_guard = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -84,11 +82,7 @@ def recorded(
         return Kept(*run())
     parts = (exam.name, about['scenario'], sandbox.mode, about['environment'], about['files'])
     path = recordings / exam.name / f'{_digest(chr(0).join(parts))}.jsonl'
-    with _running_guard:
-        mine = _running.setdefault(path, threading.Lock())
-    with mine:
-        recording, timing = _kept_or_run(path, fresh, run)
-    return Kept(recording, timing, path.name if path.exists() else '')
+    return Kept(*_kept_or_run(path, fresh, run), path.name)
 
 
 def _run(
@@ -105,21 +99,12 @@ def _run(
 
 
 def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome:
-    # A file made by this process is as fresh as can be: equal files of a class run once.
-    if path.exists() and (not fresh or path in _made_now):
-        try:
-            kept = Recording.load(path)
-        except RecordingInvalid:
-            pass  # damaged or of an older format: it is made again
-        else:
-            return kept, {}
+    if path.exists() and not fresh:
+        with suppress(RecordingInvalid):  # damaged or of an older format: it is made again
+            return Recording.load(path), {}
     recording, timing = run()
     recording.save(path)
-    _made_now.add(path)
     return recording, timing
-
-
-_made_now: set[Path] = set()
 
 
 def _once_or_twice(once: Callable[[], Outcome]) -> Outcome:

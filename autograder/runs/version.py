@@ -21,19 +21,14 @@ import sys
 from autograder.sandboxes.sandbox import HERE
 from environment.ros import FILE_NAME, further_messages
 
-AROUND = (
-    'clock/virtual_clock.py',
-    'fastdds.xml',
-    'runs/kept.py',
-    'runs/observe.py',
-    'runs/watchdog.py',
-    'sandboxes/confined.py',
-    'sandboxes/landlock.py',
-    'sandboxes/probes.py',
-    'sandboxes/processes.py',
+RUNS_PROGRAMS = (
+    *('clock/*.[ch]', 'clock/virtual_clock.py', 'fastdds.xml', 'sandboxes/seccomp/*.bpf'),
+    *('inside/**/*.py', 'probe/*.py', 'probe/probe.xml'),
+    *('runs/kept.py', 'runs/observe.py', 'runs/watchdog.py', 'sandboxes/confined.py'),
+    *('sandboxes/landlock.py', 'sandboxes/probes.py', 'sandboxes/processes.py'),
     'sandboxes/sandbox.py',
 )
-"""What runs programs, beside what runs in the sandbox."""
+"""The files in and around the sandbox on which a recording depends."""
 ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')
 """Names under which rclpy may be installed."""
 GIT_S = 5.0
@@ -41,7 +36,7 @@ GIT_S = 5.0
 FURTHER = 'packages of environment/messages.txt'
 """What two machines must have in common, and what only runs that name such a package depend on."""
 TASKS = 1
-"""Format of what :mod:`autograder.runs.pool` sends and gets."""
+"""Format of what :mod:`autograder.runs.task` sends and gets."""
 
 
 @lru_cache(maxsize=4)
@@ -132,12 +127,7 @@ def _rclpy() -> str:
 
 
 def _digest_of_grader() -> str:
-    inside = sorted((HERE / 'inside').rglob('*.py'))
-    probe = sorted((HERE / 'probe').glob('*.py'))
-    filters = sorted((HERE / 'sandboxes' / 'seccomp').glob('*.bpf'))
-    clock = sorted((HERE / 'clock').glob('*.[ch]'))
-    files = [*(HERE / name for name in ('probe/probe.xml', *AROUND)), *clock, *inside]
-    files += [*probe, *filters]
+    files = sorted(path for pattern in RUNS_PROGRAMS for path in HERE.glob(pattern))
     return _digest(b'\0'.join(path.name.encode() + b'\0' + path.read_bytes() for path in files))
 
 

@@ -1,15 +1,36 @@
-"""Choose the strongest isolation that works here, or an accepted weaker one."""
+"""
+Choose the strongest isolation that works here, or an accepted weaker one.
+
+A mode works only if it does everything that a run needs.  Inside, rclpy can be imported, the
+grader's files cannot be read, and time is virtual.  From outside, the probe can enter the
+sandbox's network.
+"""
 
 from __future__ import annotations
 
 import functools
 import os
+from pathlib import Path
 import shutil
+import subprocess
+import tempfile
 
+from autograder.clock.virtual_clock import SYSTEM_TIME_NS, virtual_clock
 from autograder.errors import SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
+from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
+from autograder.sandboxes.isolation import fix_for
 from autograder.sandboxes.sandbox import HERE, Sandbox
-from autograder.sandboxes.sandbox_trial import try_out
+
+TRIAL = """
+import rclpy, sys, time
+try:
+    open(sys.argv[1]).close()
+except OSError:
+    print('in' if abs(time.time() - float(sys.argv[2])) < 3600 else 'real')
+else:
+    print('open')
+"""
 
 
 @functools.lru_cache(maxsize=4)
@@ -21,18 +42,16 @@ def strongest(allow_weak: str = '') -> Sandbox:
         accepted; empty for nothing but isolation
     :raises SandboxUnavailable: with the exact fix, and the weaker modes that would work
     """
-    try:
-        return isolated()
-    except SandboxUnavailable as error:
-        refusal = error
     root = os.geteuid() == 0
-    reasons = []
-    for mode in isolation.permitted(allow_weak, root):
+    refusals: dict[str, SandboxUnavailable] = {}
+    for mode in (isolation.full(root), *isolation.permitted(allow_weak, root)):
         try:
-            return weak(mode)
+            return usable(mode)
         except SandboxUnavailable as error:
-            reasons.append(f'{mode}: {error}')
-    offers = isolation.permitted(isolation.WEAK[-1], root) if not allow_weak else ()
+            refusals[mode] = error
+    (_, refusal), *others = refusals.items()
+    reasons = [f'{mode}: {error}' for mode, error in others]
+    offers = () if allow_weak else isolation.permitted(isolation.WEAK[-1], root)
     if offers:
         reasons.append(
             f'To accept weaker isolation: --allow-weak={" or --allow-weak=".join(offers)}.'
@@ -40,45 +59,94 @@ def strongest(allow_weak: str = '') -> Sandbox:
     raise SandboxUnavailable(refusal.what, ' '.join([refusal.fix, *reasons])) from refusal
 
 
-def isolated() -> Sandbox:
+def usable(mode: str) -> Sandbox:
     """
-    Return the isolated sandbox that works here.
+    Return the sandbox of a mode.
 
-    :raises SandboxUnavailable: with the exact fix
-    """
-    if shutil.which('bwrap') is None:
-        raise SandboxUnavailable('bubblewrap is not installed.', isolation.FIX_MISSING)
-    if not landlock.filter_file().is_file():
-        raise SandboxUnavailable(*landlock.NO_FILTER)
-    # Never bubblewrap's user namespace as root: the kernel would still see uid 0 inside.
-    sandbox = Sandbox('bwrap-root' if os.geteuid() == 0 else 'bwrap-user')
-    try_out(sandbox)
-    return sandbox
-
-
-def weak(mode: str) -> Sandbox:
-    """
-    Return a weaker sandbox.
-
-    :raises SandboxUnavailable: if it does not work here
+    :raises SandboxUnavailable: with the exact fix, if it does not work here
     """
     sandbox = Sandbox(mode)
-    if not sandbox.facts.landlock:
-        return sandbox
-    what, fix = landlock.refusal(root=sandbox.facts.root)
-    if what:
-        raise SandboxUnavailable(what, fix)
-    if sandbox.facts.root:
-        needed = (*sandbox.ros.read_only, str(HERE / 'inside'))
-        if folder := landlock.closed_folder(needed):
-            raise SandboxUnavailable(
-                f'{folder} is closed to other users, and Python or the course is below it.',
-                f'Move them, or open the way: chmod o+x {folder}',
-            )
-    try_out(sandbox)
+    if sandbox.keeps_secrets:
+        what, fix = _missing(sandbox)
+        if what:
+            raise SandboxUnavailable(what, fix)
+        try_out(sandbox)
     return sandbox
 
 
-def plain() -> Sandbox:
-    """Return the sandbox without isolation, for visible checks on one's own code."""
-    return Sandbox('none')
+def _missing(sandbox: Sandbox) -> tuple[str, str]:
+    """Return what the system lacks for a sandbox and what to do; both are empty if nothing."""
+    if not landlock.filter_file().is_file():
+        return landlock.NO_FILTER
+    if sandbox.isolated:
+        found = shutil.which('bwrap') is not None
+        return ('', '') if found else ('bubblewrap is not installed.', isolation.FIX_MISSING)
+    needed = (*sandbox.ros.read_only, str(HERE / 'inside'))
+    if sandbox.facts.root and (folder := landlock.closed_folder(needed)):
+        return (
+            f'{folder} is closed to other users, and Python or the course is below it.',
+            f'Move them, or open the way: chmod o+x {folder}',
+        )
+    return landlock.refusal(sandbox.facts.root)
+
+
+def try_out(sandbox: Sandbox) -> None:
+    """
+    Run a Python that imports rclpy and cannot read the grader; then join its network.
+
+    :raises SandboxUnavailable: if one of these does not work
+    """
+    with (
+        sandbox.turn(),
+        tempfile.TemporaryDirectory(prefix='trial-') as folder,
+        virtual_clock(1) as clock,
+    ):
+        Path(folder).chmod(0o755)
+        home = Path(folder, 'home')
+        home.mkdir()
+        now = str(SYSTEM_TIME_NS / 1e9)
+        argv = (*clock.command(0), sandbox.ros.python, '-c', TRIAL, __file__, now)
+        confined = sandbox.start(Program(argv), Limits(), home, (clock.places[0].fileno(),))
+        clock.begin()
+        try:
+            if sandbox.isolated:
+                _try_to_join(confined)
+            confined.release()
+            try:
+                said, error = confined.process.communicate(timeout=20)
+            except subprocess.TimeoutExpired as late:
+                what = 'rclpy did not import within 20 s.'
+                raise SandboxUnavailable(what, 'Try: make doctor') from late
+        finally:
+            confined.kill()
+    if confined.process.returncode in KILLED:
+        what = f'Another program ended the trial of isolation {sandbox.mode}.'
+        raise SandboxUnavailable(what, 'Try: run the same command again')
+    if said.strip() == b'open':
+        raise SandboxUnavailable(
+            f'Isolation {sandbox.mode} lets a program read the grader.', isolation.SECTION
+        )
+    if said.strip() == b'real':
+        what = f'With isolation {sandbox.mode}, a program does not load the virtual clock.'
+        raise SandboxUnavailable(what, 'Try: make doctor')
+    if said.strip() != b'in':
+        tail = ' '.join(error.decode(errors='replace').strip().splitlines()[-1:])
+        raise SandboxUnavailable(
+            f'rclpy does not run with isolation {sandbox.mode}: {tail}.', 'Try: make doctor'
+        )
+
+
+def _try_to_join(confined: Confined) -> None:
+    """Join a sandbox's network as the probe will."""
+    joined = subprocess.run(
+        [*confined.enter, 'true'],
+        pass_fds=tuple(confined.namespaces.values()),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if joined.returncode != 0:
+        raise SandboxUnavailable(
+            f'The probe cannot join the sandbox network: {joined.stderr.strip()}.',
+            fix_for('namespace'),
+        )

@@ -203,18 +203,13 @@ MOST_COUNTED = 30_000
 
 
 def _tree(folder: Path) -> tuple[int, int]:
-    """Count the files below a folder and their bytes, up to a limit."""
+    """Count the files below a folder and their bytes, up to a limit; follow no link."""
     count = size = 0
-    folders = [str(folder)]
-    while folders and count < MOST_COUNTED:
-        try:
-            with os.scandir(folders.pop()) as entries:
-                for entry in entries:
-                    count += 1
-                    if entry.is_dir(follow_symlinks=False):
-                        folders.append(entry.path)
-                    else:
-                        size += entry.stat(follow_symlinks=False).st_blocks * 512
-        except OSError:
-            continue  # it changes while we look
+    for path, folders, files in os.walk(folder):
+        count += len(folders) + len(files)
+        for name in files:
+            with suppress(OSError):  # it changes while we look
+                size += os.lstat(os.path.join(path, name)).st_blocks * 512
+        if count > MOST_COUNTED:
+            break
     return count, size

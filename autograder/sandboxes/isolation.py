@@ -1,7 +1,7 @@
 """
 The isolation modes by strength, what each does not protect, and how to fix each refusal.
 
-Everything here is data and text; :mod:`autograder.sandboxes.sandbox_trial` tries the modes.
+Everything here is data and text; :mod:`autograder.sandboxes.choose` tries the modes.
 """
 
 from __future__ import annotations
@@ -62,6 +62,12 @@ MODES = {
 """By strength, best first."""
 
 WEAK = tuple(name for name, mode in MODES.items() if mode.lacks)
+
+
+def full(root: bool) -> str:
+    """Return the mode with full isolation."""
+    # Never bubblewrap's user namespace as root: the kernel would still see uid 0 inside.
+    return next(name for name, mode in MODES.items() if mode.namespaces and mode.root == root)
 
 
 def permitted(allow_weak: str, root: bool) -> tuple[str, ...]:
@@ -150,12 +156,14 @@ class System:
         )
 
 
-def fix_for(said: str, system: System) -> str:
+def fix_for(said: str, system: System | None = None) -> str:
     """
-    Return the fix for bubblewrap's error message on this system.
+    Return the fix for bubblewrap's error message.
 
     :param said: its own words
+    :param system: None for the running one
     """
+    system = system or System.here()
     if 'nknown option' in said:
         return FIX_OLD
     refused = ('uid map', 'RTM_NEWADDR', 'namespace', 'pivot_root', 'Operation not permitted')

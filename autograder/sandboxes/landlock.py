@@ -34,7 +34,7 @@ NO_FILTER = (
 
 def refusal(root: bool) -> tuple[str, str]:
     """
-    Return why Landlock cannot be used here, or an empty string.
+    Return why this kernel's Landlock cannot be used.
 
     :param root: whether a uid of its own is possible
     :returns: why it cannot be used, and what to do; twice empty if it can
@@ -48,7 +48,7 @@ def refusal(root: bool) -> tuple[str, str]:
     if not root and found < SAME_USER_FROM:
         what = f'Landlock {found} cannot protect files against a program of the same user.'
         return what, 'Use kernel 6.2 or newer.'
-    return ('', '') if filter_file().is_file() else NO_FILTER
+    return '', ''
 
 
 def filter_file() -> Path:

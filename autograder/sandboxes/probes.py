@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 import compileall
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import cache
 import json
@@ -22,7 +23,6 @@ import signal
 import socket
 import struct
 import subprocess
-import threading
 from typing import Any, NoReturn
 import weakref
 
@@ -31,7 +31,7 @@ from autograder.errors import ProbeFailed, SandboxUnavailable
 from autograder.sandboxes import landlock
 from autograder.sandboxes import sandbox as sandboxes
 from autograder.sandboxes.confined import Confined, end_group, Limits, Program
-from autograder.sandboxes.isolation import fix_for, System
+from autograder.sandboxes.isolation import fix_for
 from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
@@ -102,7 +102,7 @@ class ForkServer:
 
         :raises SandboxUnavailable: if it does not start
         """
-        self.sandbox, self.busy = sandbox, True
+        self.sandbox = sandbox
         self.boxed = sandbox.facts.namespaces and sandbox.facts.root
         binds = {**CODE, str(landlock.filter_file()): FILTER}
         variables = {'LD_PRELOAD': built()[1]}
@@ -117,7 +117,6 @@ class ForkServer:
             self._answer()
         except ProbeFailed:
             self._refused()
-        self.busy = False
 
     def _start(self, channel: socket.socket) -> subprocess.Popen[bytes]:
         pipes: dict[str, Any] = {'stdin': channel, 'stdout': subprocess.DEVNULL}
@@ -129,8 +128,8 @@ class ForkServer:
         return subprocess.Popen(argv, env=variables, cwd='/', **{**sandboxes.PIPES, **pipes})
 
     def usable(self, sandbox: Sandbox) -> bool:
-        """Return whether it can make a probe now."""
-        if self.busy or (self.sandbox.mode, self.sandbox.ros) != (sandbox.mode, sandbox.ros):
+        """Return whether it is alive and confined in this way."""
+        if (self.sandbox.mode, self.sandbox.ros) != (sandbox.mode, sandbox.ros):
             return False
         # It speaks when it is spoken to, so only its end can be read.
         return self.process.poll() is None and not select.select([self.channel], [], [], 0)[0]
@@ -143,7 +142,6 @@ class ForkServer:
         :param place: descriptor of the probe's place on the virtual clock
         :raises ProbeFailed: if it could not confine itself, or did not live
         """
-        self.busy = True
         pipes = [os.pipe() for _ in range(3)]
         (given, giving), *written = pipes
         ours = [giving, *(reading for reading, _ in written)]
@@ -199,12 +197,16 @@ class ForkServer:
         }
 
     def ended(self) -> int | None:
-        """Return the exit code of the probe that was made last; None if nobody knows it."""
+        """
+        Return the exit code of the probe that was made last, None if it is not known.
+
+        If it is known, the server can make the next probe.
+        """
         try:
             code = int(self._answer()[0])
         except ProbeFailed:
             return None
-        self.busy = False
+        _idle.append(self)
         return code
 
     def _answer(self) -> tuple[bytes, int]:
@@ -228,7 +230,7 @@ class ForkServer:
         _, said = self.process.communicate()
         what = said.decode(errors='replace').strip() or 'no word'
         raise SandboxUnavailable(
-            f'The fork server of the probes did not start: {what}.', fix_for(what, System.here())
+            f'The fork server of the probes did not start: {what}.', fix_for(what)
         )
 
 
@@ -241,8 +243,9 @@ def _end(process: subprocess.Popen[bytes], channel: socket.socket) -> None:
         process.stderr.close()
 
 
-# The kernel ends a sandbox with the thread that started it, so each thread has its own.
-_of_thread = threading.local()
+_idle: list[ForkServer] = []
+# The kernel ends a sandbox with the thread that started it; these live as long as the process.
+_starters = ThreadPoolExecutor(thread_name_prefix='fork servers')
 
 
 def start_probe(sandbox: Sandbox, student: Confined, place: int) -> Probe:
@@ -254,7 +257,14 @@ def start_probe(sandbox: Sandbox, student: Confined, place: int) -> Probe:
     :raises ProbeFailed: if it cannot be started
     :raises SandboxUnavailable: if the sandbox refuses
     """
-    server: ForkServer | None = getattr(_of_thread, 'server', None)
-    if server is None or not server.usable(sandbox):
-        server = _of_thread.server = ForkServer(sandbox)
-    return server.make(student, place)
+    return _free_server(sandbox).make(student, place)
+
+
+def _free_server(sandbox: Sandbox) -> ForkServer:
+    """Return an idle fork server, or a new one; one that is not usable is ended."""
+    with suppress(IndexError):  # none is idle
+        while True:
+            server = _idle.pop()
+            if server.usable(sandbox):
+                return server
+    return _starters.submit(ForkServer, sandbox).result()

@@ -27,7 +27,7 @@ from typing import Any
 from autograder.errors import SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
 from autograder.sandboxes.confined import Confined, end_group, Limits, Program
-from autograder.sandboxes.isolation import fix_for, System
+from autograder.sandboxes.isolation import fix_for
 from environment.ros import ros_environment, RosEnvironment
 
 HERE = Path(__file__).parents[1]
@@ -208,9 +208,7 @@ class Sandbox:
             end_group(process)
             _, said = process.communicate()
             what = said.decode(errors='replace').strip() or str(error)
-            raise SandboxUnavailable(
-                f'bubblewrap refused: {what}.', fix_for(what, System.here())
-            ) from error
+            raise SandboxUnavailable(f'bubblewrap refused: {what}.', fix_for(what)) from error
         namespaces = {'net': net}
         if not self.facts.root:
             # Not nsenter -t PID: bubblewrap moves on to a nested user namespace.

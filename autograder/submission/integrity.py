@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from autograder.submission.notebook import MARKS, StudentCell
+from autograder.submission.notebook import by_grade_id, MARKS, marks_of, StudentCell
 
 MOST_LINES = 20
 
@@ -24,13 +24,10 @@ def changes(release: Mapping[str, Any], cells: Sequence[StudentCell]) -> tuple[s
     :param release: the notebook that students received
     :param cells: all cells of the submitted one
     """
-    by_id: dict[str, list[StudentCell]] = {}
-    for cell in cells:
-        by_id.setdefault(cell.grade_id, []).append(cell)
+    by_id = by_grade_id(cells)
     lines: list[str] = []
     for released in release['cells']:
-        grade_id = released['metadata'].get('nbgrader', {}).get('grade_id')
-        if grade_id:
+        if grade_id := marks_of(released).get('grade_id'):
             lines += _about(released, grade_id, by_id.pop(grade_id, []))
     lines += [
         f'the release has no cell with the grade id {name[:60]!r}'
@@ -45,7 +42,7 @@ def _about(
     released: dict[str, Any], grade_id: str, copies: Sequence[StudentCell]
 ) -> Iterator[str]:
     """Yield the differences of one cell of the release."""
-    marks = released['metadata'].get('nbgrader', {})
+    marks = marks_of(released)
     answer = bool(marks.get('solution'))
     name = f'{"answer" if answer else "locked"} cell {grade_id}'
     if not copies:

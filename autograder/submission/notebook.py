@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 import json
 from pathlib import Path
@@ -167,6 +167,19 @@ def marks_of(cell: Notebook) -> dict[str, Any]:
     """Return a trusted cell's nbgrader metadata; empty if it has none."""
     marks = cell.get('metadata', {}).get('nbgrader', {})
     return marks if isinstance(marks, dict) else {}
+
+
+def grade_ids(notebook: Notebook) -> frozenset[str]:
+    """Return the grade ids of a trusted notebook."""
+    return frozenset(marks_of(cell).get('grade_id', '') for cell in notebook['cells']) - {''}
+
+
+def by_grade_id(cells: Iterable[StudentCell]) -> dict[str, list[StudentCell]]:
+    """Return the copies of each cell, in their order."""
+    found: dict[str, list[StudentCell]] = {}
+    for cell in cells:
+        found.setdefault(cell.grade_id, []).append(cell)
+    return found
 
 
 def read_release(path: Path) -> Notebook:

@@ -17,7 +17,9 @@ from autograder.results import Problem
 from autograder.submission.cells import CellSyntaxError, first_line, parse_cell
 from autograder.submission.integrity import changes
 from autograder.submission.notebook import (
+    by_grade_id,
     FRESH_COPY,
+    grade_ids,
     marks_of,
     MAX_ANSWER_BYTES,
     Notebook,
@@ -59,15 +61,14 @@ def open_submission(
     """
     cells, found = read_notebook(data, where) if data is not None else (None, ())
     notebook, more = rebuild(release, cells, where)
-    released = [marks_of(cell) for cell in release['cells']]
-    answers = tuple(marks['grade_id'] for marks in released if marks.get('solution'))
+    marks = map(marks_of, release['cells'])
+    answers = tuple(one['grade_id'] for one in marks if one.get('solution'))
     if cells is None:
         blamed = [
             replace(problem, cells=answers, unusable=True) for problem in (*problems, *found)
         ]
         return Opened(notebook, tuple(blamed))
-    ids = {marks.get('grade_id', '') for marks in released} - {''}
-    if answers and ids.isdisjoint(cell.grade_id for cell in cells):
+    if answers and grade_ids(release).isdisjoint(cell.grade_id for cell in cells):
         got = f'{len(cells)} other cells' if cells else 'a notebook without cells'
         nothing = Problem(where, 'cells of this assignment', got, FRESH_COPY, answers, True)
         return Opened(notebook, (*problems, nothing, *found, *more))
@@ -90,9 +91,7 @@ def rebuild(
     problems: list[Problem] = []
     # The first cell for each file that a magic line names.
     by_file = {path: one for one in reversed(student or ()) if (path := _path(one.source))}
-    by_id: dict[str, list[StudentCell]] = {}
-    for found in student or ():
-        by_id.setdefault(found.grade_id, []).append(found)
+    by_id = by_grade_id(student or ())
     for cell in notebook['cells']:
         marks = marks_of(cell)
         if student is not None and marks.get('grade_id'):

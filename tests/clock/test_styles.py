@@ -13,7 +13,7 @@ import pytest
 from autograder.exam.scenario import Advance, Feed, Scenario
 from autograder.recording import Recording
 from autograder.runs.observe import observe
-from autograder.sandboxes.choose import strongest, weak
+from autograder.sandboxes.choose import strongest, usable
 from autograder.sandboxes.sandbox import Sandbox
 from tests.clock.time_styles import ANSWERING, BEGIN, STYLES
 
@@ -81,4 +81,4 @@ def test_weaker_modes_are_as_exact(mode: str) -> None:
     """The network is shared there; the clock is not."""
     body, seconds = STYLES['timer']
 
-    assert numbers(recording(body, WATCHED, weak(mode))) == numbers_at(seconds)
+    assert numbers(recording(body, WATCHED, usable(mode))) == numbers_at(seconds)

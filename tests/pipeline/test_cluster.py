@@ -11,6 +11,7 @@ from places_world import class_of_talkers, exam_of_a_talker, told
 import pytest
 
 from autograder import __main__ as command
+from autograder.errors import GraderError
 from autograder.grading import cluster
 from autograder.grading.cluster import (
     about,
@@ -21,7 +22,6 @@ from autograder.grading.cluster import (
 )
 from autograder.grading.examine import examine
 from autograder.layout import Layout
-from autograder.runs.pool import WorkerDied
 from autograder.runs.version import version
 from autograder.sandboxes.choose import strongest
 
@@ -76,7 +76,7 @@ def test_a_run_that_kills_its_workers_is_for_review(monkeypatch):
             n_workers=1, threads_per_worker=1, host='127.0.0.1', dashboard_address=':0'
         ) as local,
         Client(local.scheduler_address, set_as_default=False) as client,
-        pytest.raises(WorkerDied),
+        pytest.raises(GraderError, match='died'),
     ):
         Cluster(client).run(b'')
 

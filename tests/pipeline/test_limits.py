@@ -9,7 +9,7 @@ import pytest
 from autograder.exam.scenario import Advance, Scenario
 from autograder.runs import observe
 from autograder.runs.observe import observe as run
-from autograder.sandboxes.choose import plain, strongest
+from autograder.sandboxes.choose import strongest, usable
 from autograder.sandboxes.confined import Limits
 from autograder.sandboxes.sandbox import Sandbox
 
@@ -87,7 +87,7 @@ for number in itertools.count():
 
 def test_files_of_a_program_without_its_own_file_system_are_summed(monkeypatch):
     """Elsewhere its folders have a size of their own."""
-    recording = recorded(monkeypatch, WRITES, replace(LIMITS, folder=32 << 20), plain())
+    recording = recorded(monkeypatch, WRITES, replace(LIMITS, folder=32 << 20), usable('none'))
 
     assert recording.end_reason == 'disk_limit'
 

@@ -17,11 +17,10 @@ from autograder.exam import catalog
 from autograder.grading.examine import examine
 from autograder.runs import observe
 from autograder.runs.observe import HERE
-from autograder.sandboxes.choose import strongest
+from autograder.sandboxes.choose import strongest, try_out
 from autograder.sandboxes.confined import Confined, Limits, Program
 from autograder.sandboxes.probes import Probe, start_probe
 from autograder.sandboxes.sandbox import Sandbox
-from autograder.sandboxes.sandbox_trial import try_out
 
 pytestmark = [pytest.mark.ros]
 

@@ -10,7 +10,7 @@ import zipfile
 import pytest
 
 from autograder.collect import take_in as collecting
-from autograder.collect.kinds.kind import kind_of
+from autograder.collect.kinds.kind import recognised
 from autograder.collect.source.tree import opened
 from autograder.layout import Layout
 
@@ -84,7 +84,7 @@ def table(rows) -> dict[tuple[str, str], str]:
 def kind(source: Path) -> str:
     """Return which system a source is taken for."""
     with opened(source) as found:
-        return kind_of(found)
+        return recognised(found)[0]
 
 
 def notes(rows) -> dict[str, tuple[str, ...]]:

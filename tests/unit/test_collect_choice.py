@@ -281,25 +281,6 @@ class TestBounds:
         assert [row.done for row in rows] == [TAKEN] * 16
         assert peak < 8 * len(large)
 
-    def test_a_notebook_that_changes_meanwhile_is_left(self, tmp_path, layout, monkeypatch):
-        """What was looked at is what is written."""
-        source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
-        look = choice.look
-
-        def look_and_change(handed, course, wanted):
-            seen = look(handed, course, wanted)
-            if handed.student == 'ann':
-                (source / 'ann' / 'talk.ipynb').write_bytes(OTHER)
-            return seen
-
-        monkeypatch.setattr('autograder.collect.take_in.look', look_and_change)
-
-        rows = collect(source, layout, layout.submitted)
-
-        assert [(row.student, row.done) for row in rows] == [('ann', LEFT), ('bob', TAKEN)]
-        assert rows[0].notes == ('the file changed while it was collected',)
-        assert set(taken(layout)) == {f'bob/{TALK}/talk.ipynb'}
-
     @pytest.mark.parametrize('how', [packed, laid])
     def test_too_much_of_everything_is_one_sentence(self, how, tmp_path, layout, monkeypatch):
         """Before anything is written."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -76,7 +77,7 @@ def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     monkeypatch.setattr(System, 'here', classmethod(lambda cls: System(apparmor_restricts=1)))
 
     with pytest.raises(SandboxUnavailable) as caught:
-        choose.isolated()
+        choose.usable(isolation.full(os.geteuid() == 0))
 
     assert said.rstrip('.') in caught.value.what
     assert caught.value.fix == isolation.FIX_APPARMOR

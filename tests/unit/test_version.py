@@ -11,7 +11,15 @@ import subprocess
 import pytest
 
 from autograder.layout import Layout
-from autograder.runs.version import commit, difference, environment_digest, made_with, version
+from autograder.runs.version import (
+    commit,
+    difference,
+    environment_digest,
+    HERE,
+    made_with,
+    RUNS_PROGRAMS,
+    version,
+)
 from environment.ros import FILE_NAME, MESSAGES_NAME
 
 GIT = pytest.mark.skipif(shutil.which('git') is None, reason='git is not installed')
@@ -136,3 +144,9 @@ def test_worker_without_a_message_package_differs(tmp_path):
         'packages of environment/messages.txt: expected ros-base-msgs==1.0, ros-toy-msgs==1.0, '
         'got nothing'
     )
+
+
+@pytest.mark.parametrize('pattern', RUNS_PROGRAMS)
+def test_each_pattern_of_the_digest_names_a_file(pattern):
+    """A file that was renamed must not leave the digest unnoticed."""
+    assert list(HERE.glob(pattern))

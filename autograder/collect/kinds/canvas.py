@@ -19,10 +19,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 import re
 
-from autograder.collect.source.deliveries import Handed, Left, Level, Piece
-from autograder.submission.tree import File
+from autograder.collect.source.deliveries import Entry, Handed, Level, System
+from autograder.collect.table import Row, unclaimed
 
-EXPECTED = 'files named NAME_USERID_NUMBER_FILE'
 AGAIN = re.compile(r'-\d+(?=\.[^.]+$)')
 _NUMBER = re.compile(r'[1-9][0-9]*')
 _ANONYMOUS = re.compile(
@@ -58,11 +57,6 @@ class Reading:
         return not self.name and self.user.startswith('anon_')
 
 
-def claims(level: Level) -> int:
-    """Return how many entries have names in Canvas's form."""
-    return sum(bool(readings(name)) for name in level.files)
-
-
 def readings(name: str) -> tuple[Reading, ...]:
     """Return every way to read a file name; empty if Canvas did not write it."""
     found = []
@@ -90,28 +84,26 @@ def _may_be_name(parts: Sequence[str]) -> bool:
     return 'LATE' not in parts and not any(map(_NUMBER.fullmatch, parts[1:-1]))
 
 
-def read(level: Level) -> Iterator[Handed | Left]:
+def matches(entry: Entry) -> bool:
+    """Return whether an entry has a name in Canvas's form."""
+    return not entry.folder and bool(readings(entry.name))
+
+
+def read(level: Level) -> Iterator[Handed | Row]:
     """Yield the deliveries of each user."""
-    ways = {name: readings(name) for name in level.files}
-    ways = {name: found for name, found in ways.items() if found}
+    ways = {name: readings(name) for name, entry in level.items() if matches(entry)}
     settled = {name: found[0] for name, found in ways.items() if len(found) == 1}
-    told = dict(settled)
+    users: dict[str, dict[str, Reading]] = {}
     for name, found in ways.items():
-        if name not in settled:
-            fitting = _fitting(found, settled, ways)
-            if len(fitting) == 1:
-                told[name] = fitting[0]
-            else:
-                whose = ' or '.join(sorted({f'user {one.user}' for one in found}))
-                yield Left(name, f'the owner is unclear: {whose}; rename the file')
-    users: dict[str, list[str]] = {}
-    for name in level.files:
-        if name in told:
-            users.setdefault(told[name].user, []).append(name)
-    for user, names in users.items():
-        by_others = [name for name in names if name not in settled]
-        notes = (f'user {user}, according to the other files',) if by_others else ()
-        yield from _of_user(level, {name: told[name] for name in names}, notes)
+        fitting = [settled[name]] if name in settled else _fitting(found, settled, ways)
+        if len(fitting) == 1:
+            users.setdefault(fitting[0].user, {})[name] = fitting[0]
+        else:
+            whose = ' or '.join(sorted({f'user {one.user}' for one in found}))
+            yield unclaimed(name, f'the owner is unclear: {whose}; rename the file')
+    for user, told in users.items():
+        notes = (f'user {user}, according to the other files',)
+        yield from _of_user(level, user, told, () if told.keys() <= settled.keys() else notes)
 
 
 def _fitting(
@@ -120,44 +112,43 @@ def _fitting(
     all_ways: Mapping[str, Sequence[Reading]],
 ) -> list[Reading]:
     """Return the readings that agree with the other files."""
-    named: dict[str, set[str]] = {}
-    for one in settled.values():
-        named.setdefault(one.user, set()).add(one.name)
-    anonymous = {one.anonymous for one in settled.values()}
+    known = settled.values()
+    names = {one.user: one.name for one in known}
+    near = [int(one.attachment) for one in known if one.attachment]
     numbers = Counter(
         number for found in all_ways.values() for number in {one.attachment for one in found}
     )
-    near = [int(one.attachment) for one in settled.values() if one.attachment]
 
     def is_attachment(number: str) -> bool:
         found = int(number)
         among = not near or (min(near) <= found * _SPREAD and found <= max(near) * _SPREAD)
         return among and numbers[number] == 1
 
-    def fits(one: Reading) -> bool:
-        same_name = one.name in named.get(one.user, {one.name})
-        possible = not one.attachment or is_attachment(one.attachment)
-        return possible and same_name and anonymous <= {one.anonymous}
-
-    return [one for one in ways if fits(one)]
+    return [
+        one
+        for one in ways
+        if names.get(one.user, one.name) == one.name
+        and (not one.attachment or is_attachment(one.attachment))
+        and all(one.anonymous == other.anonymous for other in known)
+    ]
 
 
 def _of_user(
-    level: Level, told: Mapping[str, Reading], notes: tuple[str, ...]
+    level: Level, user: str, told: Mapping[str, Reading], notes: tuple[str, ...]
 ) -> Iterator[Handed]:
     """Yield typed text, and the files as one delivery, newest first."""
-    files = {name: one for name, one in told.items() if one.attachment}
     late = 'Canvas' if any(one.late for one in told.values()) else ''
     person = max(told.values(), key=lambda one: int(one.attachment or 0)).name
+    pieces = []
     for name, one in told.items():
-        if name not in files:
+        if one.attachment:
+            pieces.append(level[name].piece(AGAIN.sub('', one.file), int(one.attachment)))
+        else:
             what = _TYPED[one.file]
-            yield Handed(one.user, (), name, person, late=late, instead=what, notes=notes)
-    pieces = [
-        Piece(File((AGAIN.sub('', one.file),), level.files[name].read), name, int(one.attachment))
-        for name, one in files.items()
-    ]
+            yield Handed(user, (), name, person, late=late, instead=what, notes=notes)
     if pieces:
         pieces.sort(key=lambda piece: piece.turn, reverse=True)
-        user = next(iter(files.values())).user
         yield Handed(user, tuple(pieces), '', person, late=late, notes=notes)
+
+
+SYSTEM = System('files named NAME_USERID_NUMBER_FILE', matches, read)

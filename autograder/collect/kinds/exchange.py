@@ -9,10 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 import re
 
-from autograder.collect.source.deliveries import Handed, in_folder, Level
+from autograder.collect.source.deliveries import Entry, Handed, Level, System
 from autograder.collect.source.times import read_time
 
-EXPECTED = 'folders named USER+ASSIGNMENT+TIME, as in inbound/'
 INBOUND = 'inbound'
 FOLDERS = frozenset({INBOUND, 'outbound', 'feedback'})
 """Folders that an exchange has for each course."""
@@ -22,24 +21,27 @@ _FOLDER = re.compile(
 )
 
 
-def claims(level: Level) -> int:
-    """Return how many entries have names in nbgrader's form."""
-    return sum(bool(_FOLDER.fullmatch(name)) for name in level.folders)
+def matches(entry: Entry) -> bool:
+    """Return whether an entry has a name in nbgrader's form."""
+    return entry.folder and bool(_FOLDER.fullmatch(entry.name))
 
 
 def read(level: Level) -> Iterator[Handed]:
     """Yield each delivery, with the time that nbgrader put into its name."""
-    for folder, files in level.folders.items():
-        match = _FOLDER.fullmatch(folder)
+    for name, entry in level.items():
+        match = _FOLDER.fullmatch(name) if entry.folder else None
         if match is None:
             continue
         when, note = read_time(match['when'])
         yield Handed(
             match['user'],
-            in_folder(folder, files),
-            folder,
+            entry.pieces(),
+            name,
             when=when,
             assignment=match['assignment'],
             notes=(note,) if note else (),
-            owners=level.owners.get(folder, frozenset()),
+            owners=entry.owners,
         )
+
+
+SYSTEM = System('folders named USER+ASSIGNMENT+TIME, as in inbound/', matches, read)

@@ -10,14 +10,16 @@ an assignment, as in ``talk-ann``, that prefix is removed.  The student wrote th
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 
 from autograder.collect.source.course import Course
-from autograder.collect.source.deliveries import Handed, in_folder, Left, Level, level, Piece
+from autograder.collect.source.deliveries import Entry, Handed, Level, level, only_folder
 from autograder.collect.source.times import STAMP
-from autograder.submission.tree import File, Tree, UnreadableError
+from autograder.collect.table import Row, unclaimed
+from autograder.submission.tree import Tree, UnreadableError
 
 EXPECTED = 'one folder or one notebook per student'
+NOTEBOOK = '.ipynb'
 FEW = 20
 """Number of notebooks to read, to distinguish a class from one student's copies."""
 
@@ -25,11 +27,9 @@ FEW = 20
 def level_of(tree: Tree, course: Course) -> Level:
     """Return the folder whose entries are students; a zip may have an extra folder around it."""
     outer = level(tree)
-    if outer.files or len(outer.folders) != 1:
-        return outer
-    (name,) = outer.folders
-    if name in outer.repositories and course.beginning(name):
-        return outer  # a class with one student so far
+    name = only_folder(outer)
+    if not name or (outer[name].repository and course.beginning(name)):
+        return outer  # a repository: a class with one student so far
     inner = level(tree, name)
     return inner if _is_class(inner, course) else outer
 
@@ -37,65 +37,56 @@ def level_of(tree: Tree, course: Course) -> Level:
 def _is_class(inner: Level, course: Course) -> bool:
     """Return whether a folder has students in it; otherwise it belongs to one student."""
     theirs = {*course.assignments, course.layout.notebooks.name}
-    if len(inner.entries) < 2 or theirs & set(inner.folders):
+    if len(inner) < 2 or any(inner[name].folder for name in theirs & inner.keys()):
         return False
-    return not inner.files or _are_students(inner.files, course)
+    files = [entry for entry in inner.values() if not entry.folder]
+    return not files or _are_students(files, course)
 
 
-def _are_students(files: Mapping[str, File], course: Course) -> bool:
+def _are_students(files: Sequence[Entry], course: Course) -> bool:
     """Return whether notebooks are named after students: two have cells of one assignment."""
-    if not all(name.endswith('.ipynb') and not course.of_file(name) for name in files):
+    if not all(one.name.endswith(NOTEBOOK) and not course.of_file(one.name) for one in files):
         return False
     lessons: Counter[str] = Counter()
-    for file in list(files.values())[:FEW]:
+    for one in files[:FEW]:
         try:
-            lessons.update(set(course.shared(file.read())))
+            lessons.update(set(course.shared(one.files[0].read())))
         except UnreadableError:
             continue
     return any(count > 1 for count in lessons.values())
 
 
-def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Left]:
+def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Row]:
     """
     Yield the delivery of each student; only the folder's own name decides whose it is.
 
     :param prefix: the beginning of names that the instructor wants removed
     """
-    for name, file in level.files.items():
-        if name.lower().endswith('.ipynb'):
-            stem = name[: -len('.ipynb')]
-            off = _prefix(stem, prefix)
-            yield _handed(stem, off, (Piece(file, name),), name)
-        else:
-            yield Left(name, "neither a notebook nor a student's folder")
-    for folder, files in level.folders.items():
-        if folder in course.assignments:
-            yield Left(
-                folder, 'the name of an assignment, not of a student: collect the folder above'
+    for name, entry in level.items():
+        if not entry.folder and not name.lower().endswith(NOTEBOOK):
+            yield unclaimed(name, "neither a notebook nor a student's folder")
+        elif entry.folder and name in course.assignments:
+            yield unclaimed(
+                name, 'the name of an assignment, not of a student: collect the folder above'
             )
-            continue
-        repository = folder in level.repositories
-        off = _prefix(folder, prefix) or (course.beginning(folder) if repository else '')
-        notes: tuple[str, ...] = ()
-        if repository and any(file.name == STAMP for file in files):
-            notes = (f'{STAMP} ignored: in a repository, students can edit it',)
-        yield _handed(folder, off, in_folder(folder, files), folder, not repository, notes)
+        else:
+            yield _handed(entry, course, prefix)
 
 
-def _prefix(name: str, prefix: str) -> str:
-    """Return the prefix to remove, or nothing if no name would be left."""
-    return prefix if name.startswith(prefix) and name != prefix else ''
-
-
-def _handed(
-    name: str,
-    off: str,
-    pieces: tuple[Piece, ...],
-    place: str,
-    stamped: bool = False,
-    notes: tuple[str, ...] = (),
-) -> Handed:
+def _handed(entry: Entry, course: Course, prefix: str) -> Handed:
     """Return a delivery, with a note about what was removed from the name."""
-    said = (f'{off!r} was removed from the name',) if off else ()
-    student = name[len(off) :]
-    return Handed(student, pieces, place, stamped=stamped, notes=(*said, *notes), called=name)
+    name = entry.name if entry.folder else entry.name[: -len(NOTEBOOK)]
+    off = prefix if name.startswith(prefix) and name != prefix else ''
+    if entry.repository:
+        off = off or course.beginning(name)
+    notes = [f'{off!r} was removed from the name'] if off else []
+    if entry.repository and any(file.name == STAMP for file in entry.files):
+        notes.append(f'{STAMP} ignored: in a repository, students can edit it')
+    return Handed(
+        name[len(off) :],
+        entry.pieces(),
+        entry.name,
+        stamped=not entry.repository,
+        notes=tuple(notes),
+        called=name,
+    )

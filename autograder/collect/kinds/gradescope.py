@@ -13,44 +13,42 @@ from typing import Any
 
 import yaml
 
-from autograder.collect.source.deliveries import Handed, in_folder, Left, Level
+from autograder.collect.source.deliveries import Entry, Handed, Level, System
 from autograder.collect.source.times import read_time
+from autograder.collect.table import Row, unclaimed
 from autograder.submission.tree import File, NotTakenInError, UnreadableError
 
 METADATA = 'submission_metadata.yml'
-EXPECTED = f'the file {METADATA} and folders next to it'
 _FOLDER = re.compile(r'submission_\d+')
 
 
-def claims(level: Level) -> int:
-    """Return how many entries have names in Gradescope's form; 0 without its metadata file."""
-    if METADATA not in level.files:
-        return 0
-    return 1 + sum(bool(_FOLDER.fullmatch(name)) for name in level.folders)
+def matches(entry: Entry) -> bool:
+    """Return whether an entry has a name in Gradescope's form."""
+    return bool(_FOLDER.fullmatch(entry.name)) if entry.folder else entry.name == METADATA
 
 
-def read(level: Level) -> Iterator[Handed | Left]:
+def read(level: Level) -> Iterator[Handed | Row]:
     """
     Yield the submissions in the metadata, and the folders that are missing there.
 
     :raises NotTakenInError: if the table cannot be read
     """
-    data = _metadata(level.files[METADATA])
+    data = _metadata(level[METADATA].files[0])
     described = {str(folder): facts for folder, facts in data.items()}
     for folder, facts in described.items():
         when, note = read_time(_field(facts, 'created_at'))
         for student, person in _submitters(facts):
             yield Handed(
                 student or folder,
-                in_folder(folder, level.folders.get(folder, ())),
+                level[folder].pieces() if folder in level else (),
                 folder,
                 person=person,
                 when=when,
                 notes=(note,) if note else (),
             )
-    for folder in level.folders:
-        if folder not in described:
-            yield Left(folder, f'not in {METADATA}, so its owner is unknown')
+    for name, entry in level.items():
+        if entry.folder and name not in described:
+            yield unclaimed(name, f'not in {METADATA}, so its owner is unknown')
 
 
 def _metadata(file: File) -> Mapping[Any, Any]:
@@ -86,3 +84,6 @@ def _field(facts: object, name: str) -> Any:
     if not isinstance(facts, Mapping):
         return None
     return facts.get(f':{name}', facts.get(name))
+
+
+SYSTEM = System(f'the file {METADATA} and folders next to it', matches, read, needs=METADATA)

@@ -8,31 +8,25 @@ read. Each entry on that level that is not a submission gets a reason.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from autograder.collect.kinds import canvas, exchange, folders, gradescope, moodle
 from autograder.collect.source.course import Course
-from autograder.collect.source.deliveries import Handed, Left, Level, level
+from autograder.collect.source.deliveries import Handed, Level, level, only_folder, System
+from autograder.collect.table import Row, unclaimed
 from autograder.explaining.feedback import printable
 from autograder.results import first_of
 from autograder.submission.tree import NotTakenInError, Tree
 
 FOLDER, EXCHANGE = 'folder', 'exchange'
 NAMES_SHOWN = 3
-
-
-SYSTEMS: Mapping[str, Any] = {
-    'canvas': canvas,
-    'moodle': moodle,
-    'gradescope': gradescope,
-    EXCHANGE: exchange,
+SYSTEMS: Mapping[str, System] = {
+    'canvas': canvas.SYSTEM,
+    'moodle': moodle.SYSTEM,
+    'gradescope': gradescope.SYSTEM,
+    EXCHANGE: exchange.SYSTEM,
 }
-"""
-Platforms that have their own form of names.  Each module describes the form (``EXPECTED``), counts
-the entries of a level that have it (``claims``), and reads them (``read``).
-"""
 
 
 @dataclass(frozen=True)
@@ -40,18 +34,14 @@ class Found:
     """
     The contents of a source.
 
+    :param left: a row for each entry that belongs to no known student
     :param single: whether all of it belongs to one assignment, as in exports of platforms
     """
 
     kind: str
     handed: tuple[Handed, ...]
-    left: tuple[Left, ...]
+    left: tuple[Row, ...]
     single: bool = False
-
-
-def kind_of(tree: Tree) -> str:
-    """Return which platform a source comes from, by its names."""
-    return _recognised(tree)[0]
 
 
 def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> Found:
@@ -62,54 +52,54 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     :param prefix: the beginning to remove from the names of folders
     :raises NotTakenInError: if the source does not match its names or ``kind``
     """
-    chosen, place = (kind, None) if kind else _recognised(tree)
-    if chosen in SYSTEMS and place is None:
-        claimed = (one for one in _levels(tree) if SYSTEMS[chosen].claims(one))
-        place = next(claimed, level(tree))
-    if chosen == FOLDER or place is None:
-        place = folders.level_of(tree, course)
-        expected, found = folders.EXPECTED, list(folders.read(place, course, prefix))
-        _used(tree, prefix, place.entries)
-    else:
+    chosen, place = (kind, None) if kind else recognised(tree)
+    found: list[Handed | Row] = []
+    if system := SYSTEMS.get(chosen):
         if prefix:
             raise NotTakenInError(
                 f'{tree.name}: --prefix works only with folders of students; these are names '
                 f'from {chosen}.',
                 'Try: leave out --prefix',
             )
-        expected, system = SYSTEMS[chosen].EXPECTED, SYSTEMS[chosen]
-        found = list(system.read(place)) if system.claims(place) else []
+        if place is None:
+            place = next(filter(system.claims, _levels(tree)), level(tree))
+        found += system.read(place) if system.claims(place) else ()
+        expected, needs = system.expected, system.needs
+    else:
+        place = folders.level_of(tree, course)
+        _refuse_unused(prefix, place, tree.name)
+        found += folders.read(place, course, prefix)
+        expected, needs = folders.EXPECTED, ''
     handed = tuple(one for one in found if isinstance(one, Handed))
     if kind and not handed:
         raise _nothing(tree, kind, expected)
-    left = [one for one in found if isinstance(one, Left)]
+    left = [one for one in found if isinstance(one, Row)]
     known = {name for one in handed for name in one.places} | {one.place for one in left}
-    known |= {gradescope.METADATA} if chosen == 'gradescope' else set()
     why = f'not named the way {chosen} names submissions'
-    left += [Left(name, why) for name in place.entries if name not in known]
+    left += [unclaimed(name, why) for name in place if name not in {*known, needs}]
     return Found(chosen, handed, tuple(left), chosen not in (FOLDER, EXCHANGE))
 
 
-def _used(tree: Tree, prefix: str, names: Sequence[str]) -> None:
+def _refuse_unused(prefix: str, place: Level, where: str) -> None:
     """Refuse a prefix that no name begins with: the student ids would be unexpected."""
-    if prefix and not any(name.startswith(prefix) for name in names):
+    if prefix and not any(name.startswith(prefix) for name in place):
         raise NotTakenInError(
-            f'{tree.name}: expected names of students that begin with {printable(prefix)!r} '
-            f'(--prefix), got: {_shown(names)}.',
+            f'{where}: expected names of students that begin with {printable(prefix)!r} '
+            f'(--prefix), got: {_shown(place)}.',
             'Try: leave out --prefix, or give the text that the folder names begin with',
         )
 
 
-def _recognised(tree: Tree) -> tuple[str, Level | None]:
+def recognised(tree: Tree) -> tuple[str, Level | None]:
     """Return the platform that recognises most names, on the outermost level that has any."""
     for place in _levels(tree):
         claims = {name: system.claims(place) for name, system in SYSTEMS.items()}
         best = max(claims, key=lambda name: claims[name])
-        if 0 < len(place.entries) <= 2 * claims[best]:
+        if 0 < len(place) <= 2 * claims[best]:
             return best, place
-    if inbound := _inbound(tree):  # a course without deliveries
+    if (inbound := _inbound(tree)) is not None:  # a course without deliveries
         return EXCHANGE, inbound
-    courses = level(tree).folders
+    courses = level(tree)
     if courses and all(_is_exchange(level(tree, name)) for name in courses):
         raise NotTakenInError(
             f'{tree.name}: this exchange has {len(courses)} courses.',
@@ -122,36 +112,35 @@ def _levels(tree: Tree) -> Iterator[Level]:
     """Yield the folders whose names may follow a platform's form, outermost first."""
     outer = level(tree)
     yield outer
-    if not outer.files and len(outer.folders) == 1:
-        yield level(tree, *outer.folders)
-    if inbound := _inbound(tree):
+    if name := only_folder(outer):
+        yield level(tree, name)
+    if (inbound := _inbound(tree)) is not None:
         yield inbound
 
 
 def _inbound(tree: Tree) -> Level | None:
     """Return the deliveries of a course in nbgrader's exchange, whose folders have fixed names."""
     outer = level(tree)
-    if _is_exchange(outer):
-        return level(tree, exchange.INBOUND)
-    if len(outer.entries) == 1 and _is_exchange(level(tree, *outer.entries)):
-        return level(tree, *outer.entries, exchange.INBOUND)
+    for base in ((), (only_folder(outer),)):
+        if _is_exchange(level(tree, *base)):
+            return level(tree, *base, exchange.INBOUND)
     return None
 
 
 def _is_exchange(place: Level) -> bool:
     """Return whether a folder is a course in nbgrader's exchange."""
-    return exchange.INBOUND in place.folders and set(place.entries) <= exchange.FOLDERS
+    inbound = place.get(exchange.INBOUND)
+    return inbound is not None and inbound.folder and place.keys() <= exchange.FOLDERS
 
 
 def _nothing(tree: Tree, kind: str, expected: str) -> NotTakenInError:
     """Return the error for a source that is not of the kind that the user named."""
     *_, place = _levels(tree)
     return NotTakenInError(
-        f'{tree.name}: expected submissions of kind {kind} ({expected}), '
-        f'got: {_shown(place.entries)}.',
+        f'{tree.name}: expected submissions of kind {kind} ({expected}), got: {_shown(place)}.',
         'Try: leave out --kind, or collect the source as you downloaded it',
     )
 
 
-def _shown(names: Sequence[str]) -> str:
+def _shown(names: Iterable[str]) -> str:
     return first_of([printable(name)[:60] for name in names], NAMES_SHOWN) or 'nothing'

@@ -9,7 +9,7 @@ import re
 
 from autograder.collect.source.times import due_dates, DueDates
 from autograder.layout import Layout
-from autograder.submission.notebook import marks_of, read_notebook, read_release
+from autograder.submission.notebook import grade_ids, read_notebook, read_release
 
 # Suffixes that browsers, Canvas and Jupyter add to a name that already exists.
 _COPY = re.compile(r'( ?\(\d+\)|-\d+| - Copy|-Copy\d+)+(?=\.ipynb$)')
@@ -42,12 +42,7 @@ class Course:
     def cells(self) -> Mapping[str, frozenset[str]]:
         """Return the grade ids of every released notebook, by assignment."""
         return {
-            name: frozenset(
-                marks_of(cell)['grade_id']
-                for cell in read_release(self.layout.release(name))['cells']
-                if 'grade_id' in marks_of(cell)
-            )
-            for name in self.assignments
+            name: grade_ids(read_release(self.layout.release(name))) for name in self.assignments
         }
 
     @cached_property

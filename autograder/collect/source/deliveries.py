@@ -1,18 +1,21 @@
 """
 The data types that all kinds of sources share: who delivered what.
 
-Platforms name the entries of one :class:`Level` of a source.  Students named everything below, so
+Platforms name the entries of one :data:`Level` of a source.  Students named everything below, so
 those names decide nothing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from datetime import datetime
+from functools import cached_property
 
 from autograder.collect.source.tree import REPOSITORY
-from autograder.submission.tree import File, Tree
+from autograder.collect.table import Row
+from autograder.submission.ids import student_id
+from autograder.submission.tree import File, Parts, Tree
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,11 @@ class Handed:
     number: str = ''
     owners: frozenset[int] = frozenset()
 
+    @cached_property
+    def id(self) -> str:
+        """Return the student id, empty if the name has no letter or digit."""
+        return student_id(self.student)
+
     @property
     def places(self) -> tuple[str, ...]:
         """Return the entries of the source that belong to the delivery, in order."""
@@ -73,34 +81,55 @@ class Handed:
 
 
 @dataclass(frozen=True)
-class Left:
-    """An entry whose owner cannot be determined."""
+class Entry:
+    """
+    One entry of a level: a file, or a folder with all files below.
 
-    place: str
-    why: str
+    :param files: by their paths from the folder; for a file, itself
+    :param repository: whether git created the folder, recognised by a name in it that begins with
+        ``.git``
+    :param owners: the users who own it or anything below it; a zip has none
+    """
+
+    name: str
+    files: tuple[File, ...]
+    folder: bool
+    repository: bool = False
+    owners: frozenset[int] = frozenset()
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the files of a delivery that is this entry."""
+        return tuple(Piece(file, self.name) for file in self.files)
+
+    def piece(self, name: str, turn: int = 0) -> Piece:
+        """Return the file of this entry under the name that the student gave."""
+        return Piece(File((name,), self.files[0].read), self.name, turn)
+
+
+Level = Mapping[str, Entry]
+"""One folder of a source: its entries by name, in order."""
 
 
 @dataclass(frozen=True)
-class Level:
+class System:
     """
-    One folder of a source.
+    A platform that has its own form of names.
 
-    :param files: those directly in it, by name
-    :param folders: those directly in it, by name, with all files below, by their path from there
-    :param repositories: folders that git has created, recognised by a name in them that begins
-        with ``.git``
-    :param owners: for each entry, the users who own it or anything below it; a zip has none
+    :param expected: a description of the form
+    :param matches: returns whether the name of an entry has the form
+    :param read: yields the deliveries in a level, and a row for each entry without an owner
+    :param needs: the name of a file that every download has
     """
 
-    files: Mapping[str, File]
-    folders: Mapping[str, tuple[File, ...]]
-    repositories: frozenset[str] = frozenset()
-    owners: Mapping[str, frozenset[int]] = field(default_factory=dict)
+    expected: str
+    matches: Callable[[Entry], bool]
+    read: Callable[[Level], Iterator[Handed | Row]]
+    needs: str = ''
 
-    @property
-    def entries(self) -> tuple[str, ...]:
-        """Return all names."""
-        return (*self.files, *self.folders)
+    def claims(self, place: Level) -> int:
+        """Return how many names have the form; 0 without the file that it needs."""
+        found = [name for name, entry in place.items() if self.matches(entry)]
+        return len(found) if not self.needs or self.needs in found else 0
 
 
 def level(tree: Tree, *base: str) -> Level:
@@ -110,34 +139,36 @@ def level(tree: Tree, *base: str) -> Level:
     :param base: the names on the way to it; none for the source itself
     """
     depth = len(base)
-    files: dict[str, File] = {}
-    folders: dict[str, list[File]] = {}
-    for file in tree.files:
-        if file.parts[:depth] != base:
-            continue
-        if len(file.parts) == depth + 1:
-            files[file.name] = File(file.parts[depth:], file.read)
-        elif len(file.parts) > depth + 1:
-            below = File(file.parts[depth + 1 :], file.read)
-            folders.setdefault(file.parts[depth], []).append(below)
-    for parts in tree.empty:
-        if parts[:depth] == base and len(parts) > depth:
-            folders.setdefault(parts[depth], [])
-    repositories = {parts[depth] for parts in tree.repositories if parts[:-1] == base}
-    repositories |= {
-        name
-        for name, inside in folders.items()
-        if any(file.parts[0].startswith(REPOSITORY) for file in inside)
-    }
+
+    def name_in(parts: Parts) -> str:
+        """Return the name of the entry that a path belongs to, empty if it is elsewhere."""
+        return parts[depth] if parts[:depth] == base and len(parts) > depth else ''
+
+    files: dict[str, list[File]] = {}
     owners: dict[str, set[int]] = {}
+    folders = {name_in(parts) for parts in tree.empty} - {''}
+    repositories = {parts[depth] for parts in tree.repositories if parts[:-1] == base}
+    for file in tree.files:
+        if name := name_in(file.parts):
+            below = file.parts[depth + 1 :]
+            files.setdefault(name, []).append(File(below or (name,), file.read))
+            folders |= {name} if below else set()
+            repositories |= {name} if below and below[0].startswith(REPOSITORY) else set()
     for parts, uid in tree.owners.items():
-        if parts[:depth] == base and len(parts) > depth:
-            owners.setdefault(parts[depth], set()).add(uid)
-    ordered = {name: tuple(folders[name]) for name in sorted(folders)}
-    of_each = {name: frozenset(uids) for name, uids in owners.items()}
-    return Level(files, ordered, frozenset(repositories), of_each)
+        owners.setdefault(name_in(parts), set()).add(uid)
+    return {
+        name: Entry(
+            name,
+            tuple(files.get(name, ())),
+            name in folders,
+            name in repositories,
+            frozenset(owners.get(name, ())),
+        )
+        for name in sorted({*files, *folders})
+    }
 
 
-def in_folder(folder: str, files: tuple[File, ...]) -> tuple[Piece, ...]:
-    """Return the files of a delivery that is a folder."""
-    return tuple(Piece(file, folder) for file in files)
+def only_folder(place: Level) -> str:
+    """Return the name of the folder around everything, or an empty string."""
+    names = list(place)
+    return names[0] if len(names) == 1 and place[names[0]].folder else ''

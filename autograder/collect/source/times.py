@@ -15,11 +15,8 @@ from autograder.layout import Layout
 
 STAMP = 'timestamp.txt'
 """nbgrader's file with the time of delivery, next to the notebook."""
-_TIME = re.compile(
-    r'(?P<day>\d{4}-\d\d-\d\d)[ T](?P<time>\d\d:\d\d(?::\d\d)?)(?:\.\d+)? ?(?P<zone>\S.*)?'
-)
-_OFFSET = re.compile(r'(?P<sign>[+-])(?P<hours>\d\d):?(?P<minutes>\d\d)?')
-_UTC = ('UTC', 'GMT', 'Z')
+_TIME = re.compile(r'(\d{4}-\d\d-\d\d)[ T](\d\d:\d\d)(:\d\d)?(?:\.\d+)? ?(\S.*)?')
+_ZONE = re.compile(r'UTC|GMT|Z|([+-]\d\d):?(\d\d)?', re.IGNORECASE)
 
 
 def read_time(value: object) -> tuple[datetime | None, str]:
@@ -39,23 +36,15 @@ def read_time(value: object) -> tuple[datetime | None, str]:
         match = _TIME.fullmatch(text)
         if match is None:
             return None, f'time {text[:40]!r} not understood: no time' if text else ''
-        offset = _offset(match['zone'] or 'UTC')
-        if offset is None:
-            return None, f'time zone {match["zone"][:20]} not understood: no time'
-        found = datetime.fromisoformat(f'{match["day"]} {match["time"]}')
-        return (found - offset).replace(tzinfo=timezone.utc), ''
+        day, minute, second, name = match.groups()
+        zone = _ZONE.fullmatch(name or 'UTC')
+        if zone is None:
+            return None, f'time zone {name[:20]} not understood: no time'
+        offset = f'{zone[1] or "+00"}:{zone[2] or "00"}'
+        found = datetime.fromisoformat(f'{day} {minute}{second or ":00"}{offset}')
+        return found.astimezone(timezone.utc), ''
     except (ValueError, OverflowError):  # no such day, or before the year 1
         return None, f'time {str(value)[:40]!r} not understood: no time'
-
-
-def _offset(zone: str) -> timedelta | None:
-    if zone.upper() in _UTC:
-        return timedelta()
-    match = _OFFSET.fullmatch(zone)
-    if match is None:
-        return None
-    offset = timedelta(hours=int(match['hours']), minutes=int(match['minutes'] or 0))
-    return -offset if match['sign'] == '-' else offset
 
 
 def stamp(when: datetime) -> bytes:
