@@ -160,7 +160,9 @@ def _list(exercise: Exercise, kept: Mapping[str, Any]) -> list[str]:
 def late(kept: Mapping[str, Any]) -> list[str]:
     """Return the exams whose results were not made from the current files."""
     return [
-        one.name for one in exercises() if kept.get(one.name, {}).get('digest') != digest_of(one)
+        one.name
+        for one in exercises()
+        if one.name not in kept or kept[one.name]['digest'] != digest_of(one)
     ]
 
 
