@@ -33,7 +33,7 @@ LAYOUT = Layout.here()
 _FOLDER = tempfile.TemporaryDirectory(prefix='class-')  # removed when Python ends
 WORKING = Layout(Path(_FOLDER.name))
 EXAMINED = [name for name in LAYOUT.assignments() if catalog.for_assignment(name)]
-EVERY = 6
+EVERY = 10
 """One sample in so many is run here, if all have been run for the table."""
 
 # The first test of a lesson waits for all of its samples.
