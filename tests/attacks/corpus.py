@@ -177,7 +177,7 @@ def early_limits() -> Iterator[None]:
         program, limits = whole(scenario, submission, ros)
         if scenario['program'] == 'build':
             return program, limits
-        return program, replace(limits, cpu_s=6)
+        return program, replace(limits, cpu_s=4)
 
     sooner = mock.patch.object(watchdog, 'PROBE_S', 3.0)
     with mock.patch.object(observe, 'program_for', program_for), sooner:

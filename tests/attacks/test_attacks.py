@@ -30,7 +30,7 @@ LOOT = ('FOUND', 'WROTE', 'ESCAPED', 'REACHED')
 """What a program prints when it got something."""
 WORKERS = 3
 LONGEST_S = 60.0
-"""Real time for what may use six seconds of a processor, beside others."""
+"""Real time for what may use four seconds of a processor, beside others."""
 
 
 def names(attack: Attack) -> str:

@@ -3,19 +3,23 @@ Write docs/agreement.md: compare results of the sample submissions with the expe
 
 ``python -m tests.judgement.agreement`` grades the submissions in ``tests/submissions/`` for the
 exercises whose results are out of date, and writes the table.  Names of exams after the command
-select different ones; ``--fresh`` grades everything again.  ``--check`` runs nothing: it fails if
-the table was not made from the current files.
+select different ones.  ``--check`` runs nothing: it fails if the table was not made from the
+current files, among them what runs programs.  ``make test`` relies on the table: it runs a spread
+of the submissions only, see ``tests/pipeline/test_sample_class.py``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 import sys
 from typing import Any
 
+from autograder.recording import Recording
 from autograder.results import ExamResult, Verdict
+from autograder.runs.version import version
 from tests.judgement.kept import load, run_all, save, table, write_or_compare
-from tests.judgement.references import digest, Exercise, exercises
+from tests.judgement.properties import moved_by_text, telling, unreadable
+from tests.judgement.references import digest, Exercise, exercises, LAYOUT
 from tests.judgement.samples import (
     counted,
     differences,
@@ -46,21 +50,20 @@ def digest_of(exercise: Exercise) -> str:
     texts = [
         f'{one.name}\0{sorted(one.files.items())}\0{sorted(one.failed.items())}' for one in theirs
     ]
-    return digest(exercise, *texts)
+    return digest(exercise, version()['grader'], *texts)
 
 
-def run(chosen: Sequence[str], fresh: bool) -> None:
+def run(chosen: Sequence[str]) -> None:
     """
     Grade submissions and keep what came of them.
 
     :param chosen: names of exams
-    :param fresh: see :func:`tests.judgement.kept.run_all`
     """
     for exercise in exercises():
         if exercise.name not in chosen:
             continue
         theirs = [one for one in samples() if one.exercise is exercise and _is_run(one)]
-        done = run_all([(exercise.exam, one.files) for one in theirs], fresh)
+        done = run_all([(exercise.exam, one.files) for one in theirs])
         kept = load(NAME)
         kept[exercise.name] = {'digest': digest_of(exercise), **_compared(exercise, theirs, done)}
         save(NAME, {one.name: kept[one.name] for one in exercises() if one.name in kept})
@@ -87,10 +90,21 @@ def _compared(
             if verdict == Verdict.FAILED.value:
                 counts['named'] += 1
                 counts['same_cause'] += got[name] == (verdict, cause_id)
-        lines += [f'{sample.name}, {line}' for line in differences(sample, result)]
+        wrong = (*differences(sample, result), *_improper(sample, result))
+        lines += [f'{sample.name}, {line}' for line in wrong]
         for check in result.failed:
             causes.setdefault(check.cause_id, [check.cause, check.try_this, sample.name])
     return {**counts, 'differences': lines, 'causes': dict(sorted(causes.items()))}
+
+
+def _improper(sample: Sample, result: ExamResult) -> Iterator[str]:
+    """Yield what must not be, whatever a submission is."""
+    exam = sample.exercise.exam
+    yield from unreadable(result)
+    yield from telling(exam, result)
+    if result.recording:
+        path = LAYOUT.recordings / exam.name / result.recording
+        yield from moved_by_text(exam, sample.files, Recording.load(path))
 
 
 def page(kept: Mapping[str, Any]) -> str:
@@ -146,16 +160,16 @@ def _list(exercise: Exercise, kept: Mapping[str, Any]) -> list[str]:
 def late(kept: Mapping[str, Any]) -> list[str]:
     """Return the exams whose results were not made from the current files."""
     return [
-        one.name for one in exercises() if kept.get(one.name, {}).get('digest') != digest_of(one)
+        one.name
+        for one in exercises()
+        if one.name not in kept or kept[one.name]['digest'] != digest_of(one)
     ]
 
 
 def main(arguments: Sequence[str]) -> int:
     """Grade and write, or compare."""
     if '--check' not in arguments:
-        chosen = [name for name in arguments if not name.startswith('-')]
-        fresh = '--fresh' in arguments
-        run(chosen or ([one.name for one in exercises()] if fresh else late(load(NAME))), fresh)
+        run(arguments or late(load(NAME)))
     kept = load(NAME)
     return write_or_compare(NAME, page(kept), late(kept), arguments)
 

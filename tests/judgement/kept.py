@@ -7,19 +7,15 @@ what it was made from; if that has changed, the table is out of date.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 import json
 from pathlib import Path
 from typing import Any
 
-from autograder.errors import RecordingInvalid
 from autograder.exam.exam import Exam
-from autograder.grading.examine import examine, judged
-from autograder.recording import Recording
+from autograder.grading.examine import examine
 from autograder.results import ExamResult
-from autograder.runs.kept import files_digest
 from autograder.sandboxes.choose import strongest
 from tests.judgement.references import LAYOUT
 
@@ -28,53 +24,25 @@ DOCS = LAYOUT.root / 'docs'
 JOBS = 2
 
 
-def run_all(
-    work: Sequence[tuple[Exam, Mapping[str, str]]], fresh: bool = False
-) -> list[ExamResult]:
+def run_all(work: Sequence[tuple[Exam, Mapping[str, str]]]) -> list[ExamResult]:
     """
     Judge files by exams in the real sandbox, two at a time.
 
-    An existing recording of the same files and the same scenario is used, even if the code around
-    the program has changed since; tests and ``--fresh`` use only current recordings.
+    Only runs without a current recording take place.
 
     :param work: exams, each with the files that it judges
     :returns: the results, in the order of ``work``
     :raises GraderError: if the grader itself fails
     """
     box = strongest()
-    before = {} if fresh else recorded({exam.name for exam, _ in work})
 
     def one(exam: Exam, files: Mapping[str, str]) -> ExamResult:
-        path = before.get(place_of(exam, files))
-        if path is not None:
-            with suppress(RecordingInvalid):  # an older format, or damaged: it is made again
-                return judged(exam, files, Recording.load(path))
         return examine(exam, files, sandbox=box, recordings=LAYOUT.recordings)
 
     # What fails on our side is told in the end, so that what was run until then is kept.
     with ThreadPoolExecutor(max_workers=JOBS) as pool:
         tasks = [pool.submit(one, *given) for given in work]
     return [task.result() for task in tasks]
-
-
-def recorded(
-    names: Iterable[str], folder: Path = LAYOUT.recordings
-) -> dict[tuple[str, str, str], Path]:
-    """Return the newest recording of each exam, scenario and files, see :func:`place_of`."""
-    found = {}
-    for name in names:
-        paths = sorted((folder / name).glob('*.jsonl'), key=lambda one: one.stat().st_mtime)
-        for path in paths:
-            with path.open(encoding='utf-8') as lines:
-                about = json.loads(lines.readline())
-            scenario, files = about.get('scenario', ''), about.get('files', '')
-            found[name, scenario, files] = path
-    return found
-
-
-def place_of(exam: Exam, files: Mapping[str, str]) -> tuple[str, str, str]:
-    """Return what tells the recordings of an exam on files from all others."""
-    return exam.name, exam.scenario_digest()[:32], files_digest(files)
 
 
 def load(name: str) -> dict[str, Any]:

@@ -2,9 +2,8 @@
 Write docs/mutants.md: the mutants of every exercise, and which check finds each.
 
 ``python -m tests.judgement.mutants`` runs those of the exams whose results are out of date, as
-submissions are run, and writes the table; names of exams behind it choose others, ``--fresh`` runs
-all again.  ``--check`` runs nothing: it derives the mutants again and fails if the table was made
-from others.
+submissions are run, and writes the table; names of exams behind it choose others.  ``--check``
+runs nothing: it derives the mutants again and fails if the table was made from others.
 """
 
 from __future__ import annotations
@@ -54,18 +53,17 @@ def digest_of(exercise: Exercise, mutants: Sequence[Mutant]) -> str:
     return digest(exercise, *(f'{one.name}\0{sorted(one.files.items())}' for one in mutants))
 
 
-def run(chosen: Sequence[str], fresh: bool) -> None:
+def run(chosen: Sequence[str]) -> None:
     """
     Run mutants and keep what came of them.
 
     :param chosen: names of exams
-    :param fresh: see :func:`tests.judgement.kept.run_all`
     """
     for exercise in exercises():
         if exercise.name not in chosen:
             continue
         mutants = mutants_of(exercise)
-        done = run_all([(exercise.exam, one.files) for one in mutants], fresh)
+        done = run_all([(exercise.exam, one.files) for one in mutants])
         kept = load(NAME)
         found = {one.name: verdict(result) for one, result in zip(mutants, done)}
         causes = {
@@ -158,9 +156,7 @@ def late(kept: Mapping[str, Any]) -> list[str]:
 def main(arguments: Sequence[str]) -> int:
     """Run and write, or compare."""
     if '--check' not in arguments:
-        chosen = [name for name in arguments if not name.startswith('-')]
-        fresh = '--fresh' in arguments
-        run(chosen or ([one.name for one in exercises()] if fresh else late(load(NAME))), fresh)
+        run(arguments or late(load(NAME)))
     kept = load(NAME)
     wrong = mistakes(kept)
     print(*wrong, sep='\n', end='\n' if wrong else '')

@@ -80,7 +80,7 @@ def test_a_spread_of_mutants_meets_the_verdicts_of_the_table():
     work = chosen()
     wanted = {(exam.name, one.name): results[exam.name]['found'][one.name] for exam, one in work}
 
-    done = kept.run_all([(exam, one.files) for exam, one in work], fresh=True)
+    done = kept.run_all([(exam, one.files) for exam, one in work])
     got = {
         (exam.name, one.name): mutants.verdict(result) for (exam, one), result in zip(work, done)
     }

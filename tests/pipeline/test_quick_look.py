@@ -175,11 +175,17 @@ class TestWhatIsMeant:
 class TestRuns:
     """For real, in the sandbox."""
 
+    @pytest.fixture(scope='class', autouse=True)
+    @classmethod
+    def kept(cls, tmp_path_factory):
+        """Equal files run once, so the zip of a folder needs no further run."""
+        cls.recordings = tmp_path_factory.mktemp('recordings')
+
     def points(self, path, exam='temperature_publisher'):
         """Return the points of each exam in the visible form, and what failed."""
         chosen = quick_look.exams_named(exam, LAYOUT, hidden=False)
         looks = quick_look.looks(path, chosen, LAYOUT)
-        done = quick_look.quick_look(looks, strongest(), None)
+        done = quick_look.quick_look(looks, strongest(), self.recordings)
         return {
             result.exam: (result.points, [check.cause for check in result.failed])
             for _, result in done

@@ -1,31 +1,14 @@
-"""Recordings follow their published format: every event of every exam, and nothing more."""
+"""The published format of recordings; ``test_sample_class.py`` compares real ones with it."""
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 import re
 
 from jsonschema import Draft202012Validator
-import pytest
 
 from autograder import recording
-from autograder.commands import run as quick_look
-from autograder.exam import catalog
-from autograder.layout import Layout
-from autograder.recording import Recording
-from autograder.sandboxes.choose import strongest
+from tests.pipeline.recording_schema import ROOT, SCHEMA, VALID
 
-LAYOUT = Layout.here()
-ROOT = LAYOUT.root
-SCHEMA = json.loads((ROOT / 'docs' / 'recording.schema.json').read_text(encoding='utf-8'))
-VALID = Draft202012Validator(SCHEMA)
-RUN = [
-    pytest.param(assignment, exam.name, id=exam.name)
-    for assignment in LAYOUT.assignments()
-    for exam in catalog.for_assignment(assignment, hidden=False)
-    if exam.scenario.program
-]
 KINDS = {
     kind['properties']['event']['const']
     for kind in SCHEMA['$defs'].values()
@@ -58,23 +41,3 @@ def test_an_unknown_event_and_an_unknown_field_are_refused():
     assert not VALID.is_valid({**mark, 'event': 'marked'})
     assert not VALID.is_valid({**mark, 'expected': 5})
     assert not VALID.is_valid({'event': 'mark', 'clock_ns': None})
-
-
-@pytest.mark.pipeline
-@pytest.mark.ros
-@pytest.mark.slow
-@pytest.mark.parametrize(('assignment', 'name'), RUN)
-def test_every_line_of_a_real_recording_is_valid(assignment, name, tmp_path: Path):
-    """Of the reference solution, in the exam's visible form."""
-    exam = catalog.load(name, hidden=False)
-    source = LAYOUT.solutions / assignment / LAYOUT.release(assignment).name
-    looks = quick_look.looks(source, [exam], LAYOUT)
-
-    ((_, result),) = quick_look.quick_look(looks, strongest(), tmp_path)
-
-    assert result.points == result.max_points
-    kept = Recording.load(tmp_path / name / result.recording)
-    assert kept.header['files']
-    for line in kept.to_bytes().decode().splitlines():
-        wrong = [error.message for error in VALID.iter_errors(json.loads(line))]
-        assert wrong == [], line

@@ -1,0 +1,47 @@
+"""What holds for every judged submission, whatever was handed in: short, discreet, impartial."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from autograder.exam.exam import Exam
+from autograder.explaining.feedback import check_lines, MOST_LINES, titles_of, WIDTH
+from autograder.grading.examine import judged
+from autograder.recording import Recording
+from autograder.results import ExamResult, Verdict
+from tests.judgement.drawn_inputs import texts_of, told_of
+from tests.judgement.rewritten import blanked, commented, rewritten
+
+
+def unreadable(result: ExamResult) -> Iterator[str]:
+    """Yield the checks whose text is too long or too wide, or that fail without a word."""
+    for check in result.checks:
+        lines = check_lines(check, titles_of(result))
+        silent = check.verdict is not Verdict.PASSED and len(lines) < 2
+        if silent or len(lines) > MOST_LINES or max(map(len, lines)) > WIDTH:
+            yield f'{check.check}: {lines}'
+
+
+def telling(exam: Exam, result: ExamResult) -> Iterator[str]:
+    """Yield what failed checks tell of the inputs: a student could hard-code them and resubmit."""
+    for check in result.failed:
+        if told := told_of(exam, texts_of(check)):
+            yield f'{check.check}: tells {told}'
+
+
+def moved_by_text(exam: Exam, files: Mapping[str, str], recording: Recording) -> Iterator[str]:
+    """Yield checks whose points depend on the program's text, or whose cause on its style."""
+    # The lines that it names are those of the text that has run.
+    events = [{**event, 'line': None} for event in recording.events]
+    recording = Recording(recording.header, events)
+    due, silent = (judged(exam, text, recording) for text in (files, blanked(files)))
+    for check, other in zip(due.checks, silent.checks):
+        if check.points != other.points:
+            yield f'{check.check}: other points without the text'
+    ways = [commented]
+    if 'Traceback' not in str(recording.process.get('stderr', '')):
+        ways.append(rewritten)
+    for way in ways:
+        for check, other in zip(due.checks, judged(exam, way(files), recording).checks):
+            if (check.points, check.cause_id) != (other.points, other.cause_id):
+                yield f'{check.check}: {check.cause_id}, but {other.cause_id} if {way.__name__}'
