@@ -14,7 +14,6 @@ from contextlib import suppress
 from dataclasses import asdict
 import hashlib
 from importlib.metadata import PackageNotFoundError, version
-import json
 from pathlib import Path
 import platform
 from typing import Any
@@ -22,7 +21,7 @@ from typing import Any
 from autograder.classroom.pages import with_name
 from autograder.classroom.people import read_people, student_named
 from autograder.classroom.results_of_class import graded
-from autograder.commands import OK
+from autograder.commands import JSON, OK, option, show, STUDENT, SUBMITTED, takes
 from autograder.commands.rejudge import again
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Exam, Run
@@ -51,35 +50,28 @@ HOW = {
 }
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument('student', metavar='STUDENT', help='id or name of the student')
-    parser.add_argument(
+@takes(
+    STUDENT,
+    option(
         'check',
+        "name of the check, or EXAM/CHECK (default: list the student's checks)",
         metavar='CHECK',
         nargs='?',
-        help="name of the check, or EXAM/CHECK (default: list the student's checks)",
-    )
-    parser.add_argument(
-        '--assignment', metavar='NAME', help='needed if several assignments have this check'
-    )
-    parser.add_argument(
-        '--submitted', type=Path, metavar='DIR', help='folder of submissions, as for grade'
-    )
-    parser.add_argument('--json', action='store_true', help='print everything as JSON')
-    parser.set_defaults(run=run)
-
-
+    ),
+    option('--assignment', 'needed if several assignments have this check', metavar='NAME'),
+    SUBMITTED,
+    JSON,
+)
 def run(chosen: argparse.Namespace) -> int:
     """Show the evidence."""
     layout = Layout.here()
     if chosen.check is None:
         results = results_of(layout, chosen.student, chosen.assignment)
         as_json = [result.to_json() for result in results]
-        print(json.dumps(as_json) if chosen.json else verdicts_text(layout, results))
+        show(chosen.json, as_json, verdicts_text(layout, results))
         return OK
     found = evidence(layout, chosen.student, chosen.check, chosen.assignment, chosen.submitted)
-    print(json.dumps(found) if chosen.json else evidence_text(found))
+    show(chosen.json, found, evidence_text(found))
     return OK
 
 

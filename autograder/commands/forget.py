@@ -24,7 +24,7 @@ from autograder.classroom.not_collected import forget_not_collected, read_not_co
 from autograder.classroom.people import namesake, read_people
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.namesakes import keep_namesakes, read_namesakes
-from autograder.commands import OK
+from autograder.commands import flag, OK, option, takes
 from autograder.commands.grade import short
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
@@ -37,13 +37,10 @@ from autograder.layout import Layout
 from autograder.submission.inbox import students_in
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument('students', nargs='+', metavar='STUDENT', help='id or name of the student')
-    parser.add_argument('--yes', action='store_true', help='remove everything that is listed')
-    parser.set_defaults(run=run)
-
-
+@takes(
+    option('students', 'id or name of the student', nargs='+', metavar='STUDENT'),
+    flag('--yes', 'remove everything that is listed'),
+)
 def run(chosen: argparse.Namespace) -> int:
     """Print all data about students, and remove it with ``--yes``."""
     layout, copies = Layout.here(), []

@@ -26,7 +26,7 @@ from autograder.classroom.not_collected import not_collected
 from autograder.classroom.pages import print_table
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import modes, results_of_others
-from autograder.commands import FOR_REVIEW, OK
+from autograder.commands import FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
 from autograder.commands.progress import progress, Totals
 from autograder.errors import GraderError, of_system, UsageError
 from autograder.explaining.feedback import printable
@@ -60,67 +60,48 @@ class NotEnteredError(GraderError):
         self.results = tuple(results)
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument(
-        '--submitted',
-        type=Path,
-        metavar='DIR',
-        help='folder with STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: '
-        'autograder/_work/submitted); students who are only in the default folder keep their '
-        'results and pages',
-    )
-    parser.add_argument(
-        '--assignment', metavar='NAME', help='grade only this assignment (default: all)'
-    )
-    parser.add_argument(
-        '--jobs',
-        type=_positive,
-        default=0,
-        metavar='N',
-        help='number of parallel runs on this machine '
-        f'(default: one per processor, here {processors()})',
-    )
-    parser.add_argument(
-        '--cluster',
-        default='',
-        metavar='ADDRESS',
-        help='run on the workers of a Dask scheduler, such as tcp://10.0.0.5:8786 '
-        '(see docs/cluster.md)',
-    )
-    parser.add_argument(
-        '--fresh',
-        action='store_true',
-        help='run every program again, even if its recording is stored',
-    )
-    parser.add_argument('--json', action='store_true', help='print the results as JSON')
-    add_yes(parser)
-    parser.add_argument(
-        '--allow-weak',
-        choices=WEAK,
-        default='',
-        metavar='MODE',
-        help='accept this weaker isolation if no stronger one works here: '
-        f'{", ".join(WEAK)} (see docs/threat-model.md)',
-    )
-    parser.set_defaults(run=run)
-
-
-def add_yes(command: argparse.ArgumentParser) -> None:
-    """Describe the option that allows the command to lower marks in the gradebook."""
-    command.add_argument(
-        '--yes',
-        action='store_true',
-        help='also lower or clear marks in the gradebook; without it, such marks are only listed',
-    )
-
-
 def _positive(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f'expected a whole number of at least 1, got {text!r}')
     return int(text)
 
 
+@takes(
+    option(
+        '--submitted',
+        'folder with STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: autograder/_work/submitted); '
+        'students who are only in the default folder keep their results and pages',
+        type=Path,
+        metavar='DIR',
+    ),
+    option('--assignment', 'grade only this assignment (default: all)', metavar='NAME'),
+    option(
+        '--jobs',
+        'number of parallel runs on this machine '
+        f'(default: one per processor, here {processors()})',
+        type=_positive,
+        default=0,
+        metavar='N',
+    ),
+    option(
+        '--cluster',
+        'run on the workers of a Dask scheduler, such as tcp://10.0.0.5:8786 '
+        '(see docs/cluster.md)',
+        default='',
+        metavar='ADDRESS',
+    ),
+    FRESH,
+    JSON,
+    YES,
+    option(
+        '--allow-weak',
+        'accept this weaker isolation if no stronger one works here: '
+        f'{", ".join(WEAK)} (see docs/threat-model.md)',
+        choices=WEAK,
+        default='',
+        metavar='MODE',
+    ),
+)
 def run(chosen: argparse.Namespace) -> int:
     """Grade a class."""
     # Clusters and services end a job with SIGTERM: clean up as after Ctrl-C.

@@ -12,7 +12,6 @@ import argparse
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, replace
-import json
 from pathlib import Path
 import time
 from typing import Any
@@ -20,8 +19,17 @@ from typing import Any
 from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.course_lock import alone
 from autograder.classroom.results_of_class import graded, last_results
-from autograder.commands import FOR_REVIEW, OK
-from autograder.commands.grade import add_yes
+from autograder.commands import (
+    ASSIGNMENT_OR_ALL,
+    flag,
+    FOR_REVIEW,
+    JSON,
+    OK,
+    show,
+    SUBMITTED,
+    takes,
+    YES,
+)
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import number, printable
@@ -40,24 +48,13 @@ from autograder.submission.extract import ExamFiles, extract, with_reasons
 from autograder.submission.inbox import discover
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument(
-        'assignment', nargs='?', metavar='ASSIGNMENT', help='assignment to judge (default: all)'
-    )
-    parser.add_argument(
-        '--submitted', type=Path, metavar='DIR', help='folder of submissions, as for grade'
-    )
-    parser.add_argument(
-        '--write',
-        action='store_true',
-        help='write the new points to the gradebook and the reports',
-    )
-    add_yes(parser)
-    parser.add_argument('--json', action='store_true', help='print the changes as JSON')
-    parser.set_defaults(run=run)
-
-
+@takes(
+    ASSIGNMENT_OR_ALL,
+    SUBMITTED,
+    flag('--write', 'write the new points to the gradebook and the reports'),
+    YES,
+    JSON,
+)
 def run(chosen: argparse.Namespace) -> int:
     """Judge again."""
     layout = Layout.here()
@@ -65,11 +62,8 @@ def run(chosen: argparse.Namespace) -> int:
         changes, code = rejudge_command(
             layout, chosen.assignment, chosen.submitted, chosen.write, chosen.yes
         )
-    if chosen.json:
-        print(json.dumps([change.to_json() for change in changes]))
-    else:
-        for change in changes:
-            print(change.text())
+    as_json = [change.to_json() for change in changes]
+    show(chosen.json, as_json, '\n'.join(change.text() for change in changes))
     if refused := ' '.join(dict.fromkeys(one.refused for one in changes if one.refused)):
         raise GraderError(refused)
     return code

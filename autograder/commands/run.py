@@ -21,7 +21,7 @@ import sys
 import tempfile
 from typing import Any
 
-from autograder.commands import OK
+from autograder.commands import flag, FRESH, JSON, OK, option, takes, VISIBLE
 from autograder.commands.check import sandbox_for
 from autograder.errors import GraderError
 from autograder.exam import catalog
@@ -44,28 +44,19 @@ from autograder.submission.submission import open_submission
 from autograder.submission.tree import NotTakenInError
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument(
-        'path', type=Path, metavar='PATH', help='script, package folder, zip file or notebook'
-    )
-    parser.add_argument(
+@takes(
+    option('path', 'script, package folder, zip file or notebook', type=Path, metavar='PATH'),
+    option(
         '--exam',
+        'exam (such as talker) or assignment (such as topics)',
         required=True,
         metavar='NAME',
-        help='exam (such as talker) or assignment (such as topics)',
-    )
-    parser.add_argument('--visible', action='store_true', help='run only the visible checks')
-    parser.add_argument('--live', action='store_true', help='print events as they happen')
-    parser.add_argument(
-        '--fresh',
-        action='store_true',
-        help='run the program again, even if its recording is stored',
-    )
-    parser.add_argument('--json', action='store_true', help='print the results as JSON')
-    parser.set_defaults(run=run)
-
-
+    ),
+    VISIBLE,
+    flag('--live', 'print events as they happen'),
+    FRESH,
+    JSON,
+)
 def run(chosen: argparse.Namespace) -> int:
     """Run exams on one submission."""
     layout = Layout.here()
