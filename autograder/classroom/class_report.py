@@ -29,7 +29,7 @@ from autograder.classroom.statistics import (
     Marks,
 )
 from autograder.explaining.feedback import number
-from autograder.files import write_file
+from autograder.files import keep
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from drawing import svg
@@ -54,7 +54,7 @@ def write_class_report(layout: Layout, assignment: str, summary: str = '') -> Pa
     missing = not_collected(layout, assignment, {one.student for one in graded.results})
     numbers = class_numbers(layout, graded)
     page = class_page(graded, numbers, summary, read_people(layout), missing)
-    write_file(path, page.encode('utf-8', 'replace'), force=True)
+    keep(path, page.encode('utf-8', 'replace'))
     return path
 
 

@@ -24,7 +24,6 @@ from autograder.grading.again import NothingRuns
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.submission.code.python_text import NotPythonError, parsed
-from autograder.submission.extract import extract
 from autograder.submission.inbox import discover
 from autograder.submission.notebook import Notebook
 from autograder.submission.submission import Opened
@@ -161,7 +160,7 @@ def finished(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
 def _answers(opened: Opened, lesson: Lesson) -> dict[str, str]:
     """Return the files of a submission that are compared."""
     files: dict[str, str] = {}
-    for found in extract(opened, lesson.exams, lesson.release, lesson.notebook).values():
+    for found in lesson.files(opened).values():
         files.update(found.files)
     return {
         path: text for path, text in sorted(files.items()) if not path.startswith(NOT_COMPARED)

@@ -29,7 +29,7 @@ from autograder.exports.gradescope_zip import autograder_zip
 from autograder.exports.junit import junit_xml
 from autograder.exports.marks import AUTOMATIC, GRADEBOOK, Mark, marks, SOURCES
 from autograder.exports.table import checks_csv, marks_csv
-from autograder.files import refuse_existing, safe_name, write_file
+from autograder.files import keep, refuse_existing, safe_name
 from autograder.layout import Layout
 from autograder.sandboxes.isolation import MODES, WEAK
 
@@ -81,7 +81,7 @@ def run(chosen: argparse.Namespace) -> int:
         if data is None:
             file.unlink(missing_ok=True)
         else:
-            write_file(file, data, chosen.force, 0o600 if make is _autograder else 0o644)
+            keep(file, data, 0o600 if make is _autograder else 0o644)
     print('\n'.join(filter(None, (str(path), printable(said)))))
     return FOR_REVIEW if left_out else OK
 

@@ -9,7 +9,6 @@ files of several students share one.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -47,7 +46,7 @@ def run(chosen: argparse.Namespace) -> int:
     with alone(layout, 'forget') if chosen.yes else nullcontext():
         found = [traces(layout, student) for student in chosen.students]
         for one in found:
-            print(printable('\n'.join(one.lines(layout))))
+            print(printable('\n  '.join([f'{one.student}:', *one.lines])))
         if chosen.yes:
             copies = [forget(layout, one.student) for one in found]
     if not chosen.yes:
@@ -64,43 +63,15 @@ class Traces:
     """
     All data about one student in a course.
 
-    :param marks: marks in the gradebook, one line per assignment
-    :param results: assignments with a result and a page in the reports
-    :param journals: assignments in whose journal the student is
-    :param name: the name, empty if none is known
-    :param refused: why deliveries were not collected
+    :param lines: what would be removed and what would not, one line each
     :param made: folders that nbgrader generated from the work
-    :param left: the folder of the submission, if it has no notebook of the course
-    :param moved: the same, if the next grading would find it
+    :param moved: the folder of the submission, if the next grading would find it
     """
 
     student: str
-    marks: tuple[str, ...] = ()
-    results: tuple[str, ...] = ()
-    journals: tuple[str, ...] = ()
-    name: str = ''
-    refused: tuple[str, ...] = ()
-    made: tuple[Path, ...] = ()
-    left: Path | None = None
-    moved: Path | None = None
-
-    def lines(self, layout: Layout) -> Iterator[str]:
-        """Yield what would be removed and what would not."""
-        yield f'{self.student}:'
-        yield from (f'  gradebook: {mark}' for mark in self.marks)
-        if self.results:
-            yield f'  reports: result and page of {", ".join(self.results)}'
-        if self.journals:
-            yield f'  journal of the gradebook: {", ".join(self.journals)}'
-        if self.name:
-            yield f'  name: {self.name}'
-        yield from (f'  reports: {reason}' for reason in self.refused)
-        yield from (f'  folder: {short(folder, layout)}' for folder in self.made)
-        if self.moved:
-            to, folder = short(_forgotten(layout), layout), short(self.moved, layout)
-            yield f'  moved to {to} so that it is not graded again: {folder}'
-        if self.left:
-            yield f'  not touched: {short(self.left, layout)}'
+    lines: tuple[str, ...]
+    made: tuple[Path, ...]
+    moved: Path | None
 
 
 def traces(layout: Layout, student: str) -> Traces:
@@ -110,13 +81,12 @@ def traces(layout: Layout, student: str) -> Traces:
     :param student: id or display name
     :raises GraderError: if there is no such student, or several have the name
     """
-    marks = _marks(layout)
+    marks, people, handed_in = _marks(layout), read_people(layout), _folders(layout.submitted)
     results = {
         one: {result.student for result in last_results(layout, one)}
         for one in layout.assignments()
         if results_file(layout, one).is_file()
     }
-    people, handed_in = read_people(layout), _folders(layout.submitted)
     missing = [one for one in read_not_collected(layout) if one.student == student]
     made = [layout.work / name for name in ('autograded', 'feedback')]
     known = {*marks, *people, *handed_in, *(name for above in made for name in _folders(above))}
@@ -129,19 +99,27 @@ def traces(layout: Layout, student: str) -> Traces:
             printable(f'{student}: there is no such student.'),
             printable(f'Did you mean {", ".join(close)}?') if close else '',
         )
-    folder = layout.submitted / student if student in handed_in else None
-    graded = folder and student in students_in(layout.submitted, layout.assignments())
-    return Traces(
-        student,
-        tuple(marks.get(student, ())),
-        tuple(one for one, students in results.items() if student in students),
-        tuple(one for one in layout.assignments() if student in noted(journal(layout, one))),
-        people.get(student, ''),
-        tuple(one.reason for one in missing),
-        tuple(above / student for above in made if student in _folders(above)),
-        None if graded else folder,
-        folder if graded else None,
-    )
+    folders = tuple(above / student for above in made if student in _folders(above))
+    has_results = [one for one, students in results.items() if student in students]
+    entered = [one for one in layout.assignments() if student in noted(journal(layout, one))]
+    lines = [f'gradebook: {mark}' for mark in marks.get(student, ())]
+    if has_results:
+        lines.append(f'reports: result and page of {", ".join(has_results)}')
+    if entered:
+        lines.append(f'journal of the gradebook: {", ".join(entered)}')
+    if student in people:
+        lines.append(f'name: {people[student]}')
+    lines += [f'reports: {one.reason}' for one in missing]
+    lines += [f'folder: {short(folder, layout)}' for folder in folders]
+    moved = None
+    if student in handed_in:
+        place = layout.submitted / student
+        if student in students_in(layout.submitted, layout.assignments()):
+            moved, to = place, short(_forgotten(layout), layout)
+            lines.append(f'moved to {to} so that it is not graded again: {short(place, layout)}')
+        else:
+            lines.append(f'not touched: {short(place, layout)}')
+    return Traces(student, tuple(lines), folders, moved)
 
 
 def forget(layout: Layout, student: str) -> Path | None:

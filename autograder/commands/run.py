@@ -12,16 +12,13 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-import json
 from pathlib import Path
 import sys
-import tempfile
 from typing import Any
 
-from autograder.commands import flag, FRESH, JSON, OK, option, takes, VISIBLE
+from autograder.commands import flag, FRESH, JSON, OK, option, show, takes, VISIBLE
 from autograder.commands.check import sandbox_for
 from autograder.errors import GraderError
 from autograder.exam import catalog
@@ -74,10 +71,8 @@ def run(chosen: argparse.Namespace) -> int:
         results.append(result)
         if not chosen.json:
             print(text_of(look, result))
-    if chosen.json:
-        print(json.dumps([result.to_json() for result in results]))
-    else:
-        print(summary(results, chosen.visible))
+    as_json = [result.to_json() for result in results]
+    show(chosen.json, as_json, summary(results, chosen.visible))
     return OK
 
 
@@ -180,7 +175,7 @@ def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator
 def quick_look(
     found: Sequence[Look],
     sandbox: Sandbox,
-    recordings: Path | None,
+    recordings: Path,
     *,
     fresh: bool = False,
     told: Callable[[Event], None] | None = None,
@@ -196,19 +191,18 @@ def quick_look(
     def run(look: Look) -> ExamResult:
         if told and look.exam.scenario.program in ('build', 'package'):
             told({'event': 'mark', 'clock_ns': None, 'name': 'building with colcon'})
-        with _folder(recordings) as kept:
-            result = examine(
-                look.exam,
-                look.files,
-                sandbox=sandbox,
-                recordings=kept,
-                fresh=fresh or told is not None,
-                told=told,
-            )
-            if look.notebook:
-                return result if look.problems else name_missing(result, look.files)
-            path = kept / look.exam.name / result.recording
-            recording = Recording.load(path) if result.recording else None
+        result = examine(
+            look.exam,
+            look.files,
+            sandbox=sandbox,
+            recordings=recordings,
+            fresh=fresh or told is not None,
+            told=told,
+        )
+        if look.notebook:
+            return result if look.problems else name_missing(result, look.files)
+        path = recordings / look.exam.name / result.recording
+        recording = Recording.load(path) if result.recording else None
         return explained(look.exam, name_missing(result, look.files), recording, look.files)
 
     workers = 1 if told else len(found)
@@ -217,16 +211,6 @@ def quick_look(
         yield from zip(found, pool.map(run, found))
     finally:
         pool.shutdown(wait=False, cancel_futures=True)  # after Ctrl-C, main() ends the runs
-
-
-@contextmanager
-def _folder(recordings: Path | None) -> Iterator[Path]:
-    """Yield the folder for recordings; a temporary one if none is given."""
-    if recordings is not None:
-        yield recordings
-        return
-    with tempfile.TemporaryDirectory(prefix='look-') as folder:
-        yield Path(folder)
 
 
 def text_of(look: Look, result: ExamResult) -> str:

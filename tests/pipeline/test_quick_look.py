@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 import shutil
+import tempfile
 import zipfile
 
 import pytest
@@ -179,11 +180,11 @@ class TestRuns:
         """Return the points of each exam in the visible form, and what failed."""
         chosen = quick_look.exams_named(exam, LAYOUT, hidden=False)
         looks = quick_look.looks(path, chosen, LAYOUT)
-        done = quick_look.quick_look(looks, strongest(), None)
-        return {
-            result.exam: (result.points, [check.cause for check in result.failed])
-            for _, result in done
-        }
+        with tempfile.TemporaryDirectory() as kept:
+            return {
+                result.exam: (result.points, [check.cause for check in result.failed])
+                for _, result in quick_look.quick_look(looks, strongest(), Path(kept))
+            }
 
     @pytest.mark.parametrize('form', ['folder', 'zip'])
     def test_the_finished_package_has_full_marks(self, tmp_path, form):
@@ -235,7 +236,7 @@ class TestRuns:
         (look,) = quick_look.looks(
             folder, quick_look.exams_named('temperature_publisher', LAYOUT, hidden=False), LAYOUT
         )
-        ((_, result),) = quick_look.quick_look([look], strongest(), None)
+        ((_, result),) = quick_look.quick_look([look], strongest(), tmp_path / 'kept')
 
         assert result.failed[0].cause_id == cause_id
         assert result.points == 0

@@ -159,9 +159,9 @@ def test_forgotten_student_leaves_the_list(tmp_path, layout):
     url = f'sqlite:///{layout.root}/gradebook.db'
     text = f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n'
     (layout.root / 'nbgrader_config.py').write_text(text, encoding='utf-8')
-    lines = list(traces(layout, '1004').lines(layout))
+    lines = traces(layout, '1004').lines
 
     forget_not_collected(layout, '1004')
 
     assert [student for student, _, _ in kept(layout)] == ['1003', '1006']
-    assert f'  reports: Not collected: {PDF}.' in lines
+    assert f'reports: Not collected: {PDF}.' in lines
