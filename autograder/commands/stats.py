@@ -22,7 +22,7 @@ def report(chosen: argparse.Namespace) -> int:
     """Write the pages."""
     layout = Layout.here()
     for one in graded(layout, chosen.assignment):
-        print(write_class_report(layout, one.assignment))
+        print(write_class_report(layout, one))
     return OK
 
 

@@ -10,7 +10,8 @@ from fake_engine import FakeEngine
 import pytest
 from rich.console import Console
 
-from autograder.classroom.results_of_class import one_graded, results_file
+from autograder.classroom.results_of_class import graded as results_of
+from autograder.classroom.results_of_class import results_file
 from autograder.commands.grade import Grading
 from autograder.errors import GraderError
 from autograder.gradebook.live_entry import Guard
@@ -43,7 +44,7 @@ def grade(course, folder):
 
 def points(course):
     """Return the last results, by student."""
-    return {one.student: one.points for one in one_graded(course, ASSIGNMENT).results}
+    return {one.student: one.points for one in results_of(course, ASSIGNMENT)[0].results}
 
 
 def pages(course):
