@@ -76,50 +76,72 @@ class Traces:
 
 def traces(layout: Layout, student: str) -> Traces:
     """
-    Return all data about a student; change nothing.
+    Return all data about one student; change nothing.
 
     :param student: id or display name
     :raises GraderError: if there is no such student, or several have the name
     """
-    marks, people, handed_in = _marks(layout), read_people(layout), _folders(layout.submitted)
-    results = {
+    student = _student(layout, student)
+    has_results = [name for name, graded in _results(layout).items() if student in graded]
+    entered = [one for one in layout.assignments() if student in noted(journal(layout, one))]
+    name = read_people(layout).get(student)
+    folders = tuple(above / student for above in _made(layout) if student in _folders(above))
+    lines = [
+        *(f'gradebook: {mark}' for mark in _marks(layout).get(student, ())),
+        f'reports: result and page of {", ".join(has_results)}' if has_results else '',
+        f'journal of the gradebook: {", ".join(entered)}' if entered else '',
+        f'name: {name}' if name else '',
+        *(
+            f'reports: {one.reason}'
+            for one in read_not_collected(layout)
+            if one.student == student
+        ),
+        *(f'folder: {short(folder, layout)}' for folder in folders),
+    ]
+    moved, place = None, layout.submitted / student
+    if student in _folders(layout.submitted):
+        line = f'not touched: {short(place, layout)}'
+        if student in students_in(layout.submitted, layout.assignments()):
+            moved, to = place, short(_forgotten(layout), layout)
+            line = f'moved to {to} so that it is not graded again: {short(place, layout)}'
+        lines.append(line)
+    return Traces(student, tuple(filter(None, lines)), folders, moved)
+
+
+def _student(layout: Layout, name: str) -> str:
+    """
+    Return the id of a student of whom there is anything.
+
+    :raises GraderError: if there is no such student, or several have the name
+    """
+    folders = (_folders(above) for above in (layout.submitted, *_made(layout)))
+    refused = (one.student for one in read_not_collected(layout))
+    known = {*_marks(layout), *read_people(layout), *refused}.union(
+        *folders, *_results(layout).values()
+    )
+    if name in known:
+        return name
+    if found := namesake(layout, name, known):
+        return found
+    close = get_close_matches(name, known, n=3)
+    raise GraderError(
+        printable(f'{name}: there is no such student.'),
+        printable(f'Did you mean {", ".join(close)}?') if close else '',
+    )
+
+
+def _results(layout: Layout) -> dict[str, set[str]]:
+    """Return the students with results, by assignment."""
+    return {
         one: {result.student for result in last_results(layout, one)}
         for one in layout.assignments()
         if results_file(layout, one).is_file()
     }
-    missing = [one for one in read_not_collected(layout) if one.student == student]
-    made = [layout.work / name for name in ('autograded', 'feedback')]
-    known = {*marks, *people, *handed_in, *(name for above in made for name in _folders(above))}
-    known = known.union(*results.values())
-    if student not in known and not missing:
-        if found := namesake(layout, student, known):
-            return traces(layout, found)
-        close = get_close_matches(student, known, n=3)
-        raise GraderError(
-            printable(f'{student}: there is no such student.'),
-            printable(f'Did you mean {", ".join(close)}?') if close else '',
-        )
-    folders = tuple(above / student for above in made if student in _folders(above))
-    has_results = [one for one, students in results.items() if student in students]
-    entered = [one for one in layout.assignments() if student in noted(journal(layout, one))]
-    lines = [f'gradebook: {mark}' for mark in marks.get(student, ())]
-    if has_results:
-        lines.append(f'reports: result and page of {", ".join(has_results)}')
-    if entered:
-        lines.append(f'journal of the gradebook: {", ".join(entered)}')
-    if student in people:
-        lines.append(f'name: {people[student]}')
-    lines += [f'reports: {one.reason}' for one in missing]
-    lines += [f'folder: {short(folder, layout)}' for folder in folders]
-    moved = None
-    if student in handed_in:
-        place = layout.submitted / student
-        if student in students_in(layout.submitted, layout.assignments()):
-            moved, to = place, short(_forgotten(layout), layout)
-            lines.append(f'moved to {to} so that it is not graded again: {short(place, layout)}')
-        else:
-            lines.append(f'not touched: {short(place, layout)}')
-    return Traces(student, tuple(lines), folders, moved)
+
+
+def _made(layout: Layout) -> tuple[Path, ...]:
+    """Return the folders in which nbgrader has one for each student."""
+    return layout.work / 'autograded', layout.work / 'feedback'
 
 
 def forget(layout: Layout, student: str) -> Path | None:

@@ -300,32 +300,23 @@ class Grading:
         graded_s = time.monotonic() - began
         new, refused = entering.finish()
         results = [one.result for one in graded]
-        total_s = time.monotonic() - began
-        facts = [
-            f'{len(results)} submission{"s" * (len(results) != 1)} in {total_s:.1f} s, of which '
-            f'runs took {graded_s:.1f} s',
-            printable(totals.slowest_text()) if len(results) > 1 else '',
-            f'isolation {", ".join(used)}' if (used := modes(results)) else '',
-            f'{count} for review' if (count := sum(bool(one.review) for one in results)) else '',
+        parts = [
+            *_about_runs(results, time.monotonic() - began, graded_s, totals),
+            *self._about_marks(assignment, len(results) - new),
+            *self._about_others(others),
         ]
+        unwritten = self._report(assignment, results, others, ' '.join(parts))
         lowered = self.guard.lowered_in(assignment)
-        kept = len(results) - new - (0 if self.guard.yes else len(lowered))
-        summary = ' '.join(
-            [
-                f'{"; ".join(filter(None, facts))}.',
-                *self._about_marks(kept, lowered),
-                *self._about_others(others),
-            ]
-        )
-        unwritten = self._report(assignment, results, others, summary)
-        for line in lowered[MAX_NAMED:]:
+        for line in lowered if len(lowered) > MAX_NAMED else ():
             self.told.print(f'  {line}', highlight=False, markup=False)
         if trouble := ' '.join(dict.fromkeys(filter(None, (refused, unwritten)))):
             raise NotEnteredError(trouble, results)
         return results
 
-    def _about_marks(self, kept: int, lowered: Sequence[str]) -> Iterator[str]:
+    def _about_marks(self, assignment: str, not_entered: int) -> Iterator[str]:
         """Yield which marks in the gradebook are as before."""
+        lowered = self.guard.lowered_in(assignment)
+        kept = not_entered - (0 if self.guard.yes else len(lowered))
         if self.enters and kept:
             yield f'{kept} were already in the gradebook.'
         if lowered:
@@ -366,6 +357,21 @@ class Grading:
         if where:
             told.print(f'Reports: {where}', highlight=False, soft_wrap=True)
         return unwritten
+
+
+def _about_runs(
+    results: Sequence[SubmissionResult], total_s: float, runs_s: float, totals: Totals
+) -> Iterator[str]:
+    """Yield how long it took, how the programs were isolated, and how many are for review."""
+    some = f'{len(results)} submission{"s" * (len(results) != 1)}'
+    facts = [f'{some} in {total_s:.1f} s, of which runs took {runs_s:.1f} s']
+    if len(results) > 1 and (slowest := totals.slowest_text()):
+        facts.append(printable(slowest))
+    if used := modes(results):
+        facts.append(f'isolation {", ".join(used)}')
+    if reviews := sum(bool(one.review) for one in results):
+        facts.append(f'{reviews} for review')
+    yield f'{"; ".join(facts)}.'
 
 
 def short(path: Path, layout: Layout) -> str:

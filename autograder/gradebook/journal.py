@@ -116,10 +116,11 @@ class Journal:
 
     @cached_property
     def _common(self) -> bytes:
-        """Return the release and the settings, which all entries depend on."""
+        """Return a digest of the release and the settings, which all entries depend on."""
         settings = (self.layout.root / 'nbgrader_config.py').read_bytes()
         release = json.dumps(self.lesson.release, sort_keys=True)
-        return settings + b'\0' + release.encode('utf-8', 'replace')
+        data = settings + b'\0' + release.encode('utf-8', 'replace')
+        return hashlib.sha256(data).digest()
 
     def new(self, graded: Sequence[Graded]) -> list[Graded]:
         """
@@ -163,7 +164,7 @@ class Journal:
         stamp, _ = read_file(graded.submission.folder / 'timestamp.txt', 'timestamp.txt')
         parts = [result, graded.opened.notebook, (stamp or b'')[:100].decode('latin-1')]
         text = json.dumps(parts, sort_keys=True, default=list).encode('utf-8', 'replace')
-        digest = hashlib.sha256(self._common + b'\0' + text).hexdigest()[:32]
+        digest = hashlib.sha256(self._common + text).hexdigest()[:32]
         return {'digest': digest, 'shown': rows.get(graded.result.student, {})}
 
 
