@@ -15,41 +15,44 @@ from pkgutil import resolve_name
 import select
 import sys
 
-from autograder.commands import STOPPED, UNREAD, USAGE
+from autograder.commands import describe, STOPPED, UNREAD, USAGE
 from autograder.commands.check import REFUSALS, refuse
 from autograder.grading.pipeline import end_runs
 from autograder.layout import CHOSEN
 
 COMMANDS = {
-    'grade': ('grade:options', 'grade a class and write reports'),
-    'check': ('check:options', 'run one exam on the files of a package'),
+    'grade': ('grade:run', 'grade a class and write reports'),
+    'check': ('check:run', 'run one exam on the files of a package'),
     'sample-class': (
-        'authoring:sample_class_options',
+        'authoring:sample_class_command',
         'write the example submissions to a folder',
     ),
     'self-check': (
-        'authoring:self_check_options',
+        'authoring:self_check_command',
         'check that reference solutions pass and untouched notebooks do not',
     ),
-    'run': ('run:options', 'run exams on one script, package, zip file or notebook'),
+    'run': ('run:run', 'run exams on one script, package, zip file or notebook'),
     'collect': (
-        'collect:options',
+        'collect:run',
         'import submissions from a folder, a zip file of an LMS or an exchange',
     ),
     'rejudge': (
-        'rejudge:options',
+        'rejudge:run',
         'judge stored recordings again with the edited exam; runs no program',
     ),
-    'forget': ('forget:options', 'list all data about a student; --yes removes it'),
-    'explain': ('explain:options', 'show the evidence behind a verdict'),
-    'report': ('stats:report_options', 'write the statistics page of a class again'),
-    'stats': ('stats:options', 'print statistics of the last grading: marks, checks, causes'),
-    'similar': ('similar:options', 'list similar submissions for you to compare'),
-    'export': ('export:options', 'export the results of the last grading'),
-    'new-course': ('authoring:new_course_options', 'create a new course in a separate folder'),
-    'new-exam': ('authoring:new_exam_options', 'create an exercise: a lesson and its two exams'),
+    'forget': ('forget:run', 'list all data about a student; --yes removes it'),
+    'explain': ('explain:run', 'show the evidence behind a verdict'),
+    'report': ('stats:report', 'write the statistics page of a class again'),
+    'stats': ('stats:run', 'print statistics of the last grading: marks, checks, causes'),
+    'similar': ('similar:run', 'list similar submissions for you to compare'),
+    'export': ('export:run', 'export the results of the last grading'),
+    'new-course': ('authoring:new_course_command', 'create a new course in a separate folder'),
+    'new-exam': (
+        'authoring:new_exam_command',
+        'create an exercise: a lesson and its two exams',
+    ),
 }
-"""Commands by name: the function in ``commands`` that describes the options, and the help text."""
+"""Commands by name: the function in ``commands``, and the help text."""
 GOES_ON = {
     'grade': 'Finished runs are kept; run the same command again to continue.',
     'collect': 'Collected files are kept; run the same command again to continue.',
@@ -130,10 +133,12 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(required=True, metavar='COMMAND', dest='command')
 
-    for name, (options, text) in COMMANDS.items():
+    for name, (run, text) in COMMANDS.items():
         command = commands.add_parser(name, help=text)
         if name in arguments:  # the modules of other commands need not be imported
-            resolve_name(f'autograder.commands.{options}')(command)
+            made = resolve_name(f'autograder.commands.{run}')
+            describe(command, made)
+            command.set_defaults(run=made)
     return parser
 
 

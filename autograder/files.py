@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 import fcntl
 import hashlib
 import json
@@ -36,19 +36,6 @@ def refuse_existing(paths: Iterable[Path], force: bool) -> None:
             )
 
 
-def write_file(path: Path, data: bytes, force: bool = False, mode: int = 0o644) -> None:
-    """
-    Write a file atomically, replacing an existing one only if allowed.
-
-    :param force: replace an existing file
-    :param mode: permissions, less what the process's umask takes away
-    :raises GraderError: if the file exists and must not be replaced
-    """
-    refuse_existing([path], force)
-    # Another program may have created it meanwhile.
-    keep(path, data, mode, lambda: refuse_existing([path], force))
-
-
 def json_bytes(data: Any) -> bytes:
     """Return a JSON document in UTF-8, even if a string holds half a surrogate pair."""
     text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
@@ -71,9 +58,7 @@ def safe_name(student: str) -> str:
     return name[: LONGEST_NAME - len(end)] + end
 
 
-def keep(
-    path: Path, data: bytes, mode: int = 0o666, at_last: Callable[[], None] = lambda: None
-) -> None:
+def keep(path: Path, data: bytes, mode: int = 0o666) -> None:
     """
     Write a file atomically.
 
@@ -82,7 +67,6 @@ def keep(
 
     :param path: the file; its folder is created
     :param mode: permissions, less what the process's umask takes away
-    :param at_last: called right before the name appears; if it raises, no file is left
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_name(f'.{path.name}.{uuid.uuid4().hex}')
@@ -94,7 +78,6 @@ def keep(
             file.write(data)
             file.flush()
             os.fsync(descriptor)
-            at_last()
             unfinished.replace(path)
     except BaseException:
         unfinished.unlink(missing_ok=True)

@@ -8,80 +8,71 @@ values needs an installed ROS, and whether a section to read exists needs the le
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from difflib import get_close_matches
-from functools import lru_cache
+import json
+import os
 from pathlib import Path
 import re
-from typing import TYPE_CHECKING
+import subprocess
+from typing import Any, TYPE_CHECKING
 
-from autograder.authoring.exam_values import value_mistakes
+from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.layout import lesson_files
+from environment.ros import ros_environment
 
 if TYPE_CHECKING:
     from autograder.exam.exam import Exam
 
 SECRETS = 200
 """With so many secrets an exam is drawn to see that its inputs do, whatever they are."""
+ADVICE = 'Try: correct it, or name further packages in environment/messages.txt'
 _ELSEWHERE = re.compile(r'^lesson (\d\d), (.+)$')
 
 
 # -- with an installed ROS ------------------------------------------------------------------
 
 
-def type_mistakes(exam: Exam, prefixes: Sequence[Path]) -> Iterator[str]:
+def unsendable(exams: Iterable[Exam]) -> list[str]:
     """
-    Yield types that are not installed, and fields and values that their messages do not have.
+    Return types that are not installed, and messages that the probe cannot send, one line each.
 
-    :param prefixes: where ROS packages are installed, as in ``AMENT_PREFIX_PATH``
+    The probe's own code tries them all, in one process that may import ROS.
     """
-    scenario, where = exam.scenario, f'exam {exam.name}'
-    types: dict[str, str] = {}
-    for place, topic, name in scenario.types():
-        types[topic] = name
-        if problem := _unknown(name, prefixes):
-            yield f'{where}, {place}: {problem}'
-    for place, step in scenario.placed():
-        for part, name, values in step.sends():
-            for problem in value_mistakes(types.get(name, name), values, prefixes):
-                yield f'{where}, {place}{part}: {problem}'
-
-
-def _unknown(name: str, prefixes: Sequence[Path]) -> str:
-    """Return what is wrong with the name of a type, empty if it is installed."""
-    package, _, rest = name.partition('/')
-    packages = installed(tuple(prefixes))
-    if package not in packages:
-        close = get_close_matches(package, packages, n=1, cutoff=0.6)
-        hint = f'; did you mean {close[0]}?' if close else '.'
-        return (
-            f'expected a type of an installed package, got {name}{hint} '
-            'Try: name further packages in environment/messages.txt'
-        )
-    if rest not in packages[package]:
-        close = get_close_matches(rest, packages[package], n=1, cutoff=0.6)
-        hint = f'; did you mean {package}/{close[0]}?' if close else ''
-        return f'expected a type of {package}, got {name}{hint}'
-    return ''
-
-
-@lru_cache(maxsize=4)
-def installed(prefixes: tuple[Path, ...]) -> Mapping[str, tuple[str, ...]]:
-    """
-    Return the installed interfaces by package, such as ``msg/String``.
-
-    :param prefixes: as in ``AMENT_PREFIX_PATH``
-    """
-    found: dict[str, tuple[str, ...]] = {}
-    for prefix in prefixes:
-        index = prefix / 'share' / 'ament_index' / 'resource_index' / 'rosidl_interfaces'
-        for entry in sorted(index.glob('*')) if index.is_dir() else ():
-            lines = entry.read_text(encoding='utf-8').split()
-            names = sorted({line.rpartition('.')[0] for line in lines})
-            found.setdefault(entry.name, tuple(names))
-    return found
+    places: list[str] = []
+    pairs: list[tuple[str, Mapping[str, Any] | None]] = []
+    for exam in exams:
+        types: dict[str, str] = {}
+        for place, topic, kind in exam.scenario.types():
+            types[topic] = kind
+            places.append(f'exam {exam.name}, {place}')
+            pairs.append((kind, None))
+        for place, step in exam.scenario.placed():
+            for part, kind, values in step.sends():
+                places.append(f'exam {exam.name}, {place}{part}')
+                pairs.append((types.get(kind, kind), values))
+    if not pairs:
+        return []
+    ros = ros_environment()
+    probe = Path(__file__).parents[1] / 'probe'
+    done = subprocess.run(
+        [ros.python, str(Path(__file__).with_name('exam_values.py')), str(probe)],
+        input=json.dumps(pairs, default=repr),  # what JSON lacks, the probe cannot send either
+        env={**os.environ, **ros.variables, 'ROS_PYTHON_CHECK_FIELDS': '1'},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        said = (done.stderr.splitlines() or ['no reason'])[-1]
+        raise GraderError(f'{ros.python}: cannot use ROS: {said}.', 'Try: make doctor')
+    return [
+        f'{place}: {problem}. {ADVICE}'
+        for place, problem in zip(places, json.loads(done.stdout))
+        if problem
+    ]
 
 
 def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:
@@ -181,26 +172,19 @@ def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
 # -- all of it ------------------------------------------------------------------------------
 
 
-def ament_prefixes() -> tuple[Path, ...]:
-    """Return where the ROS packages of the prepared environment are installed."""
-    from environment.ros import ros_environment
-
-    return tuple(map(Path, ros_environment().variables['AMENT_PREFIX_PATH'].split(':')))
-
-
-def mistakes_of(exam: Exam, notebooks: Path) -> list[str]:
+def mistakes_of(exams: Sequence[Exam], notebooks: Path) -> list[str]:
     """
-    Return all mistakes of a hidden exam that can be found without running it, one line each.
+    Return all mistakes of hidden exams that can be found without running them, one line each.
 
-    :param exam: a hidden exam of the course
+    :param exams: hidden exams of the course
     :param notebooks: folder of the released notebooks
     """
-    file = exam.scenario.file
-    needless = exam.scenario.program != 'node' or file in exam.requires
-    return [
-        *([] if needless else [f'exam {exam.name}: runs {file!r}, which it does not require']),
-        *type_mistakes(exam, ament_prefixes()),
-        *read_mistakes(exam, lesson_headings(notebooks)),
-        *inseparable_slips(exam),
-        *differs_from_visible(exam, catalog.load(exam.name, hidden=False)),
-    ]
+    found, headings = unsendable(exams), lesson_headings(notebooks)
+    for exam in exams:
+        file = exam.scenario.file
+        if exam.scenario.program == 'node' and file not in exam.requires:
+            found.append(f'exam {exam.name}: runs {file!r}, which it does not require')
+        found += read_mistakes(exam, headings)
+        found += inseparable_slips(exam)
+        found += differs_from_visible(exam, catalog.load(exam.name, hidden=False))
+    return found

@@ -55,14 +55,13 @@ def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
     return found
 
 
-def unfit_exams(layout: Layout) -> Iterator[str]:
-    """Yield mistakes in the exams: types, fields, visible and hidden versions that differ."""
+def unfit_exams(layout: Layout) -> list[str]:
+    """Return mistakes in the exams: types, fields, visible and hidden versions that differ."""
     from autograder.authoring.exam_mistakes import mistakes_of
     from autograder.exam.catalog import for_assignment
 
-    for assignment in layout.assignments():
-        for exam in for_assignment(assignment):
-            yield from mistakes_of(exam, layout.notebooks)
+    exams = [exam for one in layout.assignments() for exam in for_assignment(one)]
+    return mistakes_of(exams, layout.notebooks)
 
 
 def notebook_files(layout: Layout) -> Iterator[Path]:

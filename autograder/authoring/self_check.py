@@ -28,8 +28,7 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
         lesson = load_lesson(layout, assignment, engine)
         # Do not run an exam with a mistake: the run may fail or hang.
         exams = [exam for exam in lesson.exams if isinstance(exam, Exam)]
-        mistakes = [line for exam in exams for line in mistakes_of(exam, layout.notebooks)]
-        if mistakes:
+        if mistakes := mistakes_of(exams, layout.notebooks):
             yield from ((False, f'{assignment}: {line}') for line in mistakes)
             continue
         if not lesson.exams:

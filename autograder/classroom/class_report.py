@@ -20,7 +20,7 @@ from autograder.classroom.not_collected import (
 )
 from autograder.classroom.pages import _templates, NOBODY, worth_a_look, write_reports
 from autograder.classroom.people import read_people
-from autograder.classroom.results_of_class import ClassResults, one_graded
+from autograder.classroom.results_of_class import ClassResults
 from autograder.classroom.statistics import (
     BINS,
     CheckNumbers,
@@ -29,7 +29,7 @@ from autograder.classroom.statistics import (
     Marks,
 )
 from autograder.explaining.feedback import number
-from autograder.files import write_file
+from autograder.files import keep
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from drawing import svg
@@ -40,21 +40,19 @@ BASE, TOP, GAP = 160, 28, 8
 """Lines of the picture [px]: where bars stand, where the highest ends, between two of them."""
 
 
-def write_class_report(layout: Layout, assignment: str, summary: str = '') -> Path:
+def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') -> Path:
     """
-    Write the page of a class from its last results.
+    Write the page of a class.
 
-    :param assignment: full name
     :param summary: one sentence about the run
     :returns: its path
-    :raises GraderError: if the assignment was not graded yet
     """
-    graded = one_graded(layout, assignment)
     path = layout.reports / graded.assignment / PAGE
-    missing = not_collected(layout, assignment, {one.student for one in graded.results})
+    students = {one.student for one in graded.results}
+    missing = not_collected(layout, graded.assignment, students)
     numbers = class_numbers(layout, graded)
     page = class_page(graded, numbers, summary, read_people(layout), missing)
-    write_file(path, page.encode('utf-8', 'replace'), force=True)
+    keep(path, page.encode('utf-8', 'replace'))
     return path
 
 
@@ -71,7 +69,7 @@ def write_all_reports(
     people = read_people(layout)
     missing = not_collected(layout, assignment, {one.student for one in results})
     index = write_reports(layout.reports, assignment, results, summary, people, missing)
-    write_class_report(layout, assignment, summary)
+    write_class_report(layout, ClassResults(assignment, tuple(results)), summary)
     return index
 
 

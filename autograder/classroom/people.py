@@ -13,10 +13,8 @@ from autograder.layout import Layout
 from autograder.submission.reading import read_file
 
 LONGEST_NAME = 200
-_BIDI_CONTROLS = frozenset(
-    '\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069'
-)
-"""They would turn around the text that a name is shown in."""
+KEPT = frozenset('\t\n\r\u200c\u200d')
+"""Kept although they are not printable: line ends become spaces, Persian words need joiners."""
 
 
 def read_people(layout: Layout) -> dict[str, str]:
@@ -90,15 +88,10 @@ def _clean(names: Mapping[Any, Any]) -> dict[str, str]:
     found = {}
     for student, name in names.items():
         if isinstance(student, str) and isinstance(name, str):
-            shown = ' '.join(''.join(map(_shown, name[: 4 * LONGEST_NAME])).split())
+            kept = (
+                char for char in name[: 4 * LONGEST_NAME] if char.isprintable() or char in KEPT
+            )
+            shown = ' '.join(''.join(kept).split())
             if shown:
                 found[student] = shown[:LONGEST_NAME].rstrip()
     return found
-
-
-def _shown(char: str) -> str:
-    """Return a printable character, or nothing for a control character."""
-    if char in '\t\n\r':
-        return ' '
-    hidden = unicodedata.category(char) in ('Cc', 'Cs') or char in _BIDI_CONTROLS
-    return '' if hidden else char

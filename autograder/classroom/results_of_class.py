@@ -78,16 +78,6 @@ def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
     return tuple(ClassResults(one, last_results(layout, one)) for one in there)
 
 
-def one_graded(layout: Layout, name: str) -> ClassResults:
-    """
-    Return the last results of one assignment.
-
-    :raises GraderError: if it is unknown, or was not graded yet
-    """
-    (found,) = graded(layout, name)
-    return found
-
-
 def has_mark(result: SubmissionResult) -> bool:
     """Return whether points are a mark: not for review, and not from visible checks alone."""
     modes = [MODES[exam.mode] for exam in result.exams if exam.mode in MODES]

@@ -13,19 +13,17 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import chain, combinations
 from pathlib import Path
 import re
 import statistics
-from typing import Any
 
 from autograder.errors import GraderError
 from autograder.grading.again import NothingRuns
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.submission.code.python_text import NotPythonError, parsed
-from autograder.submission.extract import extract
 from autograder.submission.inbox import discover
 from autograder.submission.notebook import Notebook
 from autograder.submission.submission import Opened
@@ -36,11 +34,10 @@ SHORTEST = 40
 """If fewer tokens than this are the student's own, equal answers are not a surprise."""
 NOT_COMPARED = ('answers/', 'msg/', 'package.xml', 'CMakeLists.txt')
 """Letters of a quiz and files with one right form are equal by nature."""
-WORD = re.compile(r'\w+|[^\w\s]')
+NAME = re.compile(r'\w+')
 TOKEN = re.compile(r"""[bf]?(?P<quote>['"]).*?(?<!\\)(?P=quote)|\w+|[^\w\s]=?""")
 """A string is one token, as Python's own tokenizer reads it."""
-NAMING = ('id', 'attr', 'name', 'arg', 'asname')
-"""Fields of syntax trees that hold a name."""
+STORE = ast.Store()
 BELOW = ('body', 'orelse', 'handlers', 'finalbody', 'cases')
 """Fields of statements that hold further statements."""
 WARNING = (
@@ -116,10 +113,6 @@ class Similar:
     more: int = 0
     warning: str = WARNING
 
-    def to_json(self) -> dict[str, Any]:
-        """Return JSON types only."""
-        return asdict(self)
-
 
 # -- from submissions to lines ------------------------------------------------------------------
 
@@ -167,7 +160,7 @@ def finished(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
 def _answers(opened: Opened, lesson: Lesson) -> dict[str, str]:
     """Return the files of a submission that are compared."""
     files: dict[str, str] = {}
-    for found in extract(opened, lesson.exams, lesson.release, lesson.notebook).values():
+    for found in lesson.files(opened).values():
         files.update(found.files)
     return {
         path: text for path, text in sorted(files.items()) if not path.startswith(NOT_COMPARED)
@@ -193,22 +186,29 @@ def lines_of(path: str, text: str) -> list[Line]:
             pass  # compare words, with names as they are
     found = []
     for number, line in enumerate(text.splitlines(), start=1):
-        words = tuple(WORD.findall(line.partition('#')[0]))
+        words = tokens_of(line.partition('#')[0])
         if words:
             found.append(Line(path, number, line.strip(), words, words))
     return found
 
 
+def tokens_of(code: str) -> tuple[str, ...]:
+    """Return the tokens of some code."""
+    return tuple(found[0] for found in TOKEN.finditer(code))
+
+
 def _python_lines(path: str, text: str) -> Iterator[Line]:
-    physical, renamed = text.splitlines(), parsed(text)
-    own = {name for node in ast.walk(renamed) for _, name in _names(node, given=True)}
-    for node in ast.walk(renamed):
-        for field, name in _names(node):
-            if name in own:
-                setattr(node, field, 'name')
-    for raw, changed in zip(_statements(parsed(text)), _statements(renamed)):
-        shown = physical[raw.lineno - 1].strip()
-        yield Line(path, raw.lineno, shown, _tokens(raw), _tokens(changed))
+    physical, tree = text.splitlines(), parsed(text)
+    own = {name for node in ast.walk(tree) for name in _given_names(node)}
+    for statement in _statements(tree):
+        head = copy(statement)
+        for field in BELOW:
+            if hasattr(head, field):
+                setattr(head, field, [])
+        code = ast.unparse(head)
+        renamed = NAME.sub(lambda found: 'name' if found[0] in own else found[0], code)
+        shown = physical[head.lineno - 1].strip()
+        yield Line(path, head.lineno, shown, tokens_of(code), tokens_of(renamed))
 
 
 def _statements(node: ast.AST) -> Iterator[ast.stmt]:
@@ -220,28 +220,13 @@ def _statements(node: ast.AST) -> Iterator[ast.stmt]:
         yield from _statements(child)
 
 
-def _tokens(statement: ast.stmt) -> tuple[str, ...]:
-    """Return the tokens of a statement without the statements nested in it."""
-    head = copy(statement)
-    for field in BELOW:
-        if hasattr(head, field):
-            setattr(head, field, [])
-    return tuple(found[0] for found in TOKEN.finditer(ast.unparse(head)))
-
-
-def _names(node: ast.AST, given: bool = False) -> Iterator[tuple[str, str]]:
-    """
-    Yield the fields of a syntax node that hold a name, with the names.
-
-    :param given: only names that the file itself assigns or defines, not names of imports
-    """
-    fields = ('asname',) if isinstance(node, ast.alias) else NAMING
-    reads = isinstance(node, ast.keyword) or not isinstance(
-        getattr(node, 'ctx', ast.Store()), ast.Store
-    )
-    for field in () if given and reads else fields:
+def _given_names(node: ast.AST) -> Iterator[str]:
+    """Yield the names that a syntax node assigns or defines, not names of imports."""
+    if isinstance(node, ast.keyword) or not isinstance(getattr(node, 'ctx', STORE), ast.Store):
+        return
+    for field in ('asname',) if isinstance(node, ast.alias) else ('id', 'attr', 'name', 'arg'):
         if isinstance(name := getattr(node, field, None), str):
-            yield field, name
+            yield name
 
 
 # -- comparing ----------------------------------------------------------------------------------

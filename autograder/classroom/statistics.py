@@ -134,8 +134,8 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
         recorded=sum(not any(x.timing.get('run_s') for x in one.exams) for one in results),
         modes=tuple(modes(results)),
         lacks=tuple(lacks(results)),
-        exams=_origins(headers),
-        versions=_versions(headers),
+        exams={exam: _digests(found) for exam, found in headers.items()},
+        versions=_versions([*chain(*headers.values())]),
     )
 
 
@@ -205,38 +205,34 @@ def _causes(failed: Sequence[CheckResult]) -> tuple[tuple[str, int], ...]:
     return tuple((texts.most_common(1)[0][0], texts.total()) for texts in counted[:CAUSES])
 
 
-def _headers(layout: Layout, exams: Sequence[ExamResult]) -> list[tuple[str, Header]]:
-    """Return each exam with the first line of each of its recordings, once; empty if none."""
-    places = dict.fromkeys((one.exam, one.recording) for one in exams)
-    return [
-        (exam, _header(layout.recordings / exam / name) if name else {}) for exam, name in places
-    ]
+def _headers(layout: Layout, exams: Sequence[ExamResult]) -> dict[str, list[Header]]:
+    """Return the first line of each recording, by exam; empty where nothing was recorded."""
+    found: dict[str, list[Header]] = {}
+    for exam, name in dict.fromkeys((one.exam, one.recording) for one in exams):
+        header = _header(layout.recordings / exam / name) if name else {}
+        found.setdefault(exam, []).append(header)
+    return found
 
 
-def _origins(headers: Sequence[tuple[str, Header]]) -> dict[str, dict[str, tuple[str, ...]]]:
-    """Return what the recordings of each exam were made with; more than one digest is unusual."""
+def _digests(headers: Sequence[Header]) -> dict[str, tuple[str, ...]]:
+    """Return what the recordings of an exam were made with; two digests are unusual."""
     return {
-        exam: {
-            name: _texts([header for one, header in headers if one == exam], name)
-            for name in ('scenario', 'environment')
-        }
-        for exam in dict.fromkeys(exam for exam, _ in headers)
+        name: tuple(digest[:DIGEST_CHARS] for digest in _texts(headers, name))
+        for name in ('scenario', 'environment')
     }
 
 
-def _versions(headers: Sequence[tuple[str, Header]]) -> dict[str, str]:
+def _versions(headers: Sequence[Header]) -> dict[str, str]:
     """Return the versions that the recordings name; this machine may have changed since."""
-    made = [one['made_with'] for _, one in headers if isinstance(one.get('made_with'), dict)]
-    found = {name: _texts(made, name, None) for name in dict.fromkeys(chain(*made))}
-    found['environment'] = _texts([header for _, header in headers], 'environment')
+    made = [one['made_with'] for one in headers if isinstance(one.get('made_with'), dict)]
+    found = {name: _texts(made, name) for name in dict.fromkeys(chain(*made))}
+    found['environment'] = _digests(headers)['environment']
     return {name: ' and '.join(texts) for name, texts in found.items() if texts}
 
 
-def _texts(
-    headers: Sequence[Header], name: str, most: int | None = DIGEST_CHARS
-) -> tuple[str, ...]:
+def _texts(headers: Sequence[Header], name: str) -> tuple[str, ...]:
     """Return the different values of one field in the headers."""
-    return tuple(dict.fromkeys(str(one[name])[:most] for one in headers if name in one))
+    return tuple(dict.fromkeys(str(one[name]) for one in headers if name in one))
 
 
 def _header(path: Path) -> Header:

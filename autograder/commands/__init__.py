@@ -1,4 +1,12 @@
-"""One module per command, and the exit codes of all commands."""
+"""One module per command; exit codes, and the options that several commands share."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+import json
+from pathlib import Path
+from typing import Any, TypeVar
 
 OK = 0
 """Every submission has a verdict."""
@@ -10,3 +18,67 @@ STOPPED = 130
 """Stopped by Ctrl-C: 128 plus the number of SIGINT."""
 UNREAD = 141
 """The reader closed the output early, as in ``... | head``: 128 plus the number of SIGPIPE."""
+
+Command = TypeVar('Command', bound=Callable[..., Any])
+Option = Callable[[argparse.ArgumentParser], object]
+"""Adds itself to the options of a command."""
+
+
+def option(name: str, text: str, **facts: Any) -> Option:
+    """
+    Return an option of a command.
+
+    :param text: for ``--help``
+    :param facts: as :meth:`argparse.ArgumentParser.add_argument` takes them
+    """
+    return lambda parser: parser.add_argument(name, help=text, **facts)
+
+
+def flag(name: str, text: str) -> Option:
+    """Return an option without a value."""
+    return option(name, text, action='store_true')
+
+
+def takes(*options: Option) -> Callable[[Command], Command]:
+    """Declare the options of a command; :func:`describe` finds them."""
+
+    def declare(run: Command) -> Command:
+        vars(run)['options'] = options
+        return run
+
+    return declare
+
+
+def describe(parser: argparse.ArgumentParser, run: Callable[..., Any], *more: Option) -> None:
+    """
+    Add a command's options to its parser.
+
+    :param more: options that the command did not declare itself
+    """
+    for add in (*vars(run)['options'], *more):
+        add(parser)
+
+
+def show(as_json: bool, data: Any, text: str) -> None:
+    """Print the outcome of a command, as JSON or as text."""
+    print(json.dumps(data) if as_json else text)
+
+
+STUDENT = option('student', 'id or name of the student', metavar='STUDENT')
+ASSIGNMENT = option('assignment', 'assignment', metavar='ASSIGNMENT')
+ASSIGNMENT_OR_ALL = option(
+    'assignment', 'assignment (default: all that were graded)', nargs='?', metavar='ASSIGNMENT'
+)
+SUBMITTED = option('--submitted', 'folder of submissions, as for grade', type=Path, metavar='DIR')
+TO_SUBMITTED = option(
+    '--to',
+    'folder to write to (default: autograder/_work/submitted)',
+    type=Path,
+    metavar='DIR',
+)
+VISIBLE = flag('--visible', 'run only the visible checks')
+FRESH = flag('--fresh', 'run every program again, even if its recording is stored')
+JSON = flag('--json', 'print the result as JSON')
+YES = flag(
+    '--yes', 'also lower or clear marks in the gradebook; without it, such marks are only listed'
+)

@@ -11,21 +11,16 @@ import sys
 from autograder.authoring.new_course import new_course, new_exam
 from autograder.authoring.sample_class import write_sample_class
 from autograder.authoring.self_check import self_check
-from autograder.commands import FOR_REVIEW, OK
+from autograder.commands import FOR_REVIEW, OK, option, takes, TO_SUBMITTED
 from autograder.commands.grade import short
 from autograder.grading.pipeline import grading_engine
 from autograder.layout import Layout
 
 
-def new_course_options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options of ``new-course``."""
-    parser.add_argument(
-        'folder', type=Path, metavar='DIR', help='folder to create, or an empty folder'
-    )
-    parser.set_defaults(run=_new_course)
-
-
-def _new_course(chosen: argparse.Namespace) -> int:
+@takes(
+    option('folder', 'folder to create, or an empty folder', type=Path, metavar='DIR'),
+)
+def new_course_command(chosen: argparse.Namespace) -> int:
     """Create the folder and print how to prepare it."""
     made = new_course(chosen.folder)
     print(f'Created a course of {len(made)} files in {chosen.folder}. Next, in that folder:')
@@ -34,16 +29,11 @@ def _new_course(chosen: argparse.Namespace) -> int:
     return OK
 
 
-def new_exam_options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options of ``new-exam``."""
-    parser.add_argument('name', metavar='NAME', help='name of the exam, such as visitor_counter')
-    parser.add_argument(
-        '--lesson', required=True, metavar='NN_NAME', help='folder of the lesson, such as 01_doors'
-    )
-    parser.set_defaults(run=_new_exam)
-
-
-def _new_exam(chosen: argparse.Namespace) -> int:
+@takes(
+    option('name', 'name of the exam, such as visitor_counter', metavar='NAME'),
+    option('--lesson', 'folder of the lesson, such as 01_doors', required=True, metavar='NN_NAME'),
+)
+def new_exam_command(chosen: argparse.Namespace) -> int:
     """Create the files and print how to test them."""
     course = Layout.here()
     for path in new_exam(course, chosen.name, chosen.lesson):
@@ -54,18 +44,9 @@ def _new_exam(chosen: argparse.Namespace) -> int:
     return OK
 
 
-def sample_class_options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options of ``sample-class``."""
-    parser.add_argument(
-        '--to',
-        type=Path,
-        metavar='DIR',
-        help='folder to write to (default: autograder/_work/submitted)',
-    )
-    parser.set_defaults(run=_sample_class)
-
-
-def _sample_class(chosen: argparse.Namespace) -> int:
+@takes(TO_SUBMITTED)
+def sample_class_command(chosen: argparse.Namespace) -> int:
+    """Write the example submissions."""
     layout = Layout.here()
     folder = (chosen.to or layout.submitted).resolve()
     count = write_sample_class(layout, folder)
@@ -73,12 +54,8 @@ def _sample_class(chosen: argparse.Namespace) -> int:
     return OK
 
 
-def self_check_options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options of ``self-check``: it has none."""
-    parser.set_defaults(run=_self_check)
-
-
-def _self_check(chosen: argparse.Namespace) -> int:
+@takes()
+def self_check_command(chosen: argparse.Namespace) -> int:
     """Check that the reference passes every exam here and that the bare release does not."""
     layout = Layout.here()
     code = OK

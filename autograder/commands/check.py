@@ -18,7 +18,7 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from autograder.commands import OK, USAGE
+from autograder.commands import describe, JSON, OK, option, takes, USAGE, VISIBLE
 from autograder.errors import GraderError, of_system, SandboxUnavailable, UsageError
 from autograder.layout import Layout
 from environment.ros import EnvironmentError_
@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :returns: the exit code
     """
     parser = argparse.ArgumentParser(prog='python -m autograder.commands.check')
-    options(parser)
+    describe(parser, run)
     chosen = parser.parse_args(arguments)
     try:
         return run(chosen)
@@ -46,17 +46,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return USAGE
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument('exam', metavar='EXAM', help='name of the exam, such as talker')
-    parser.add_argument(
-        '--files', type=Path, required=True, metavar='DIR', help='folder of the package'
-    )
-    parser.add_argument('--visible', action='store_true', help='run only the visible checks')
-    parser.add_argument('--json', action='store_true', help='print the result as JSON')
-    parser.set_defaults(run=run)
-
-
+@takes(
+    option('exam', 'name of the exam, such as talker', metavar='EXAM'),
+    option('--files', 'folder of the package', type=Path, required=True, metavar='DIR'),
+    VISIBLE,
+    JSON,
+)
 def run(chosen: argparse.Namespace) -> int:
     """Run one exam on a package; a visible exam also runs without isolation."""
     from autograder.exam import catalog

@@ -14,51 +14,40 @@ from autograder.classroom.course_lock import alone
 from autograder.classroom.not_collected import names_to_write_to, read_not_collected
 from autograder.collect.table import LEFT, print_rows
 from autograder.collect.take_in import collect
-from autograder.commands import FOR_REVIEW, OK
+from autograder.commands import flag, FOR_REVIEW, JSON, OK, option, takes, TO_SUBMITTED
 from autograder.explaining.feedback import printable
 from autograder.layout import Layout
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument(
-        'source', type=Path, metavar='SOURCE', help='folder, zip file or exchange to read'
-    )
-    parser.add_argument(
+@takes(
+    option('source', 'folder, zip file or exchange to read', type=Path, metavar='SOURCE'),
+    option(
         '--assignment',
+        'treat all work as this assignment (default: recognise it by the notebooks)',
         default='',
         metavar='NAME',
-        help='treat all work as this assignment (default: recognise it by the notebooks)',
-    )
-    parser.add_argument(
+    ),
+    option(
         '--kind',
+        'platform that SOURCE comes from (default: recognise it by the file names)',
         choices=('canvas', 'moodle', 'gradescope', 'exchange', 'folder'),
         default='',
-        help='platform that SOURCE comes from (default: recognise it by the file names)',
-    )
-    parser.add_argument(
+    ),
+    option(
         '--prefix',
+        "remove this from the front of students' folder names, as in hw1-ANN",
         default='',
         metavar='TEXT',
-        help="remove this from the front of students' folder names, as in hw1-ANN",
-    )
-    parser.add_argument(
+    ),
+    flag(
         '--trust-names',
-        action='store_true',
-        help="trust the folder names in nbgrader's exchange, without checking who owns the "
-        'folders (see docs/exchange.md)',
-    )
-    parser.add_argument(
-        '--to',
-        type=Path,
-        metavar='DIR',
-        help='folder to copy to (default: autograder/_work/submitted)',
-    )
-    parser.add_argument('--dry-run', action='store_true', help='print the table and write nothing')
-    parser.add_argument('--json', action='store_true', help='print the table as JSON')
-    parser.set_defaults(run=run)
-
-
+        "trust the folder names in nbgrader's exchange, without checking who owns the folders "
+        '(see docs/exchange.md)',
+    ),
+    TO_SUBMITTED,
+    flag('--dry-run', 'print the table and write nothing'),
+    JSON,
+)
 def run(chosen: argparse.Namespace) -> int:
     """Collect a class."""
     layout = Layout.here()

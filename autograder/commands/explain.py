@@ -13,30 +13,24 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 import hashlib
-from importlib.metadata import PackageNotFoundError, version
-import json
 from pathlib import Path
-import platform
 from typing import Any
 
 from autograder.classroom.pages import with_name
 from autograder.classroom.people import read_people, student_named
 from autograder.classroom.results_of_class import graded
-from autograder.commands import OK
-from autograder.commands.rejudge import again
+from autograder.commands import JSON, OK, option, show, STUDENT, SUBMITTED, takes
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Exam, Run
 from autograder.explaining.feedback import number, points_of, printable
 from autograder.explaining.live import live_line
-from autograder.grading.again import NothingRuns
+from autograder.grading.again import again, NothingRuns
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
 from autograder.judging.deviation import deviation
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, shortened, SubmissionResult
 from autograder.runs.kept import files_digest
-from autograder.runs.version import ROS_PACKAGES
-from autograder.submission.extract import extract
 from autograder.submission.inbox import discover
 
 BEFORE, AFTER, INPUTS = 6, 4, 3
@@ -51,35 +45,28 @@ HOW = {
 }
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument('student', metavar='STUDENT', help='id or name of the student')
-    parser.add_argument(
+@takes(
+    STUDENT,
+    option(
         'check',
+        "name of the check, or EXAM/CHECK (default: list the student's checks)",
         metavar='CHECK',
         nargs='?',
-        help="name of the check, or EXAM/CHECK (default: list the student's checks)",
-    )
-    parser.add_argument(
-        '--assignment', metavar='NAME', help='needed if several assignments have this check'
-    )
-    parser.add_argument(
-        '--submitted', type=Path, metavar='DIR', help='folder of submissions, as for grade'
-    )
-    parser.add_argument('--json', action='store_true', help='print everything as JSON')
-    parser.set_defaults(run=run)
-
-
+    ),
+    option('--assignment', 'needed if several assignments have this check', metavar='NAME'),
+    SUBMITTED,
+    JSON,
+)
 def run(chosen: argparse.Namespace) -> int:
     """Show the evidence."""
     layout = Layout.here()
     if chosen.check is None:
         results = results_of(layout, chosen.student, chosen.assignment)
         as_json = [result.to_json() for result in results]
-        print(json.dumps(as_json) if chosen.json else verdicts_text(layout, results))
+        show(chosen.json, as_json, verdicts_text(layout, results))
         return OK
     found = evidence(layout, chosen.student, chosen.check, chosen.assignment, chosen.submitted)
-    print(json.dumps(found) if chosen.json else evidence_text(found))
+    show(chosen.json, found, evidence_text(found))
     return OK
 
 
@@ -107,6 +94,9 @@ def evidence(
         raise GraderError(f'The exam {exam_result.exam} of this result no longer exists.')
     folder = submitted or layout.submitted
     found = _files(lesson, exam, student, folder)
+    now = f'cannot be judged again: no submission of {student} in {folder}; try --submitted'
+    if found is not None:
+        now = _now(layout, exam, verdict, found, exam_result)
     files = found or {}
     path = layout.recordings / exam.name / exam_result.recording
     recording = None
@@ -116,21 +106,12 @@ def evidence(
         'student': student,
         'assignment': result.assignment,
         'exam': exam.name,
-        'exam_title': exam.title,
         'fault': result.fault,
-        'check': {
-            **asdict(verdict),
-            'name': verdict.check,
-            'verdict': verdict.verdict.value,
-        },
-        'now': f'cannot be judged again: no submission of {student} in {folder}; try --submitted'
-        if found is None
-        else _now(layout, exam, verdict, files, exam_result),
+        'check': asdict(verdict),
+        'now': now,
         'files': {name: _sha256(text.encode()) for name, text in files.items()},
-        'files_digest': files_digest(files),
         'isolation': exam_result.mode,
         'flags': list(result.flags),
-        'versions': _versions(),
         'recording': _about(path, recording, files) if recording else None,
         **(_around(exam, verdict.check, files, recording) if recording else {}),
     }
@@ -181,7 +162,7 @@ def _files(lesson: Lesson, exam: Exam, student: str, submitted: Path) -> Mapping
     for submission in discover(submitted, lesson.assignment, lesson.notebook, ()):
         if submission.student == student:
             opened = open_one(submission, lesson)
-            return extract(opened, [exam], lesson.release, lesson.notebook)[exam.name].files
+            return lesson.files(opened)[exam.name].files
     return None
 
 
@@ -200,13 +181,12 @@ def _now(
         if check.check == verdict.check:
             if (check.verdict, check.points) == (verdict.verdict, verdict.points):
                 return 'judged again now from the recording: same verdict'
-            points = f'{number(check.points)} of {number(check.max_points)} points'
-            return f'judged again now from the recording: {check.verdict.value}, {points}'
+            said = f'{check.verdict.value}, {points_of(check)} points'
+            return f'judged again now from the recording: {said}'
     return 'the exam no longer has this check'
 
 
 def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[str, Any]:
-    made_of = recording.header.get('files', '')
     return {
         'name': path.name,
         'sha256': _sha256(path.read_bytes()),
@@ -218,7 +198,7 @@ def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[s
             for name, value in recording.process.items()
             if name not in ('event', 'stdout', 'stderr')
         },
-        'of_these_files': made_of == files_digest(files),
+        'of_these_files': recording.header.get('files') == files_digest(files),
         'said': _last_words(recording),
     }
 
@@ -233,35 +213,26 @@ def _last_words(recording: Recording) -> list[str]:
 def _around(
     exam: Exam, name: str, files: Mapping[str, str], recording: Recording
 ) -> dict[str, Any]:
-    """Return the first deviation, the events around it, and the inputs before it."""
+    """Return the first deviation, the events around it, and the last inputs before it."""
     checks = [one for one in exam.checks if one.name == name]
     where = deviation(checks[0], Run(files, recording, exam.facts)) if checks else None
     events = recording.events
     seen = [number for number, event in enumerate(events) if live_line(event)]
-    moment, last, shown = None, len(events), seen[: BEFORE + AFTER]
+    shown, moment = seen[: BEFORE + AFTER], None
     if where is not None:
-        last = where.index
-        clock_ns = events[last].get('clock_ns')
-        moment = {'index': last, 'clock_ns': clock_ns, 'how': HOW[where.how]}
-        shown = [one for one in seen if one <= last][-BEFORE - 1 :]
-        shown += [one for one in seen if one > last][:AFTER]
-    inputs = [event for event in events[: last + 1] if event['event'] == 'input']
+        clock_ns = events[where.index].get('clock_ns')
+        moment = {'index': where.index, 'clock_ns': clock_ns, 'how': HOW[where.how]}
+        before = [one for one in seen if one <= where.index]
+        inputs = [one for one in before if events[one]['event'] == 'input']
+        after = [one for one in seen if one > where.index]
+        shown = sorted({*inputs[-INPUTS:], *before[-BEFORE - 1 :], *after[:AFTER]})
     return {
         'deviation': moment,
         'seen': [
             {'index': one, 'line': live_line(events[one]), 'event': dict(events[one])}
             for one in shown
         ],
-        'inputs_before': [dict(event) for event in inputs],
     }
-
-
-def _versions() -> dict[str, str]:
-    found = {'python': platform.python_version(), 'kernel': platform.release()}
-    for name in reversed(ROS_PACKAGES):  # use the first one that is installed
-        with suppress(PackageNotFoundError):
-            found['rclpy'] = version(name)
-    return found
 
 
 def _sha256(data: bytes) -> str:
@@ -305,23 +276,14 @@ def evidence_text(found: Mapping[str, Any]) -> str:
 
 
 def _verdict_lines(found: Mapping[str, Any]) -> list[str]:
-    check = found['check']
-    points = f'{number(check["points"])} of {number(check["max_points"])} points'
-    lines = [
-        f'{found["student"]}, {found["assignment"]}, exam {found["exam"]}, check {check["name"]}',
-        f'{check["verdict"]}, {points}: {check["title"]}',
+    check = CheckResult.from_json(found['check'])
+    facts = {**check.facts, **({'waits for': check.waits_for} if check.waits_for else {})}
+    return [
+        f'{found["student"]}, {found["assignment"]}, exam {found["exam"]}, check {check.check}',
+        f'{check.verdict.value}, {points_of(check)} points: {check.title}',
+        *(f'  {word}: {" ".join(text.split())}' for word, text in facts.items()),
+        f'  {found["now"]}',
     ]
-    for word, key in (
-        ('expected', 'expected'),
-        ('observed', 'observed'),
-        ('likely cause', 'cause'),
-        ('try', 'try_this'),
-        ('waits for', 'waits_for'),
-    ):
-        if check[key]:
-            text = ' '.join(check[key].split())
-            lines.append(f'  {word}: {text}')
-    return [*lines, f'  {found["now"]}']
 
 
 def _seen_lines(found: Mapping[str, Any]) -> list[str]:
@@ -331,47 +293,29 @@ def _seen_lines(found: Mapping[str, Any]) -> list[str]:
             'from the files.'
         ]
     where = found['deviation']
-    at = where['index'] if where else None
     head = f'First deviation: {where["how"]}.' if where else 'No deviation; the run begins with:'
-    lines = [head, *_input_lines(found, at)]
-    for one in found['seen']:
-        lines.append(f'{">" if one["index"] == at else " "} {one["line"]}')
-    return lines
-
-
-def _input_lines(found: Mapping[str, Any], at: int | None) -> list[str]:
-    """Return the last inputs that were sent, unless the lines that follow show them."""
-    inputs = found['inputs_before']
-    there = {
-        one['event'].get('index') for one in found['seen'] if one['event']['event'] == 'input'
-    }
-    missing = [event for event in inputs if event['index'] not in there][-INPUTS:]
-    if not missing or at is None:
-        return []
-    lines = [f'Inputs sent before it, {len(inputs)} in all:'] if len(inputs) > len(missing) else []
-    return [*lines, *(f'  {live_line(event)}' for event in missing)]
+    at = where['index'] if where else None
+    marks = ('>' if one['index'] == at else ' ' for one in found['seen'])
+    return [head, *(f'{mark} {one["line"]}' for mark, one in zip(marks, found['seen']))]
 
 
 def _origin_lines(found: Mapping[str, Any]) -> list[str]:
-    about = found['recording']
-    files = ', '.join(f'{name} {digest[:12]}' for name, digest in found['files'].items())
-    versions = ', '.join(f'{name} {text}' for name, text in found['versions'].items())
-    lines = [f'files (SHA-256): {files or "none"}']
+    about, lines = found['recording'], []
     if about and about['end'] != 'complete' and about['said']:
-        said = [
-            'last lines that the program printed:',
-            *(f'  | {line}' for line in about['said']),
-            '',
-        ]
-        lines = [*said, *lines]
+        said = (f'  | {line}' for line in about['said'])
+        lines = ['last lines that the program printed:', *said, '']
+    files = ', '.join(f'{name} {digest[:12]}' for name, digest in found['files'].items())
+    lines.append(f'files (SHA-256): {files or "none"}')
     if about:
         made = 'made from these files' if about['of_these_files'] else 'made from OTHER files'
+        versions = about['header'].get('made_with', {})
+        made_with = ', '.join(f'{name} {text}' for name, text in versions.items())
         lines += [
             f'recording: {about["name"]}, SHA-256 {about["sha256"][:12]}, {made}',
-            f'  {about["events"]} events, end: {about["end"]}, '
+            f'  {about["events"]} events, end: {about["end"]}, {made_with}, '
             f'environment {str(about["header"].get("environment", "unknown"))[:12]}',
         ]
-    lines.append(f'isolation: {found["isolation"] or "nothing was run"}; {versions}')
+    lines.append(f'isolation: {found["isolation"] or "nothing was run"}')
     lines += [f'flag: {flag}' for flag in found['flags'][:3]]
     return [
         *lines,

@@ -9,7 +9,6 @@ files of several students share one.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -24,7 +23,7 @@ from autograder.classroom.not_collected import forget_not_collected, read_not_co
 from autograder.classroom.people import namesake, read_people
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.namesakes import keep_namesakes, read_namesakes
-from autograder.commands import OK
+from autograder.commands import flag, OK, option, takes
 from autograder.commands.grade import short
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
@@ -37,20 +36,17 @@ from autograder.layout import Layout
 from autograder.submission.inbox import students_in
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument('students', nargs='+', metavar='STUDENT', help='id or name of the student')
-    parser.add_argument('--yes', action='store_true', help='remove everything that is listed')
-    parser.set_defaults(run=run)
-
-
+@takes(
+    option('students', 'id or name of the student', nargs='+', metavar='STUDENT'),
+    flag('--yes', 'remove everything that is listed'),
+)
 def run(chosen: argparse.Namespace) -> int:
     """Print all data about students, and remove it with ``--yes``."""
     layout, copies = Layout.here(), []
     with alone(layout, 'forget') if chosen.yes else nullcontext():
         found = [traces(layout, student) for student in chosen.students]
         for one in found:
-            print(printable('\n'.join(one.lines(layout))))
+            print(printable('\n  '.join([f'{one.student}:', *one.lines])))
         if chosen.yes:
             copies = [forget(layout, one.student) for one in found]
     if not chosen.yes:
@@ -67,84 +63,85 @@ class Traces:
     """
     All data about one student in a course.
 
-    :param marks: marks in the gradebook, one line per assignment
-    :param results: assignments with a result and a page in the reports
-    :param journals: assignments in whose journal the student is
-    :param name: the name, empty if none is known
-    :param refused: why deliveries were not collected
+    :param lines: what would be removed and what would not, one line each
     :param made: folders that nbgrader generated from the work
-    :param left: the folder of the submission, if it has no notebook of the course
-    :param moved: the same, if the next grading would find it
+    :param moved: the folder of the submission, if the next grading would find it
     """
 
     student: str
-    marks: tuple[str, ...] = ()
-    results: tuple[str, ...] = ()
-    journals: tuple[str, ...] = ()
-    name: str = ''
-    refused: tuple[str, ...] = ()
-    made: tuple[Path, ...] = ()
-    left: Path | None = None
-    moved: Path | None = None
-
-    def lines(self, layout: Layout) -> Iterator[str]:
-        """Yield what would be removed and what would not."""
-        yield f'{self.student}:'
-        yield from (f'  gradebook: {mark}' for mark in self.marks)
-        if self.results:
-            yield f'  reports: result and page of {", ".join(self.results)}'
-        if self.journals:
-            yield f'  journal of the gradebook: {", ".join(self.journals)}'
-        if self.name:
-            yield f'  name: {self.name}'
-        yield from (f'  reports: {reason}' for reason in self.refused)
-        yield from (f'  folder: {short(folder, layout)}' for folder in self.made)
-        if self.moved:
-            to, folder = short(_forgotten(layout), layout), short(self.moved, layout)
-            yield f'  moved to {to} so that it is not graded again: {folder}'
-        if self.left:
-            yield f'  not touched: {short(self.left, layout)}'
+    lines: tuple[str, ...]
+    made: tuple[Path, ...]
+    moved: Path | None
 
 
 def traces(layout: Layout, student: str) -> Traces:
     """
-    Return all data about a student; change nothing.
+    Return all data about one student; change nothing.
 
     :param student: id or display name
     :raises GraderError: if there is no such student, or several have the name
     """
-    marks = _marks(layout)
-    results = {
+    student = _student(layout, student)
+    has_results = [name for name, graded in _results(layout).items() if student in graded]
+    entered = [one for one in layout.assignments() if student in noted(journal(layout, one))]
+    name = read_people(layout).get(student)
+    folders = tuple(above / student for above in _made(layout) if student in _folders(above))
+    lines = [
+        *(f'gradebook: {mark}' for mark in _marks(layout).get(student, ())),
+        f'reports: result and page of {", ".join(has_results)}' if has_results else '',
+        f'journal of the gradebook: {", ".join(entered)}' if entered else '',
+        f'name: {name}' if name else '',
+        *(
+            f'reports: {one.reason}'
+            for one in read_not_collected(layout)
+            if one.student == student
+        ),
+        *(f'folder: {short(folder, layout)}' for folder in folders),
+    ]
+    moved, place = None, layout.submitted / student
+    if student in _folders(layout.submitted):
+        line = f'not touched: {short(place, layout)}'
+        if student in students_in(layout.submitted, layout.assignments()):
+            moved, to = place, short(_forgotten(layout), layout)
+            line = f'moved to {to} so that it is not graded again: {short(place, layout)}'
+        lines.append(line)
+    return Traces(student, tuple(filter(None, lines)), folders, moved)
+
+
+def _student(layout: Layout, name: str) -> str:
+    """
+    Return the id of a student of whom there is anything.
+
+    :raises GraderError: if there is no such student, or several have the name
+    """
+    folders = (_folders(above) for above in (layout.submitted, *_made(layout)))
+    refused = (one.student for one in read_not_collected(layout))
+    known = {*_marks(layout), *read_people(layout), *refused}.union(
+        *folders, *_results(layout).values()
+    )
+    if name in known:
+        return name
+    if found := namesake(layout, name, known):
+        return found
+    close = get_close_matches(name, known, n=3)
+    raise GraderError(
+        printable(f'{name}: there is no such student.'),
+        printable(f'Did you mean {", ".join(close)}?') if close else '',
+    )
+
+
+def _results(layout: Layout) -> dict[str, set[str]]:
+    """Return the students with results, by assignment."""
+    return {
         one: {result.student for result in last_results(layout, one)}
         for one in layout.assignments()
         if results_file(layout, one).is_file()
     }
-    people, handed_in = read_people(layout), _folders(layout.submitted)
-    missing = [one for one in read_not_collected(layout) if one.student == student]
-    made = [layout.work / name for name in ('autograded', 'feedback')]
-    known = {*marks, *people, *handed_in, *(name for above in made for name in _folders(above))}
-    known = known.union(*results.values())
-    if student not in known and not missing:
-        if found := namesake(layout, student, known):
-            return traces(layout, found)
-        close = get_close_matches(student, known, n=3)
-        raise GraderError(
-            printable(f'{student}: there is no such student.'),
-            printable(f'Did you mean {", ".join(close)}?') if close else '',
-        )
-    folder = layout.submitted / student if student in handed_in else None
-    graded = folder and student in students_in(layout.submitted, layout.assignments())
-    return Traces(
-        student,
-        tuple(marks.get(student, ())),
-        tuple(one for one, students in results.items() if student in students),
-        tuple(one for one in layout.assignments() if student in noted(journal(layout, one))),
-        people.get(student, ''),
-        tuple(one.reason for one in missing),
-        tuple(above / student for above in made if student in _folders(above)),
-        None if graded else folder,
-        folder if graded else None,
-    )
+
+
+def _made(layout: Layout) -> tuple[Path, ...]:
+    """Return the folders in which nbgrader has one for each student."""
+    return layout.work / 'autograded', layout.work / 'feedback'
 
 
 def forget(layout: Layout, student: str) -> Path | None:

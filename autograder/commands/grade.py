@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 import json
 import os
 from pathlib import Path
@@ -26,7 +27,7 @@ from autograder.classroom.not_collected import not_collected
 from autograder.classroom.pages import print_table
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import modes, results_of_others
-from autograder.commands import FOR_REVIEW, OK
+from autograder.commands import FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
 from autograder.commands.progress import progress, Totals
 from autograder.errors import GraderError, of_system, UsageError
 from autograder.explaining.feedback import printable
@@ -36,7 +37,6 @@ from autograder.gradebook.live_entry import Entering, Guard
 from autograder.grading.pipeline import (
     Engine,
     grade_class,
-    Graded,
     grading_engine,
     load_lesson,
 )
@@ -59,59 +59,9 @@ class NotEnteredError(GraderError):
         self.results = tuple(results)
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument(
-        '--submitted',
-        type=Path,
-        metavar='DIR',
-        help='folder with STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: '
-        'autograder/_work/submitted); students who are only in the default folder keep their '
-        'results and pages',
-    )
-    parser.add_argument(
-        '--assignment', metavar='NAME', help='grade only this assignment (default: all)'
-    )
-    parser.add_argument(
-        '--jobs',
-        type=_positive,
-        default=0,
-        metavar='N',
-        help='number of parallel runs on this machine '
-        f'(default: one per processor, here {_processors()})',
-    )
-    parser.add_argument(
-        '--cluster',
-        default='',
-        metavar='ADDRESS',
-        help='run on the workers of a Dask scheduler, such as tcp://10.0.0.5:8786 '
-        '(see docs/cluster.md)',
-    )
-    parser.add_argument(
-        '--fresh',
-        action='store_true',
-        help='run every program again, even if its recording is stored',
-    )
-    parser.add_argument('--json', action='store_true', help='print the results as JSON')
-    add_yes(parser)
-    parser.add_argument(
-        '--allow-weak',
-        choices=WEAK,
-        default='',
-        metavar='MODE',
-        help='accept this weaker isolation if no stronger one works here: '
-        f'{", ".join(WEAK)} (see docs/threat-model.md)',
-    )
-    parser.set_defaults(run=run)
-
-
-def add_yes(command: argparse.ArgumentParser) -> None:
-    """Describe the option that allows the command to lower marks in the gradebook."""
-    command.add_argument(
-        '--yes',
-        action='store_true',
-        help='also lower or clear marks in the gradebook; without it, such marks are only listed',
-    )
+def _processors() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0))
 
 
 def _positive(text: str) -> int:
@@ -120,6 +70,42 @@ def _positive(text: str) -> int:
     return int(text)
 
 
+@takes(
+    option(
+        '--submitted',
+        'folder with STUDENT/ASSIGNMENT/NOTEBOOK.ipynb (default: autograder/_work/submitted); '
+        'students who are only in the default folder keep their results and pages',
+        type=Path,
+        metavar='DIR',
+    ),
+    option('--assignment', 'grade only this assignment (default: all)', metavar='NAME'),
+    option(
+        '--jobs',
+        'number of parallel runs on this machine '
+        f'(default: one per processor, here {_processors()})',
+        type=_positive,
+        default=0,
+        metavar='N',
+    ),
+    option(
+        '--cluster',
+        'run on the workers of a Dask scheduler, such as tcp://10.0.0.5:8786 '
+        '(see docs/cluster.md)',
+        default='',
+        metavar='ADDRESS',
+    ),
+    FRESH,
+    JSON,
+    YES,
+    option(
+        '--allow-weak',
+        'accept this weaker isolation if no stronger one works here: '
+        f'{", ".join(WEAK)} (see docs/threat-model.md)',
+        choices=WEAK,
+        default='',
+        metavar='MODE',
+    ),
+)
 def run(chosen: argparse.Namespace) -> int:
     """Grade a class."""
     # Clusters and services end a job with SIGTERM: clean up as after Ctrl-C.
@@ -131,10 +117,9 @@ def run(chosen: argparse.Namespace) -> int:
         submitted = submitted_folder(layout, chosen.submitted, told)
         assignments = _assignments(layout, chosen.assignment)
         with grading_folder(), _engine(layout, chosen, told) as (engine, jobs):
-            _refuse_loss(layout, assignments, engine)
-            results, trouble = _grade_all(
-                layout, assignments, submitted, engine, jobs, told, chosen.yes
-            )
+            grading = Grading(layout, submitted, engine, jobs, told, Guard(layout, chosen.yes))
+            grading.refuse_loss(assignments)
+            results, trouble = grading.all(assignments)
     if not results:
         raise _nobody(layout, submitted, assignments)
     if chosen.json:
@@ -155,50 +140,6 @@ def _fit_together(chosen: argparse.Namespace) -> None:
                 f'{name} {value}: cannot be used with --cluster, whose workers {why}. '
                 f'Try: leave out {name}'
             )
-
-
-def _grade_all(
-    layout: Layout,
-    assignments: Sequence[str],
-    submitted: Path,
-    engine: Engine,
-    jobs: int,
-    told: Console,
-    yes: bool = False,
-) -> tuple[list[SubmissionResult], str]:
-    """
-    Grade each assignment; return all results, and why some were not entered.
-
-    :param yes: whether marks in the gradebook may be lowered or emptied
-    """
-    guard = Guard(layout, yes)
-    results: list[SubmissionResult] = []
-    trouble: list[str] = []
-    for assignment in assignments:
-        try:
-            results += _grade_assignment(layout, assignment, submitted, engine, jobs, told, guard)
-        except NotEnteredError as error:
-            results += error.results
-            trouble.append(str(error))
-    trouble.append(guard.refusal('everything else was entered'))
-    return results, ' '.join(filter(None, dict.fromkeys(trouble)))
-
-
-def _refuse_loss(layout: Layout, assignments: Sequence[str], engine: Engine) -> None:
-    """
-    Refuse to grade if marks would be lost, before anything is run.
-
-    :raises GraderError: for a damaged gradebook, or check cells that do not fit their exams
-    """
-    if _enters(engine):
-        refuse_damaged(layout)
-        for assignment in assignments:
-            refuse_unfit_points(layout, load_lesson(layout, assignment, engine))
-
-
-def _enters(engine: Engine) -> bool:
-    """Return whether results go into the gradebook: visible checks give no grade."""
-    return bool(getattr(engine, 'hidden', True))
 
 
 def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> UsageError:
@@ -233,11 +174,6 @@ def _engine(
         return
     engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
     yield engine, warn_if_weak(engine, chosen.jobs or _processors(), told)
-
-
-def _processors() -> int:
-    """Return how many processors this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 def warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:
@@ -277,105 +213,147 @@ def _assignments(layout: Layout, chosen: str | None) -> tuple[str, ...]:
     return known if chosen is None else (layout.assignment_named(chosen),)
 
 
-def _grade_assignment(
-    layout: Layout,
-    assignment: str,
-    submitted: Path,
-    engine: Engine,
-    jobs: int,
-    told: Console,
-    guard: Guard | None = None,
-) -> list[SubmissionResult]:
-    """Grade one assignment of a class, enter it, write the reports, print the table."""
-    lesson = load_lesson(layout, assignment, engine)
-    submissions = discover(submitted, assignment, lesson.notebook, layout.assignments())
-    if not submissions:
-        return []
-    # Read the old results first: if that fails, no runs are wasted.
-    others: Sequence[SubmissionResult] = ()
-    if submitted.resolve() != layout.submitted.resolve():
-        others = results_of_others(layout, assignment, {one.student for one in submissions})
-    guard = guard or Guard(layout)
-    entering = Entering(layout, lesson, guard)
-    began = time.monotonic()
-    totals = Totals()
-    runs = len(submissions) * len(lesson.exams)
-    with progress(runs, assignment, totals=totals) as show:
-        graded = grade_class(
-            submissions,
-            lesson,
-            engine,
-            jobs,
-            show,
-            meanwhile=entering.meanwhile if _enters(engine) else lambda ready: None,
-        )
-    graded_s = time.monotonic() - began
-    new, refused = entering.finish(graded) if _enters(engine) else (0, '')
-    results = [one.result for one in graded]
-    summary = _summary(graded, graded_s, time.monotonic() - began, totals)
-    lowered = guard.lowered_in(assignment)
-    kept = len(graded) - new - (0 if guard.yes else len(lowered))
-    if _enters(engine) and kept:
-        summary += f' {kept} were already in the gradebook.'
-    if lowered:
-        said = 'Fewer points than before' if guard.yes else 'Unchanged in the gradebook'
-        summary += f' {said}: {first_of(lowered, MAX_NAMED)}.'
-    if folders := without_notebooks(submitted, layout.assignments()):
-        some = printable(first_of(folders, MAX_NAMED))
-        summary += f' Folders without a notebook of the course were not graded: {some}.'
-    if others:
-        summary += (
-            f' {len(others)} other students are not in this folder; their results are unchanged.'
-        )
-    unwritten = _report(layout, assignment, results, others, summary, told)
-    for line in lowered[MAX_NAMED:] and lowered:
-        told.print(f'  {line}', highlight=False, markup=False)
-    if trouble := ' '.join(dict.fromkeys(filter(None, (refused, unwritten)))):
-        raise NotEnteredError(trouble, results)
-    return results
-
-
-def _report(
-    layout: Layout,
-    assignment: str,
-    results: Sequence[SubmissionResult],
-    others: Sequence[SubmissionResult],
-    summary: str,
-    told: Console,
-) -> str:
+@dataclass
+class Grading:
     """
-    Write the reports of all students, and print the table of those graded now.
+    Grade the assignments of one class, enter the results, write the reports, print the tables.
 
-    :returns: why the reports could not be written, empty if they are
+    :param submitted: the folder of the class
+    :param jobs: how many runs at a time
+    :param guard: decides which marks in the gradebook may change
     """
-    people = read_people(layout)
-    everybody = sorted((*results, *others), key=lambda one: one.student)
-    missing = not_collected(layout, assignment, {one.student for one in everybody})
-    unwritten = ''
-    try:
-        index = write_all_reports(layout, assignment, everybody, summary)
-        where = f'Reports: {short(index, layout)}'
-    except OSError as error:  # the command prints nothing after the table
-        unwritten, where = str(of_system(error, str(layout.reports))), ''
-    print_table(told, assignment, results, people, missing)
-    told.print(summary, highlight=False, markup=False)
-    if where:
-        told.print(where, highlight=False, soft_wrap=True)
-    return unwritten
+
+    layout: Layout
+    submitted: Path
+    engine: Engine
+    jobs: int
+    told: Console
+    guard: Guard
+
+    @property
+    def enters(self) -> bool:
+        """Return whether results go into the gradebook: visible checks give no grade."""
+        return bool(getattr(self.engine, 'hidden', True))
+
+    def refuse_loss(self, assignments: Sequence[str]) -> None:
+        """
+        Refuse to grade if marks would be lost, before anything is run.
+
+        :raises GraderError: for a damaged gradebook, or check cells that do not fit their exams
+        """
+        if self.enters:
+            refuse_damaged(self.layout)
+            for assignment in assignments:
+                lesson = load_lesson(self.layout, assignment, self.engine)
+                refuse_unfit_points(self.layout, lesson)
+
+    def all(self, assignments: Sequence[str]) -> tuple[list[SubmissionResult], str]:
+        """Grade each assignment; return all results, and why some were not entered."""
+        results: list[SubmissionResult] = []
+        trouble: list[str] = []
+        for assignment in assignments:
+            try:
+                results += self.one(assignment)
+            except NotEnteredError as error:
+                results += error.results
+                trouble.append(str(error))
+        trouble.append(self.guard.refusal('everything else was entered'))
+        return results, ' '.join(filter(None, dict.fromkeys(trouble)))
+
+    def one(self, assignment: str) -> list[SubmissionResult]:
+        """
+        Grade one assignment.
+
+        :raises NotEnteredError: with the results, if the gradebook or the disk refused some
+        """
+        layout, lesson = self.layout, load_lesson(self.layout, assignment, self.engine)
+        class_ = discover(self.submitted, assignment, lesson.notebook, layout.assignments())
+        if not class_:
+            return []
+        # Read the old results first: if that fails, no runs are wasted.
+        others: Sequence[SubmissionResult] = ()
+        if self.submitted.resolve() != layout.submitted.resolve():
+            others = results_of_others(layout, assignment, {one.student for one in class_})
+        entering = Entering(layout, lesson, self.guard)
+        enter = entering.add if self.enters else lambda graded: None
+        began, totals = time.monotonic(), Totals()
+        with progress(len(class_) * len(lesson.exams), assignment, totals=totals) as show:
+            graded = grade_class(class_, lesson, self.engine, self.jobs, show, enter)
+        graded_s = time.monotonic() - began
+        new, refused = entering.finish()
+        results = [one.result for one in graded]
+        parts = [
+            *_about_runs(results, time.monotonic() - began, graded_s, totals),
+            *self._about_marks(assignment, len(results) - new),
+            *self._about_others(others),
+        ]
+        unwritten = self._report(assignment, results, others, ' '.join(parts))
+        lowered = self.guard.lowered_in(assignment)
+        for line in lowered if len(lowered) > MAX_NAMED else ():
+            self.told.print(f'  {line}', highlight=False, markup=False)
+        if trouble := ' '.join(dict.fromkeys(filter(None, (refused, unwritten)))):
+            raise NotEnteredError(trouble, results)
+        return results
+
+    def _about_marks(self, assignment: str, not_entered: int) -> Iterator[str]:
+        """Yield which marks in the gradebook are as before."""
+        lowered = self.guard.lowered_in(assignment)
+        kept = not_entered - (0 if self.guard.yes else len(lowered))
+        if self.enters and kept:
+            yield f'{kept} were already in the gradebook.'
+        if lowered:
+            said = 'Fewer points than before' if self.guard.yes else 'Unchanged in the gradebook'
+            yield f'{said}: {first_of(lowered, MAX_NAMED)}.'
+
+    def _about_others(self, others: Sequence[SubmissionResult]) -> Iterator[str]:
+        """Yield whose work was not graded."""
+        if folders := without_notebooks(self.submitted, self.layout.assignments()):
+            some = printable(first_of(folders, MAX_NAMED))
+            yield f'Folders without a notebook of the course were not graded: {some}.'
+        if others:
+            count = len(others)
+            yield f'{count} other students are not in this folder; their results are unchanged.'
+
+    def _report(
+        self,
+        assignment: str,
+        results: Sequence[SubmissionResult],
+        others: Sequence[SubmissionResult],
+        summary: str,
+    ) -> str:
+        """
+        Write the reports of all students, and print the table of those graded now.
+
+        :returns: why the reports could not be written, empty if they are
+        """
+        layout, told = self.layout, self.told
+        everybody = sorted((*results, *others), key=lambda one: one.student)
+        missing = not_collected(layout, assignment, {one.student for one in everybody})
+        unwritten = where = ''
+        try:
+            where = short(write_all_reports(layout, assignment, everybody, summary), layout)
+        except OSError as error:  # the command prints nothing after the table
+            unwritten = str(of_system(error, str(layout.reports)))
+        print_table(told, assignment, results, read_people(layout), missing)
+        told.print(summary, highlight=False, markup=False)
+        if where:
+            told.print(f'Reports: {where}', highlight=False, soft_wrap=True)
+        return unwritten
 
 
-def _summary(graded: Sequence[Graded], graded_s: float, total_s: float, totals: Totals) -> str:
-    reviews = sum(bool(one.result.review) for one in graded)
-    some = f'{len(graded)} submission{"s" * (len(graded) != 1)}'
-    parts = [f'{some} in {total_s:.1f} s, of which runs took {graded_s:.1f} s']
-    slowest = totals.slowest_text()
-    if slowest and len(graded) > 1:
-        parts.append(printable(slowest))
-    if used := modes(one.result for one in graded):
-        parts.append(f'isolation {", ".join(used)}')
-    if reviews:
-        parts.append(f'{reviews} for review')
-    return f'{"; ".join(parts)}.'
+def _about_runs(
+    results: Sequence[SubmissionResult], total_s: float, runs_s: float, totals: Totals
+) -> Iterator[str]:
+    """Yield how long it took, how the programs were isolated, and how many are for review."""
+    some = f'{len(results)} submission{"s" * (len(results) != 1)}'
+    facts = [f'{some} in {total_s:.1f} s, of which runs took {runs_s:.1f} s']
+    if len(results) > 1 and (slowest := totals.slowest_text()):
+        facts.append(printable(slowest))
+    if used := modes(results):
+        facts.append(f'isolation {", ".join(used)}')
+    if reviews := sum(bool(one.review) for one in results):
+        facts.append(f'{reviews} for review')
+    yield f'{"; ".join(facts)}.'
 
 
 def short(path: Path, layout: Layout) -> str:

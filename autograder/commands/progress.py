@@ -126,11 +126,11 @@ def _bar(totals: Totals, total: int, what: str, console: Any) -> Iterator[Callab
 
 @contextmanager
 def _lines(totals: Totals, total: int, what: str, line_s: float) -> Iterator[None]:
-    """Print a line every few seconds, even if no run has ended."""
+    """Print a line every few seconds until all runs have ended."""
     began, ended = time.monotonic(), threading.Event()
 
     def print_lines() -> None:
-        while not ended.wait(line_s):
+        while not ended.wait(line_s) and totals.count < total:
             said = line_of(totals, total, time.monotonic() - began)
             print(f'{what}: {said}', file=sys.stderr, flush=True)
 

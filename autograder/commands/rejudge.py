@@ -9,10 +9,9 @@ the old points.  ``--write`` works like a grading: nbgrader gets only what has c
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, replace
-import json
 from pathlib import Path
 import time
 from typing import Any
@@ -20,44 +19,38 @@ from typing import Any
 from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.course_lock import alone
 from autograder.classroom.results_of_class import graded, last_results
-from autograder.commands import FOR_REVIEW, OK
-from autograder.commands.grade import add_yes
-from autograder.errors import GraderError, RecordingInvalid
-from autograder.exam.exam import Exam
+from autograder.commands import (
+    ASSIGNMENT_OR_ALL,
+    flag,
+    FOR_REVIEW,
+    JSON,
+    OK,
+    show,
+    SUBMITTED,
+    takes,
+    YES,
+)
+from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.gradebook.cell_points import refuse_unfit_points
-from autograder.gradebook.journal import to_enter
-from autograder.gradebook.live_entry import begin_to_enter, enter, Guard
-from autograder.grading.again import NothingRuns
-from autograder.grading.examine import judged, without_recording
+from autograder.gradebook.journal import Journal
+from autograder.gradebook.live_entry import enter, Guard
+from autograder.grading.again import again, NothingRuns
 from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
 from autograder.layout import Layout
-from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, SubmissionResult
 from autograder.runs.kept import files_digest
-from autograder.sandboxes.isolation import MODES
-from autograder.submission.extract import ExamFiles, extract, with_reasons
-from autograder.submission.inbox import discover
+from autograder.submission.extract import with_reasons
+from autograder.submission.inbox import discover, Submission
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument(
-        'assignment', nargs='?', metavar='ASSIGNMENT', help='assignment to judge (default: all)'
-    )
-    parser.add_argument(
-        '--submitted', type=Path, metavar='DIR', help='folder of submissions, as for grade'
-    )
-    parser.add_argument(
-        '--write',
-        action='store_true',
-        help='write the new points to the gradebook and the reports',
-    )
-    add_yes(parser)
-    parser.add_argument('--json', action='store_true', help='print the changes as JSON')
-    parser.set_defaults(run=run)
-
-
+@takes(
+    ASSIGNMENT_OR_ALL,
+    SUBMITTED,
+    flag('--write', 'write the new points to the gradebook and the reports'),
+    YES,
+    JSON,
+)
 def run(chosen: argparse.Namespace) -> int:
     """Judge again."""
     layout = Layout.here()
@@ -65,11 +58,8 @@ def run(chosen: argparse.Namespace) -> int:
         changes, code = rejudge_command(
             layout, chosen.assignment, chosen.submitted, chosen.write, chosen.yes
         )
-    if chosen.json:
-        print(json.dumps([change.to_json() for change in changes]))
-    else:
-        for change in changes:
-            print(change.text())
+    as_json = [change.to_json() for change in changes]
+    show(chosen.json, as_json, '\n'.join(change.text() for change in changes))
     if refused := ' '.join(dict.fromkeys(one.refused for one in changes if one.refused)):
         raise GraderError(refused)
     return code
@@ -91,7 +81,7 @@ class Changed:
         """Return one line."""
         points = f'{number(self.points_before)} -> {number(self.points_after)} points'
         verdict = self.before if self.before == self.after else f'{self.before} -> {self.after}'
-        return printable(f'  {self.exam}/{self.check}: {verdict}, {points}; {self.why}')
+        return f'  {self.exam}/{self.check}: {verdict}, {points}; {self.why}'
 
 
 @dataclass(frozen=True)
@@ -101,18 +91,27 @@ class Rejudged:
 
     :param changed: the checks that differ now
     :param kept: why the old points are kept, empty if everything was judged again
-    :param graded: results that can be entered in the gradebook
+    :param graded: result that can be entered in the gradebook
     """
 
-    student: str
     before: SubmissionResult
     after: SubmissionResult
     changed: tuple[Changed, ...] = ()
     kept: str = ''
     graded: Graded | None = None
 
+    def lines(self) -> Iterator[str]:
+        """Yield what is different, or why nothing was judged."""
+        student, points = self.before.student, number(self.before.points)
+        if self.changed:
+            after = f'{number(self.after.points)} of {number(self.after.max_points)} points'
+            yield f'{student}: {points} -> {after}'
+            yield from (change.text() for change in self.changed)
+        if self.kept:
+            yield f'{student}: not judged again, old points unchanged: {self.kept}'
 
-@dataclass(frozen=True)
+
+@dataclass
 class Account:
     """
     The outcome of judging one assignment again.
@@ -123,12 +122,17 @@ class Account:
     :param lowered: the marks in the gradebook that are, or would be, lowered or emptied
     """
 
-    assignment: str
+    lesson: Lesson
     rejudged: tuple[Rejudged, ...]
     seconds: float
     written: str = ''
     refused: str = ''
-    lowered: tuple[str, ...] = ()
+    lowered: Sequence[str] = ()
+
+    @property
+    def to_enter(self) -> list[Graded]:
+        """Return what can be entered in the gradebook."""
+        return [one.graded for one in self.rejudged if one.graded is not None]
 
     @property
     def incomplete(self) -> bool:
@@ -137,36 +141,28 @@ class Account:
 
     def text(self) -> str:
         """Return the account, one line per fact."""
-        lines = []
-        for one in self.rejudged:
-            if one.changed:
-                points = f'{number(one.before.points)} -> {number(one.after.points)}'
-                lines.append(f'{one.student}: {points} of {number(one.after.max_points)} points')
-                lines += [change.text() for change in one.changed]
-            if one.kept:
-                lines.append(f'{one.student}: not judged again, old points unchanged: {one.kept}')
+        lines = [line for one in self.rejudged for line in one.lines()]
         lines += [f'lower mark in the gradebook: {mark}' for mark in self.lowered]
-        done = sum(not one.kept for one in self.rejudged)
         changed = sum(bool(one.changed) for one in self.rejudged)
         each = 1000 * self.seconds / max(1, len(self.rejudged))
         lines.append(
-            f'{self.assignment}: {done} of {len(self.rejudged)} submissions judged again in '
-            f'{self.seconds:.2f} s ({each:.1f} ms each) without a run; {changed} changed. '
-            f'{self.written or "Nothing was written. Try: --write"}'
+            f'{self.lesson.assignment}: {len(self.to_enter)} of {len(self.rejudged)} submissions '
+            f'judged again in {self.seconds:.2f} s ({each:.1f} ms each) without a run; {changed} '
+            f'changed. {self.written or "Nothing was written. Try: --write"}'
         )
         return printable('\n'.join(lines))
 
     def to_json(self) -> dict[str, Any]:
         """Return JSON types only."""
         return {
-            'assignment': self.assignment,
+            'assignment': self.lesson.assignment,
             'seconds': self.seconds,
             'written': self.written,
             'refused': self.refused,
             'lowered': list(self.lowered),
             'submissions': [
                 {
-                    'student': one.student,
+                    'student': one.before.student,
                     'before': one.before.points,
                     'after': one.after.points,
                     'kept': one.kept,
@@ -175,10 +171,6 @@ class Account:
                 for one in self.rejudged
             ],
         }
-
-
-Known = dict[tuple[Any, ...], tuple[ExamResult | None, str]]
-"""Verdicts that are already known, by exam, files and recording."""
 
 
 def rejudge_command(
@@ -202,7 +194,7 @@ def rejudge_command(
             refuse_unfit_points(layout, lesson)
     accounts = [rejudge(layout, lesson, submitted or layout.submitted) for lesson in lessons]
     if write:
-        accounts = _write_all(layout, lessons, accounts, yes)
+        _write_all(layout, accounts, Guard(layout, yes))
     return accounts, FOR_REVIEW if any(one.incomplete for one in accounts) else OK
 
 
@@ -214,35 +206,31 @@ def rejudge(layout: Layout, lesson: Lesson, submitted: Path) -> Account:
     """
     before = last_results(layout, lesson.assignment)
     began = time.perf_counter()
+    class_ = discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
+    there = {one.student: one for one in class_}
     known: Known = {}
-    there = {
-        one.student: one
-        for one in discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
-    }
-    done = []
-    for result in before:
-        submission = there.get(result.student)
-        if submission is None:
-            done.append(
-                Rejudged(result.student, result, result, kept='the submission no longer exists')
-            )
-            continue
-        opened = open_one(submission, lesson)
-        files = extract(opened, lesson.exams, lesson.release, lesson.notebook)
-        one = _judge_again(layout, lesson, result, files, known)
-        done.append(replace(one, graded=Graded(submission, opened, one.after)))
-    return Account(lesson.assignment, tuple(done), time.perf_counter() - began)
+    done = tuple(
+        _rejudged(layout, lesson, result, there.get(result.student), known) for result in before
+    )
+    return Account(lesson, done, time.perf_counter() - began)
 
 
-def _judge_again(
+Known = dict[tuple[Any, ...], tuple[ExamResult | None, str]]
+"""Verdicts that are already known, by exam, files and recording."""
+
+
+def _rejudged(
     layout: Layout,
     lesson: Lesson,
     before: SubmissionResult,
-    files: Mapping[str, ExamFiles],
+    submission: Submission | None,
     known: Known,
 ) -> Rejudged:
     """Judge one student's files, or return why that is impossible."""
-    old = {exam.exam: exam for exam in before.exams}
+    if submission is None:
+        return Rejudged(before, before, kept='the submission no longer exists')
+    opened = open_one(submission, lesson)
+    files, old = lesson.files(opened), {exam.exam: exam for exam in before.exams}
     results = []
     for exam in lesson.exams:
         theirs, last = files[exam.name].files, old.get(exam.name)
@@ -252,39 +240,11 @@ def _judge_again(
             known[key] = again(layout, exam, theirs, last)
         result, kept = known[key]
         if result is None:
-            return Rejudged(before.student, before, before, kept=f'{exam.name}: {kept}')
+            return Rejudged(before, before, kept=f'{exam.name}: {kept}')
         results.append(result)
     after = with_reasons(replace(before, exams=tuple(results), fault=''), lesson.exams)
     changed = [change for result in results for change in changes(old.get(result.exam), result)]
-    return Rejudged(before.student, before, after, tuple(changed))
-
-
-def again(
-    layout: Layout, exam: Exam, files: Mapping[str, str], old: ExamResult | None
-) -> tuple[ExamResult | None, str]:
-    """
-    Judge one student's files with one exam, from the recording.
-
-    :param old: the last result, which names the recording
-    :returns: the result; or None, and why there is none
-    """
-    mode = old.mode if old else ''
-    if mode in MODES and not MODES[mode].keeps_secrets:
-        return None, f'only visible checks were run, with isolation {mode}; run grade'
-    result = without_recording(exam, files, mode)
-    if result is not None:
-        return result, ''
-    if old is None or not old.recording:
-        return None, 'no recording is stored; run grade'
-    try:
-        recording = Recording.load(layout.recordings / exam.name / old.recording)
-    except RecordingInvalid as error:
-        return None, f'the recording cannot be read ({error.what}); run grade'
-    if recording.header.get('files') != files_digest(files):
-        return None, 'the files have changed since the recording; run grade'
-    if recording.header.get('scenario') != exam.scenario_digest()[:32]:
-        return None, 'the scenario of the exam has changed, not only its checks; run grade'
-    return replace(judged(exam, files, recording), recording=old.recording), ''
+    return Rejudged(before, after, tuple(changed), graded=Graded(submission, opened, after))
 
 
 def changes(before: ExamResult | None, after: ExamResult) -> list[Changed]:
@@ -320,40 +280,27 @@ def _why(before: CheckResult | None, after: CheckResult | None) -> str:
     return f'before: {before.observed or before.expected or before.verdict.value}'
 
 
-def _write_all(
-    layout: Layout, lessons: Sequence[Lesson], accounts: Sequence[Account], yes: bool
-) -> list[Account]:
+def _write_all(layout: Layout, accounts: Sequence[Account], guard: Guard) -> None:
     """Write all accounts; write none if a mark would fall without ``--yes``."""
-    guard = Guard(layout, yes)
-    for lesson, account in zip(lessons, accounts):
-        guard.allowed(lesson, to_enter(layout, lesson, _judged(account)))
-    written = []
-    for lesson, account in zip(lessons, accounts):
-        lowered = tuple(guard.lowered_in(lesson.assignment))
-        if refused := guard.refusal('nothing was written'):
-            said = 'Nothing was written, because marks would be lowered or cleared.'
-            written.append(replace(account, lowered=lowered, written=said, refused=refused))
+    for account in accounts:
+        guard.allowed(account.lesson, Journal(layout, account.lesson).new(account.to_enter))
+    for account in accounts:
+        account.lowered = guard.lowered_in(account.lesson.assignment)
+        account.refused = guard.refusal('nothing was written')
+        if account.refused:
+            account.written = 'Nothing was written, because marks would be lowered or cleared.'
         else:
-            written.append(_write(layout, lesson, replace(account, lowered=lowered), guard))
-    return written
+            _write(layout, account, guard)
 
 
-def _judged(account: Account) -> list[Graded]:
-    """Return what can be entered in the gradebook."""
-    return [one.graded for one in account.rejudged if one.graded is not None and not one.kept]
-
-
-def _write(layout: Layout, lesson: Lesson, account: Account, guard: Guard) -> Account:
+def _write(layout: Layout, account: Account, guard: Guard) -> None:
     """Enter new results in the gradebook, write all reports, and note the outcome."""
-    again = _judged(account)
-    new, refused = enter(
-        layout, lesson, again, lambda: begin_to_enter(layout, lesson.assignment, guard), guard
-    )
+    count = len(account.to_enter)
+    new, account.refused = enter(layout, account.lesson, account.to_enter, guard)
     results = [one.after for one in account.rejudged]
-    summary = f'{len(again)} of {len(results)} submissions were judged again from recordings.'
-    write_all_reports(layout, lesson.assignment, results, summary)
-    in_gradebook = f'{new} were entered in the gradebook, {len(again) - new} were unchanged'
-    if refused:
+    summary = f'{count} of {len(results)} submissions were judged again from recordings.'
+    write_all_reports(layout, account.lesson.assignment, results, summary)
+    in_gradebook = f'{new} were entered in the gradebook, {count - new} were unchanged'
+    if account.refused:
         in_gradebook = f'the gradebook did not accept all of the {new} that changed'
-    written = f'The reports show the new points of {len(again)} submissions; {in_gradebook}.'
-    return replace(account, written=written, refused=refused)
+    account.written = f'The reports show the new points of {count} submissions; {in_gradebook}.'

@@ -12,16 +12,13 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-import json
 from pathlib import Path
 import sys
-import tempfile
 from typing import Any
 
-from autograder.commands import OK
+from autograder.commands import flag, FRESH, JSON, OK, option, show, takes, VISIBLE
 from autograder.commands.check import sandbox_for
 from autograder.errors import GraderError
 from autograder.exam import catalog
@@ -44,28 +41,19 @@ from autograder.submission.submission import open_submission
 from autograder.submission.tree import NotTakenInError
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument(
-        'path', type=Path, metavar='PATH', help='script, package folder, zip file or notebook'
-    )
-    parser.add_argument(
+@takes(
+    option('path', 'script, package folder, zip file or notebook', type=Path, metavar='PATH'),
+    option(
         '--exam',
+        'exam (such as talker) or assignment (such as topics)',
         required=True,
         metavar='NAME',
-        help='exam (such as talker) or assignment (such as topics)',
-    )
-    parser.add_argument('--visible', action='store_true', help='run only the visible checks')
-    parser.add_argument('--live', action='store_true', help='print events as they happen')
-    parser.add_argument(
-        '--fresh',
-        action='store_true',
-        help='run the program again, even if its recording is stored',
-    )
-    parser.add_argument('--json', action='store_true', help='print the results as JSON')
-    parser.set_defaults(run=run)
-
-
+    ),
+    VISIBLE,
+    flag('--live', 'print events as they happen'),
+    FRESH,
+    JSON,
+)
 def run(chosen: argparse.Namespace) -> int:
     """Run exams on one submission."""
     layout = Layout.here()
@@ -83,10 +71,8 @@ def run(chosen: argparse.Namespace) -> int:
         results.append(result)
         if not chosen.json:
             print(text_of(look, result))
-    if chosen.json:
-        print(json.dumps([result.to_json() for result in results]))
-    else:
-        print(summary(results, chosen.visible))
+    as_json = [result.to_json() for result in results]
+    show(chosen.json, as_json, summary(results, chosen.visible))
     return OK
 
 
@@ -189,7 +175,7 @@ def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator
 def quick_look(
     found: Sequence[Look],
     sandbox: Sandbox,
-    recordings: Path | None,
+    recordings: Path,
     *,
     fresh: bool = False,
     told: Callable[[Event], None] | None = None,
@@ -205,19 +191,18 @@ def quick_look(
     def run(look: Look) -> ExamResult:
         if told and look.exam.scenario.program in ('build', 'package'):
             told({'event': 'mark', 'clock_ns': None, 'name': 'building with colcon'})
-        with _folder(recordings) as kept:
-            result = examine(
-                look.exam,
-                look.files,
-                sandbox=sandbox,
-                recordings=kept,
-                fresh=fresh or told is not None,
-                told=told,
-            )
-            if look.notebook:
-                return result if look.problems else name_missing(result, look.files)
-            path = kept / look.exam.name / result.recording
-            recording = Recording.load(path) if result.recording else None
+        result = examine(
+            look.exam,
+            look.files,
+            sandbox=sandbox,
+            recordings=recordings,
+            fresh=fresh or told is not None,
+            told=told,
+        )
+        if look.notebook:
+            return result if look.problems else name_missing(result, look.files)
+        path = recordings / look.exam.name / result.recording
+        recording = Recording.load(path) if result.recording else None
         return explained(look.exam, name_missing(result, look.files), recording, look.files)
 
     workers = 1 if told else len(found)
@@ -226,16 +211,6 @@ def quick_look(
         yield from zip(found, pool.map(run, found))
     finally:
         pool.shutdown(wait=False, cancel_futures=True)  # after Ctrl-C, main() ends the runs
-
-
-@contextmanager
-def _folder(recordings: Path | None) -> Iterator[Path]:
-    """Yield the folder for recordings; a temporary one if none is given."""
-    if recordings is not None:
-        yield recordings
-        return
-    with tempfile.TemporaryDirectory(prefix='look-') as folder:
-        yield Path(folder)
 
 
 def text_of(look: Look, result: ExamResult) -> str:

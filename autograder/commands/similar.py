@@ -3,32 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import json
-from pathlib import Path
+from dataclasses import asdict
 
 from autograder.classroom.similarity import Pair, Similar, similar
-from autograder.commands import OK
+from autograder.commands import ASSIGNMENT, JSON, OK, option, show, SUBMITTED, takes
 from autograder.explaining.feedback import printable
 from autograder.layout import Layout
 
 COMMON_LINES = 6
-
-
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
-    parser.add_argument('assignment', metavar='ASSIGNMENT', help='assignment to compare')
-    parser.add_argument(
-        '--submitted', type=Path, metavar='DIR', help='folder of submissions, as for grade'
-    )
-    parser.add_argument(
-        '--at-least',
-        type=_percent,
-        default=85.0,
-        metavar='PERCENT',
-        help='list pairs at least this similar (default: %(default)g)',
-    )
-    parser.add_argument('--json', action='store_true', help='print everything as JSON')
-    parser.set_defaults(run=run)
 
 
 def _percent(text: str) -> float:
@@ -41,13 +23,25 @@ def _percent(text: str) -> float:
     return value
 
 
+@takes(
+    ASSIGNMENT,
+    SUBMITTED,
+    option(
+        '--at-least',
+        'list pairs at least this similar (default: %(default)g)',
+        type=_percent,
+        default=85.0,
+        metavar='PERCENT',
+    ),
+    JSON,
+)
 def run(chosen: argparse.Namespace) -> int:
     """Print the pairs."""
     layout = Layout.here()
     assignment = layout.assignment_named(chosen.assignment)
     submitted = chosen.submitted or layout.submitted
     found = similar(layout, assignment, submitted, chosen.at_least / 100)
-    print(json.dumps(found.to_json()) if chosen.json else similar_text(found))
+    show(chosen.json, asdict(found), similar_text(found))
     return OK
 
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict
-import json
 
 from autograder.classroom.class_report import write_class_report
 from autograder.classroom.results_of_class import graded
 from autograder.classroom.statistics import class_numbers, ClassNumbers
-from autograder.commands import FOR_REVIEW, OK
+from autograder.commands import ASSIGNMENT_OR_ALL, FOR_REVIEW, JSON, OK, show, takes
 from autograder.explaining.feedback import number, printable
 from autograder.layout import Layout
 from autograder.results import shortened
@@ -18,35 +17,22 @@ BAR = 40
 CAUSE_CHARS = 100
 
 
-def report_options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options of ``report``."""
-    parser.add_argument('assignment', nargs='?', metavar='ASSIGNMENT', help='default: all graded')
-    parser.set_defaults(run=report)
-
-
+@takes(ASSIGNMENT_OR_ALL)
 def report(chosen: argparse.Namespace) -> int:
     """Write the pages."""
     layout = Layout.here()
     for one in graded(layout, chosen.assignment):
-        print(write_class_report(layout, one.assignment))
+        print(write_class_report(layout, one))
     return OK
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Describe the options of ``stats``."""
-    report_options(parser)
-    parser.add_argument('--json', action='store_true', help='print the statistics as JSON')
-    parser.set_defaults(run=run)
-
-
+@takes(ASSIGNMENT_OR_ALL, JSON)
 def run(chosen: argparse.Namespace) -> int:
     """Print the statistics of a class."""
     layout = Layout.here()
     found = [class_numbers(layout, one) for one in graded(layout, chosen.assignment)]
-    if chosen.json:
-        print(json.dumps([asdict(one) for one in found]))
-    else:
-        print('\n\n'.join(stats_text(one) for one in found))
+    text = '\n\n'.join(stats_text(one) for one in found)
+    show(chosen.json, [asdict(one) for one in found], text)
     return FOR_REVIEW if any(one.review for one in found) else OK
 
 

@@ -15,13 +15,11 @@ from autograder.gradebook.copies import copies, refuse_damaged
 from autograder.gradebook.settings import gradebook_file, has_gradebook, load_config
 from autograder.layout import Layout
 
+INCOMPLETE = ('no such table', 'no such column', 'not a database', 'malformed')
 FILE_ADVICE = {
     'disk is full': 'free space on its disk',
     'is locked': 'close the program that uses it (formgrader, a database browser)',
-    'no such table': 'put a complete copy of the file in its place',
-    'no such column': 'put a complete copy of the file in its place',
-    'not a database': 'put a complete copy of the file in its place',
-    'malformed': 'put a complete copy of the file in its place',
+    **dict.fromkeys(INCOMPLETE, 'put a complete copy of the file in its place'),
 }
 """Advice about a gradebook file, by a part of SQLite's message."""
 

@@ -12,12 +12,13 @@ is entered again after each manual grade.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
+from functools import cached_property
 import hashlib
 import json
 import os
 from pathlib import Path
 from typing import Any
-import zlib
 
 from sqlalchemy import inspect, text
 
@@ -98,43 +99,73 @@ def _make(path: Path, course: str) -> None:
         api.get_alembic_version = of_nbgrader
 
 
-def to_enter(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> list[Graded]:
-    """
-    Return the submissions that differ from the gradebook.
+class Journal:
+    """The submissions of one assignment that are already in the gradebook."""
 
-    :param graded: a whole class
-    """
-    known = noted(journal(layout, lesson.assignment))
-    if not known:
-        return list(graded)
-    rows, common = shown(layout, lesson.assignment), _common(layout, lesson)
-    return [
-        one
-        for one in graded
-        if known.get(one.result.student) != _line(one, common, rows.get(one.result.student, {}))
-        or not autograded(layout, lesson, one).is_file()
-    ]
+    def __init__(self, layout: Layout, lesson: Lesson) -> None:
+        self.layout, self.lesson = layout, lesson
 
+    @cached_property
+    def _known(self) -> dict[str, dict[str, Any]]:
+        return noted(journal(self.layout, self.lesson.assignment))
 
-def note(layout: Layout, lesson: Lesson, entered: Sequence[Graded]) -> None:
-    """
-    Note entries after nbgrader has written them.
+    @cached_property
+    def _shown(self) -> Rows:
+        """Return what the gradebook showed at first."""
+        return shown(self.layout, self.lesson.assignment)
 
-    :param entered: what :func:`autograder.gradebook.record.record` was given
-    """
-    rows, common = shown(layout, lesson.assignment), _common(layout, lesson)
-    lines = [
-        _sealed({'student': one.result.student, **_line(one, common, rows[one.result.student])})
-        for one in entered
-        if one.result.student in rows
-    ]
-    path = journal(layout, lesson.assignment)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open('ab') as file:
-        # An incomplete last line must not merge with the next one.
-        file.write(b'\n' + b''.join(lines))
-        file.flush()
-        os.fsync(file.fileno())
+    @cached_property
+    def _common(self) -> bytes:
+        """Return a digest of the release and the settings, which all entries depend on."""
+        settings = (self.layout.root / 'nbgrader_config.py').read_bytes()
+        release = json.dumps(self.lesson.release, sort_keys=True)
+        data = settings + b'\0' + release.encode('utf-8', 'replace')
+        return hashlib.sha256(data).digest()
+
+    def new(self, graded: Sequence[Graded]) -> list[Graded]:
+        """
+        Return the submissions that differ from the gradebook.
+
+        :raises GraderError: if the gradebook cannot be queried
+        """
+        return [
+            one
+            for one in graded
+            if self._known.get(one.result.student) != self._line(one, self._shown)
+            or not autograded(self.layout, self.lesson, one).is_file()
+        ]
+
+    def note(self, entered: Sequence[Graded]) -> None:
+        """
+        Note entries after nbgrader has written them.
+
+        :param entered: what :func:`autograder.gradebook.record.record` was given
+        """
+        rows = shown(self.layout, self.lesson.assignment)
+        lines = [
+            _json_line({'student': one.result.student, **self._line(one, rows)})
+            for one in entered
+            if one.result.student in rows
+        ]
+        path = journal(self.layout, self.lesson.assignment)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open('ab') as file:
+            # An incomplete last line must not merge with the next one.
+            file.write(b'\n' + b''.join(lines))
+            file.flush()
+            os.fsync(file.fileno())
+
+    def _line(self, graded: Graded, rows: Rows) -> dict[str, Any]:
+        """Return the note about a submission: a digest of what is entered, and what is shown."""
+        result = graded.result.to_json()
+        for exam in result['exams']:
+            exam.pop('timing', None)
+            exam.pop('pictures', None)
+        stamp, _ = read_file(graded.submission.folder / 'timestamp.txt', 'timestamp.txt')
+        parts = [result, graded.opened.notebook, (stamp or b'')[:100].decode('latin-1')]
+        text = json.dumps(parts, sort_keys=True, default=list).encode('utf-8', 'replace')
+        digest = hashlib.sha256(self._common + text).hexdigest()[:32]
+        return {'digest': digest, 'shown': rows.get(graded.result.student, {})}
 
 
 def journal(layout: Layout, assignment: str) -> Path:
@@ -144,13 +175,10 @@ def journal(layout: Layout, assignment: str) -> Path:
 
 def noted(path: Path) -> dict[str, dict[str, Any]]:
     """Return the last complete line about each student."""
-    if not path.is_file():
-        return {}
     found = {}
-    for line in path.read_bytes().splitlines():
-        seal, _, rest = line.partition(b' ')
-        if seal == b'%08x' % zlib.crc32(rest):
-            data = json.loads(rest)
+    for line in path.read_bytes().splitlines() if path.is_file() else ():
+        with suppress(ValueError):  # cut off when the power failed
+            data = json.loads(line)
             found[data.pop('student')] = data
     return found
 
@@ -161,7 +189,7 @@ def drop(layout: Layout, assignment: str, students: Collection[str]) -> None:
     known = noted(path)
     if known.keys() & set(students):
         lines = [
-            _sealed({'student': student, **data})
+            _json_line({'student': student, **data})
             for student, data in known.items()
             if student not in students
         ]
@@ -181,36 +209,11 @@ def shown(layout: Layout, assignment: str) -> Rows:
     return rows
 
 
-def _line(graded: Graded, common: str, rows: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the note about a submission."""
-    return {'digest': _digest(graded, common), 'shown': dict(sorted(rows.items()))}
-
-
-def _digest(graded: Graded, common: str) -> str:
-    """Return a digest of all that is entered for a submission."""
-    result = graded.result.to_json()
-    for exam in result['exams']:
-        exam.pop('timing', None)
-        exam.pop('pictures', None)
-    stamp, _ = read_file(graded.submission.folder / 'timestamp.txt', 'timestamp.txt')
-    parts = [common, result, graded.opened.notebook, (stamp or b'')[:100].decode('latin-1')]
-    text = json.dumps(parts, sort_keys=True, default=list)
-    return hashlib.sha256(text.encode('utf-8', 'replace')).hexdigest()[:32]
-
-
-def _common(layout: Layout, lesson: Lesson) -> str:
-    """Return a digest of the release and the settings, which all entries depend on."""
-    settings = (layout.root / 'nbgrader_config.py').read_bytes()
-    release = json.dumps(lesson.release, sort_keys=True).encode('utf-8', 'replace')
-    return hashlib.sha256(settings + b'\0' + release).hexdigest()
-
-
 def autograded(layout: Layout, lesson: Lesson, graded: Graded) -> Path:
     """Return the path of the notebook that nbgrader keeps of a submission."""
     folder = layout.work / 'autograded' / graded.result.student / lesson.assignment
     return folder / lesson.notebook
 
 
-def _sealed(data: Mapping[str, Any]) -> bytes:
-    text = json.dumps(data, sort_keys=True).encode()
-    return b'%08x %s\n' % (zlib.crc32(text), text)
+def _json_line(data: Mapping[str, Any]) -> bytes:
+    return json.dumps(data, sort_keys=True).encode() + b'\n'

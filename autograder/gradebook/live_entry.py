@@ -7,7 +7,7 @@ only wait for the runs during that time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ from pathlib import Path
 from autograder.errors import GraderError, of_system
 from autograder.gradebook import journal
 from autograder.gradebook.copies import how_to_dump, keep_copy
+from autograder.gradebook.journal import Journal
 from autograder.gradebook.lowered import lowered_marks, LoweredMark
 from autograder.gradebook.record import enter_assignment, record
 from autograder.grading.pipeline import Graded, Lesson
@@ -82,78 +83,68 @@ class Entering:
     An entry that fails is tried again, and reported, after all runs.
     """
 
-    def __init__(self, layout: Layout, lesson: Lesson, guard: Guard | None = None) -> None:
-        self.layout, self.lesson, self.guard = layout, lesson, guard or Guard(layout)
-        self.begin = cache(lambda: begin_to_enter(layout, lesson.assignment, self.guard))
-        self.ready: list[Graded] = []
-        self.entered: set[str] = set()
+    def __init__(self, layout: Layout, lesson: Lesson, guard: Guard) -> None:
+        self.layout, self.lesson, self.guard = layout, lesson, guard
+        self.journal = Journal(layout, lesson)
+        self.begin = cache(lambda: begin_to_enter(layout, lesson.assignment, guard))
+        self.waiting: list[Graded] = []
         self.new, self.works = 0, True
 
-    def meanwhile(self, ready: Sequence[Graded]) -> None:
-        """Prepare the gradebook, and enter the finished submissions if there are enough."""
-        self.ready += ready
-        if self.works:
-            try:
+    def add(self, graded: Graded) -> None:
+        """Enter a submission that is not in the gradebook yet, as soon as enough others wait."""
+        self.waiting.append(graded)
+        if not self.works:
+            return
+        try:
+            if not self.journal.new([graded]):
+                self.waiting.pop()
+            else:
                 self.begin()
-                if len(self.ready) >= TOGETHER:
-                    self._enter_together()
-            except Exception:  # noqa: BLE001 - whatever it is, it costs nobody else's run
-                self.works = False
+            if len(self.waiting) >= TOGETHER:
+                self._enter()
+        except Exception:  # noqa: BLE001 - whatever it is, it costs nobody else's run
+            self.works = False
 
-    def _enter_together(self) -> None:
-        together, self.ready = self.ready, []
-        new, refused = enter(self.layout, self.lesson, together, self.begin, self.guard)
-        self.works = not refused
-        if self.works:
-            self.new += new
-            self.entered |= {one.result.student for one in together}
-
-    def finish(self, graded: Sequence[Graded]) -> tuple[int, str]:
+    def finish(self) -> tuple[int, str]:
         """
         Enter the remaining submissions.
 
-        :param graded: the whole class
-        :returns: how many of it were new, and what the gradebook refused
+        :returns: how many of the class were new, and what the gradebook refused
         """
-        others = [one for one in graded if one.result.student not in self.entered]
-        new, refused = enter(self.layout, self.lesson, others, self.begin, self.guard)
-        return self.new + new, refused
+        try:
+            self.waiting = self.journal.new(self.waiting)
+            self._enter()
+        except GraderError as error:
+            return self.new + len(self.waiting), str(error)
+        except OSError as error:
+            return self.new + len(self.waiting), str(of_system(error, str(self.layout.work)))
+        return self.new, ''
+
+    def _enter(self) -> None:
+        """Enter those that wait, unless a mark would be lowered."""
+        new = self.guard.allowed(self.lesson, self.waiting) if self.waiting else []
+        if new:
+            self.begin()
+            record(self.layout, self.lesson, new)
+            self.journal.note(new)
+        self.new += len(new)
+        self.waiting = []
 
 
-def begin_to_enter(layout: Layout, assignment: str, guard: Guard | None = None) -> None:
+def begin_to_enter(layout: Layout, assignment: str, guard: Guard) -> None:
     """Prepare the gradebook during the runs, because nbgrader takes seconds to import."""
     journal.shown(layout, assignment)  # reports errors in plainer words than nbgrader
     journal.refuse_incomplete(layout)
-    _ = (guard or Guard(layout)).copy
+    _ = guard.copy
     journal.make_gradebook(layout)
     enter_assignment(layout, assignment)
 
 
 def enter(
-    layout: Layout,
-    lesson: Lesson,
-    graded: Sequence[Graded],
-    begin: Callable[[], None] = lambda: None,
-    guard: Guard | None = None,
+    layout: Layout, lesson: Lesson, graded: Sequence[Graded], guard: Guard
 ) -> tuple[int, str]:
-    """
-    Enter new results in the gradebook; return how many there were, and what was refused.
-
-    :param begin: prepares the gradebook, which is not needed if nothing is new
-    :param guard: decides which marks are not changed; None if every mark may change
-    """
-    new: Sequence[Graded] = graded
-    try:
-        new = journal.to_enter(layout, lesson, graded)
-        if new and guard is not None:
-            new = guard.allowed(lesson, new)
-        if not new:
-            return 0, ''
-        begin()
-        record(layout, lesson, new)
-        journal.note(layout, lesson, new)
-    except GraderError as error:
-        return len(new), str(error)
-    except OSError as error:
-        return len(new), str(of_system(error, str(layout.work)))
-    return len(new), ''
+    """Enter new results in the gradebook; return how many there were, and what was refused."""
+    entering = Entering(layout, lesson, guard)
+    for one in graded:
+        entering.add(one)
+    return entering.finish()

@@ -8,8 +8,8 @@ review"; it never gives zero points and never stops the others.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -17,7 +17,7 @@ import os
 from pathlib import Path
 import threading
 import time
-from typing import Any, Protocol, TYPE_CHECKING
+from typing import Protocol, TYPE_CHECKING
 
 from autograder.errors import defect, ExamInvalid, GraderError
 from autograder.layout import Layout
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from autograder.sandboxes.sandbox import Sandbox
 
 
-LIKE_A_RUN_S = 0.3  # shorter than any real run, which has to start Python and a node
 THREADS = 'grading'
 """How the names of the pool's threads begin."""
 
@@ -118,6 +117,10 @@ class Lesson:
     release: Notebook
     exams: tuple[Exam, ...]
 
+    def files(self, opened: Opened) -> Mapping[str, ExamFiles]:
+        """Return the files of a submission that each exam gets, by the name of the exam."""
+        return extract(opened, self.exams, self.release, self.notebook)
+
 
 @dataclass(frozen=True)
 class Graded:
@@ -154,7 +157,7 @@ def open_one(submission: Submission, lesson: Lesson) -> Opened:
 
 def grade_opened(opened: Opened, student: str, lesson: Lesson, engine: Engine) -> SubmissionResult:
     """Grade one submission, with its exams in parallel."""
-    files = extract(opened, lesson.exams, lesson.release, lesson.notebook)
+    files = lesson.files(opened)
     with ThreadPoolExecutor(max_workers=max(1, len(lesson.exams))) as pool:
         tasks = {
             exam.name: pool.submit(_run, engine, exam, files[exam.name].files)
@@ -182,19 +185,18 @@ def grade_class(
     engine: Engine,
     jobs: int,
     on_done: Callable[[Done], None] = lambda done: None,
-    meanwhile: Callable[[Sequence[Graded]], None] = lambda ready: None,
+    on_graded: Callable[[Graded], None] = lambda graded: None,
 ) -> tuple[Graded, ...]:
     """
     Grade a class; equal files run once.
 
     :param jobs: how many runs at a time
     :param on_done: called for each exam of each submission, in any thread
-    :param meanwhile: called in this thread while the pool works, if anything has to be run: first
-        with no submission, then with those that were finished since the last call
+    :param on_graded: called for each submission in this thread, while the pool runs others
     :returns: in the order of the submissions
     """
     opened = [open_one(submission, lesson) for submission in submissions]
-    files = [extract(one, lesson.exams, lesson.release, lesson.notebook) for one in opened]
+    files = [lesson.files(one) for one in opened]
     tasks: dict[tuple[int, str], Future[ExamResult | GraderError]] = {}
     runs: dict[tuple[str, tuple[tuple[str, str], ...]], Future[ExamResult | GraderError]] = {}
     pool = ThreadPoolExecutor(max_workers=max(1, jobs), thread_name_prefix=THREADS)
@@ -208,31 +210,17 @@ def grade_class(
                 tell = partial(_tell, on_done, submissions[index].student, exam.name)
                 runs[run].add_done_callback(tell)
                 tasks[index, exam.name] = runs[run]
-        if _somebody_runs(runs.values()):
-            meanwhile(())
         graded: list[Graded] = []
-        told = 0
         for index, submission in enumerate(submissions):
             parts = {exam.name: tasks[index, exam.name] for exam in lesson.exams}
-            if told < index and not all(part.done() for part in parts.values()):
-                meanwhile(graded[told:])
-                told = index
             outcomes = {name: part.result() for name, part in parts.items()}
             result = _assemble(opened[index], submission.student, lesson, files[index], outcomes)
             graded.append(Graded(submission, opened[index], result))
+            on_graded(graded[-1])
     finally:
         # After Ctrl-C nothing new starts; the limits of the sandboxes end the current runs.
         pool.shutdown(wait=False, cancel_futures=True)
     return tuple(graded)
-
-
-def _somebody_runs(tasks: Iterable[Future[Any]]) -> bool:
-    """
-    Return whether one of the tasks takes as long as a run.
-
-    The pool takes tasks in order, and to read a stored recording takes a hundredth of the time.
-    """
-    return any(wait([task], timeout=LIKE_A_RUN_S).not_done for task in tasks)
 
 
 def _tell(

@@ -10,6 +10,7 @@ import pytest
 
 from autograder.classroom.class_report import write_class_report
 from autograder.classroom.pages import write_reports
+from autograder.classroom.results_of_class import graded
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
@@ -60,7 +61,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     exam = ExamResult('publisher', (check('rate'), check('stamp')), pictures=pictures)
     results = [SubmissionResult(name, ASSIGNMENT, (exam,)) for name in NAMES]
     write_reports(layout.reports, ASSIGNMENT, results)
-    return write_class_report(layout, ASSIGNMENT).parent
+    return write_class_report(layout, graded(layout, ASSIGNMENT)[0]).parent
 
 
 @pytest.mark.parametrize('width', [400, 1400])

@@ -19,7 +19,7 @@ import pytest
 from autograder import __main__ as command
 from autograder.authoring.sample_class import compose
 from autograder.classroom.pages import write_reports
-from autograder.classroom.results_of_class import one_graded
+from autograder.classroom.results_of_class import graded as last
 from autograder.commands import FOR_REVIEW, OK
 from autograder.exports.gradescope_zip import autograder_zip
 from autograder.exports.marks import (
@@ -92,7 +92,7 @@ class TestMarks:
     def test_nobody_has_a_mark_before_everything_is_graded(self, graded):
         """The written question waits; for review stays for review; who is not there is told."""
         found = {
-            one.student: one for one in marks(graded, one_graded(graded, ASSIGNMENT), 'gradebook')
+            one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], 'gradebook')
         }
 
         assert {name: one.points for name, one in found.items()} == dict.fromkeys(found)
@@ -111,7 +111,7 @@ class TestMarks:
             done = grade_class(there, lesson, FakeEngine(), 2)
             record(course, lesson, done)
             write_reports(course.reports, ASSIGNMENT, [one.result for one in done])
-            (found,) = marks(course, one_graded(course, ASSIGNMENT), 'gradebook')
+            (found,) = marks(course, last(course, ASSIGNMENT)[0], 'gradebook')
             return found
 
         assert mark().points is None
@@ -124,7 +124,7 @@ class TestMarks:
         grade_by_hand(graded, 'ann', 4.0, late=2.0)
         grade_by_hand(graded, 'eve', 4.0)
         found = {
-            one.student: one for one in marks(graded, one_graded(graded, ASSIGNMENT), 'gradebook')
+            one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], 'gradebook')
         }
 
         assert (found['ann'].points, found['ann'].max_points) == (42.0, 45.0)
@@ -135,7 +135,7 @@ class TestMarks:
         """It has a mark for work that is perhaps another one by now."""
         grade_by_hand(graded, 'ann', 4.0)
         seen = replace(
-            one_graded(graded, ASSIGNMENT),
+            last(graded, ASSIGNMENT)[0],
             results=(SubmissionResult('ann', ASSIGNMENT, (ExamResult('e', (), mode='none'),)),),
         )
         (mark,) = marks(graded, seen, 'gradebook')
@@ -144,9 +144,7 @@ class TestMarks:
 
     def test_automatic_marks_are_those_of_the_checks(self, graded):
         """Whatever the gradebook has."""
-        found = {
-            one.student: one for one in marks(graded, one_graded(graded, ASSIGNMENT), AUTOMATIC)
-        }
+        found = {one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], AUTOMATIC)}
 
         assert (found['ann'].points, found['ann'].max_points) == (40.0, 40.0)
         assert found['eve'].points is None

@@ -9,9 +9,10 @@ from fake_engine import FakeEngine
 from gradebooks import CHECK, grade, hand_in, scores
 import pytest
 
+from autograder.errors import GraderError
 from autograder.gradebook import journal
 from autograder.gradebook import live_entry as entering
-from autograder.gradebook.live_entry import Entering
+from autograder.gradebook.live_entry import Entering, Guard
 from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.submission.inbox import discover
 
@@ -44,13 +45,13 @@ def class_(course):
     return course
 
 
-def run(course, engine, meanwhile):
+def run(course, engine, on_graded):
     """Run the class, one after the other."""
     lesson = load_lesson(course, ASSIGNMENT, engine)
     there = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
-    book = Entering(course, lesson)
-    graded = grade_class(there, lesson, engine, 1, meanwhile=lambda ready: meanwhile(book, ready))
-    return book.finish(graded)
+    book = Entering(course, lesson, Guard(course))
+    grade_class(there, lesson, engine, 1, on_graded=lambda graded: on_graded(book, graded))
+    return book.finish()
 
 
 def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
@@ -59,15 +60,14 @@ def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
     engine = Held()
     early: list[str] = []
 
-    def meanwhile(book, ready):
-        book.meanwhile(ready)
-        if not ready:
+    def on_graded(book, graded):
+        book.add(graded)
+        if graded.result.student == 'bob':
             assert engine.begun.wait(GOES_ON_S)
-        elif not engine.free.is_set():
             early.extend(sorted(journal.shown(class_, ASSIGNMENT)))
             engine.free.set()
 
-    assert run(class_, engine, meanwhile) == (3, '')
+    assert run(class_, engine, on_graded) == (3, '')
     assert early == ['ann', 'bob']
     assert {scores(class_, one)[CHECK] for one in STUDENTS} == {15}
     assert grade(class_) == 0
@@ -75,24 +75,20 @@ def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
 
 def test_a_gradebook_that_refuses_meanwhile_is_asked_again_at_the_end(class_, monkeypatch):
     """Only then is it a matter for the instructor."""
-    monkeypatch.setattr(entering, 'TOGETHER', 1)
-    engine, real = Held(), entering.enter
+    monkeypatch.setattr(entering, 'TOGETHER', 2)
+    engine, real = Held(), entering.record
+    engine.free.set()
     asked: list[list[str]] = []
 
-    def busy_at_first(layout, lesson, graded, begin, guard):
+    def busy_at_first(layout, lesson, graded):
         asked.append([one.result.student for one in graded])
-        return (0, 'locked') if len(asked) == 1 else real(layout, lesson, graded, begin, guard)
+        if len(asked) == 1:
+            raise GraderError('locked')
+        real(layout, lesson, graded)
 
-    monkeypatch.setattr(entering, 'enter', busy_at_first)
+    monkeypatch.setattr(entering, 'record', busy_at_first)
 
-    def meanwhile(book, ready):
-        book.meanwhile(ready)
-        if not ready:
-            assert engine.begun.wait(GOES_ON_S)
-        else:
-            engine.free.set()
-
-    assert run(class_, engine, meanwhile) == (3, '')
+    assert run(class_, engine, Entering.add) == (3, '')
     assert asked == [['ann', 'bob'], ['ann', 'bob', 'cho']]
 
 
@@ -100,12 +96,9 @@ def test_a_gradebook_that_cannot_be_reached_costs_no_result(class_):
     """It is said once, at the end."""
     class_.work.joinpath('gradebook.db').write_bytes(b'no database' * 100)
     engine = Held()
+    engine.free.set()
 
-    def meanwhile(book, ready):
-        book.meanwhile(ready)
-        engine.free.set()
-
-    new, refused = run(class_, engine, meanwhile)
+    new, refused = run(class_, engine, Entering.add)
 
     assert new == 3
     assert 'gradebook.db: the gradebook is damaged: ' in refused

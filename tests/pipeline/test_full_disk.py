@@ -18,6 +18,7 @@ from autograder.classroom.results_of_class import last_results
 from autograder.commands import grade as grading
 from autograder.commands.grade import NotEnteredError
 from autograder.gradebook import journal, record
+from autograder.gradebook.live_entry import Guard
 
 pytestmark = [pytest.mark.pipeline, pytest.mark.nbgrader]
 
@@ -56,7 +57,9 @@ def graded(course):
     """Grade the class as the command does; return the table and what was refused."""
     console = Console(width=120, record=True)
     with pytest.raises(NotEnteredError) as caught:
-        grading._grade_assignment(course, ASSIGNMENT, course.submitted, FakeEngine(), 1, console)
+        grading.Grading(course, course.submitted, FakeEngine(), 1, console, Guard(course)).one(
+            ASSIGNMENT
+        )
     return console.export_text(), caught.value
 
 

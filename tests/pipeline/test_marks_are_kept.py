@@ -13,7 +13,7 @@ from gradebooks import book, by_hand, CHECK, hand_in, NOTEBOOK, scores, WRITTEN
 import pytest
 
 from autograder import __main__ as command
-from autograder.classroom.results_of_class import one_graded
+from autograder.classroom.results_of_class import graded as results_of
 from autograder.commands import FOR_REVIEW, OK, rejudge
 from autograder.commands import grade as grading
 from autograder.gradebook.copies import copies
@@ -93,7 +93,7 @@ class TestPoints:
             'then make release\n'
         )
         assert scores(here, 'ann')[CHECK] == 15
-        assert one_graded(here, ASSIGNMENT).results[0].points == 40
+        assert results_of(here, ASSIGNMENT)[0].results[0].points == 40
 
     def test_a_release_of_before_is_refused(self, here, edit, capsys):
         """The score would be more than the released cell may have."""
@@ -124,7 +124,7 @@ class TestLoweredMarks:
         assert said.err.startswith(f'autograder: gradebook: 1 mark of {ASSIGNMENT} would be ')
         assert 'Try: look at the list, then run the same command with --yes' in said.err
         assert scores(here, 'ann')[CHECK] == scores(here, 'bob')[CHECK] == 15
-        assert [one.points for one in one_graded(here, ASSIGNMENT).results] == [30, 40]
+        assert [one.points for one in results_of(here, ASSIGNMENT)[0].results] == [30, 40]
 
         assert grade() == command.USAGE  # until it is decided
         capsys.readouterr()
@@ -209,12 +209,12 @@ class TestLoweredMarks:
         assert 'Nothing was written, because marks would be lowered or cleared.' in said.out
         assert 'nothing was written. Try: look at the list, then run the same command' in said.err
         assert scores(here, 'ann')[CHECK] == 15
-        assert one_graded(here, ASSIGNMENT).results[0].points == 40
+        assert results_of(here, ASSIGNMENT)[0].results[0].points == 40
 
         assert command.main(['rejudge', '--write', '--yes']) == OK
         assert 'lower mark in the gradebook: ann 40 to 30\n' in capsys.readouterr().out
         assert scores(here, 'ann')[CHECK] == 5
-        assert one_graded(here, ASSIGNMENT).results[0].points == 30
+        assert results_of(here, ASSIGNMENT)[0].results[0].points == 30
 
 
 class TestCopies:
@@ -294,4 +294,4 @@ class TestStudents:
         assert grade() == OK
         said = ' '.join(capsys.readouterr().out.split())
         assert 'Folders without a notebook of the course were not graded: old stuff.' in said
-        assert len(one_graded(here, ASSIGNMENT).results) == 1
+        assert len(results_of(here, ASSIGNMENT)[0].results) == 1

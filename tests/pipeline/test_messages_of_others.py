@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from autograder.authoring.exam_mistakes import ament_prefixes, type_mistakes
+from autograder.authoring.exam_mistakes import unsendable
 from autograder.errors import ProbeFailed
 from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.scenario import Advance, Call, Feed, Scenario
@@ -110,7 +110,7 @@ def test_twist_set_bool_scan_and_odometry_are_judged(exam):
     assert [(check.verdict, check.observed) for check in result.checks] == [
         (Verdict.PASSED, '')
     ] * 2
-    assert list(type_mistakes(exam, ament_prefixes())) == []
+    assert unsendable([exam]) == []
 
 
 def test_missing_package_is_reported_with_the_file_that_names_packages(exam):

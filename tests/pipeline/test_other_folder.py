@@ -10,9 +10,11 @@ from fake_engine import FakeEngine
 import pytest
 from rich.console import Console
 
-from autograder.classroom.results_of_class import one_graded, results_file
-from autograder.commands.grade import _grade_assignment
+from autograder.classroom.results_of_class import graded as results_of
+from autograder.classroom.results_of_class import results_file
+from autograder.commands.grade import Grading
 from autograder.errors import GraderError
+from autograder.gradebook.live_entry import Guard
 
 NOTEBOOK = 'temperature_monitor.ipynb'
 
@@ -36,13 +38,13 @@ def hand_in(course, folder, student, **changes):
 def grade(course, folder):
     """Grade a folder; return what a terminal shows."""
     console = Console(file=io.StringIO(), width=150)
-    _grade_assignment(course, ASSIGNMENT, folder, VisibleEngine(), 1, console)
+    Grading(course, folder, VisibleEngine(), 1, console, Guard(course)).one(ASSIGNMENT)
     return console.file.getvalue()
 
 
 def points(course):
     """Return the last results, by student."""
-    return {one.student: one.points for one in one_graded(course, ASSIGNMENT).results}
+    return {one.student: one.points for one in results_of(course, ASSIGNMENT)[0].results}
 
 
 def pages(course):

@@ -31,7 +31,7 @@ def folder(tmp_path):
 def result_of(folder):
     """Return the result of the visible exam on a folder."""
     looks = quick_look.looks(folder, quick_look.exams_named('limiter', LAYOUT, False), LAYOUT)
-    ((_, result),) = quick_look.quick_look(looks, strongest(), None)
+    ((_, result),) = quick_look.quick_look(looks, strongest(), folder.parent / 'kept')
     return result
 
 

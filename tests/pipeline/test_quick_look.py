@@ -241,7 +241,7 @@ class TestRuns:
         (look,) = quick_look.looks(
             folder, quick_look.exams_named('temperature_publisher', LAYOUT, hidden=False), LAYOUT
         )
-        ((_, result),) = quick_look.quick_look([look], strongest(), None)
+        ((_, result),) = quick_look.quick_look([look], strongest(), tmp_path / 'kept')
 
         assert result.failed[0].cause_id == cause_id
         assert result.points == 0

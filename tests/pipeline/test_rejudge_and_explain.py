@@ -107,7 +107,7 @@ def now(monkeypatch, layout):
 def by_student(accounts):
     """Return what happened to each student."""
     (account,) = accounts
-    return {one.student: one for one in account.rejudged}
+    return {one.before.student: one for one in account.rejudged}
 
 
 class TestRejudge:
@@ -251,7 +251,7 @@ class TestRejudge:
         now(exam)
         (account,), _ = rejudge_command(layout, None, None, write=True)
 
-        changed = {one.student for one in account.rejudged if one.changed}
+        changed = {one.before.student for one in account.rejudged if one.changed}
         assert 'fail__two_hertz' in changed
         assert len(changed) < len(STUDENTS)
         assert given == [set(STUDENTS), changed]
@@ -280,7 +280,7 @@ class TestExplain:
         assert found['now'] == 'judged again now from the recording: same verdict'
         assert found['recording']['of_these_files']
         assert found['recording']['name'] in text
-        assert found['versions']['rclpy'] in text
+        assert found['recording']['header']['made_with']['rclpy'] in text
         assert len(text.splitlines()) <= MOST_LINES
         assert max(map(len, text.splitlines())) <= WIDEST
         json.dumps(found)

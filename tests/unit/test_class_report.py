@@ -263,7 +263,7 @@ class TestPage:
 
     def test_every_student_is_linked_to_a_page_that_is_there(self, layout):
         """The pages of feedback beside it."""
-        path = write_class_report(layout, ASSIGNMENT)
+        path = write_class_report(layout, graded(layout, ASSIGNMENT)[0])
 
         links = {
             attributes['href']
@@ -305,8 +305,8 @@ class TestPage:
 
     def test_it_is_written_again_in_place(self, layout):
         """A newer grading replaces it."""
-        path = write_class_report(layout, ASSIGNMENT, 'first')
-        write_class_report(layout, ASSIGNMENT, 'second')
+        path = write_class_report(layout, graded(layout, ASSIGNMENT)[0], 'first')
+        write_class_report(layout, graded(layout, ASSIGNMENT)[0], 'second')
 
         assert 'second' in path.read_text('utf-8')
         assert [one.name for one in path.parent.glob('.class*')] == []

@@ -344,11 +344,12 @@ def test_starting_imports_neither_nbgrader_nor_ros():
 def test_what_the_gradebook_refuses_is_told_of_every_assignment(monkeypatch):
     """Once each: a server that does not answer says the same for all of them."""
 
-    def refuses(layout, assignment, *_):
+    def refuses(_, assignment):
         raise NotEnteredError('no server.' if assignment == '09' else f'{assignment}: cells.', ())
 
-    monkeypatch.setattr(grading, '_grade_assignment', refuses)
-    done, trouble = grading._grade_all(None, ['03', '07', '09', '09'], None, None, 1, None)
+    monkeypatch.setattr(grading.Grading, 'one', refuses)
+    class_ = grading.Grading(None, None, None, 1, None, grading.Guard(None))
+    done, trouble = class_.all(['03', '07', '09', '09'])
 
     assert done == []
     assert trouble == '03: cells. 07: cells. no server.'

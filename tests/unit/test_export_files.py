@@ -8,12 +8,12 @@ from hypothesis import given, settings, strategies
 import pytest
 
 from autograder.errors import GraderError
-from autograder.files import LONGEST_NAME, refuse_existing, safe_name, write_file
+from autograder.files import keep, LONGEST_NAME, refuse_existing, safe_name
 
 
 def test_a_file_is_written_with_its_folder_and_nothing_else(tmp_path):
     """No temporary file stays."""
-    write_file(tmp_path / 'new' / 'marks.csv', b'data', mode=0o600)
+    keep(tmp_path / 'new' / 'marks.csv', b'data', mode=0o600)
 
     assert (tmp_path / 'new' / 'marks.csv').read_bytes() == b'data'
     assert os.listdir(tmp_path / 'new') == ['marks.csv']
@@ -26,9 +26,9 @@ def test_a_file_that_is_there_stays_unless_forced(tmp_path):
     path.write_bytes(b'old')
 
     with pytest.raises(GraderError, match=r'already exists\. Try: --force'):
-        write_file(path, b'new')
-    assert path.read_bytes() == b'old'
-    write_file(path, b'new', force=True)
+        refuse_existing([path], force=False)
+    refuse_existing([path], force=True)
+    keep(path, b'new')
     assert path.read_bytes() == b'new'
 
 
@@ -43,7 +43,7 @@ def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
     monkeypatch.setattr(os, 'fsync', full)
 
     with pytest.raises(OSError, match='No space'):
-        write_file(path, b'new', force=True)
+        keep(path, b'new')
     assert path.read_bytes() == b'old'
     assert os.listdir(tmp_path) == ['marks.csv']
 
@@ -71,7 +71,7 @@ def test_a_long_id_is_a_file_name_all_the_same(tmp_path, letter, count):
     assert len(set(names)) == 3
     for name in names:
         assert len(name.encode()) <= LONGEST_NAME
-        write_file(tmp_path / f'{name}.html', b'x')
+        keep(tmp_path / f'{name}.html', b'x')
 
 
 def test_short_names_stay_as_they_are():

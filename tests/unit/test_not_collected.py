@@ -27,6 +27,7 @@ from autograder.classroom.not_collected import (
     read_not_collected,
 )
 from autograder.classroom.pages import print_table, write_reports
+from autograder.classroom.results_of_class import graded
 from autograder.collect.take_in import collect
 from autograder.commands import OK
 from autograder.commands.forget import traces
@@ -119,7 +120,7 @@ class TestShown:
     def test_pages_have_reasons_and_names(self, missing, layout):
         """The names stand together, for an e-mail."""
         write_reports(layout.reports, TALK, [submission('cho')], missing=missing)
-        write_class_report(layout, TALK)
+        write_class_report(layout, graded(layout, TALK)[0])
 
         for page in ('index.html', 'class.html'):
             text = (layout.reports / TALK / page).read_text('utf-8')
@@ -159,9 +160,9 @@ def test_forgotten_student_leaves_the_list(tmp_path, layout):
     url = f'sqlite:///{layout.root}/gradebook.db'
     text = f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n'
     (layout.root / 'nbgrader_config.py').write_text(text, encoding='utf-8')
-    lines = list(traces(layout, '1004').lines(layout))
+    lines = traces(layout, '1004').lines
 
     forget_not_collected(layout, '1004')
 
     assert [student for student, _, _ in kept(layout)] == ['1003', '1006']
-    assert f'  reports: Not collected: {PDF}.' in lines
+    assert f'reports: Not collected: {PDF}.' in lines

@@ -10,7 +10,6 @@ import pytest
 
 from autograder.errors import GraderError, ProbeFailed
 from autograder.explaining.feedback import headline
-from autograder.grading import pipeline
 from autograder.grading.pipeline import grade_class, grade_notebook, Lesson
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.submission.inbox import Submission
@@ -118,59 +117,30 @@ def test_progress_is_told_for_each_exam_of_each_student():
     assert {done.student for done in told if isinstance(done.outcome, GraderError)} == {'cho'}
 
 
-def test_something_can_be_done_in_the_calling_thread_while_runs_take_place():
-    """The imports of nbgrader take as long as a run."""
-    where, done = [], threading.Event()
+def test_each_result_is_told_in_the_calling_thread_while_others_are_run():
+    """In their order, and never somebody without a result."""
+    told, where = [], set()
+    hold = threading.Event()
 
     class Running(FakeEngine):
         def run(self, exam, files):
-            assert done.wait(30)
+            assert 'last' not in ''.join(files.values()) or hold.wait(30)
             return super().run(exam, files)
 
-    def meanwhile(ready):
-        assert ready == ()
-        where.append(threading.current_thread())
-        done.set()
+    def on_graded(graded):
+        assert graded.result.exams
+        told.append(graded.result.student)
+        where.add(threading.current_thread())
+        if told == ['s1', 's2']:
+            hold.set()
 
-    grade_class([handed_in('ann', 'right')], LESSON, Running(), jobs=1, meanwhile=meanwhile)
+    class_ = [handed_in(f's{n}', f'right {n}') for n in (1, 2)]
+    class_ += [handed_in('s3', 'right last')]
+    graded = grade_class(class_, LESSON, Running(), jobs=1, on_graded=on_graded)
 
-    assert where == [threading.main_thread()]
-
-
-def test_those_that_are_ready_are_told_while_others_are_run():
-    """Each of them once, in their order, and never somebody without a result."""
-    told, second = [], threading.Event()
-    holds = {'right 2': threading.Event(), 'right 3': threading.Event()}
-
-    class Running(FakeEngine):
-        def run(self, exam, files):
-            (text,) = files.values()
-            if hold := holds.get(text.strip()):
-                second.set()
-                assert hold.wait(30)
-            return super().run(exam, files)
-
-    def meanwhile(ready):
-        told.append([one.result.student for one in ready])
-        assert all(one.result.exams for one in ready)
-        if len(told) == 1:
-            assert second.wait(30)  # the first is ready
-        else:
-            holds[f'right {len(told)}'].set()
-
-    class_ = [handed_in(f's{number}', f'right {number}') for number in range(1, 4)]
-    graded = grade_class(class_, LESSON, Running(), jobs=1, meanwhile=meanwhile)
-
-    assert told == [[], ['s1'], ['s2']]
+    assert told == ['s1', 's2', 's3']
+    assert where == {threading.main_thread()}
     assert set(points(graded).values()) == {2.0}
-
-
-def test_nothing_is_done_meanwhile_if_nothing_has_to_be_run(monkeypatch):
-    """Then nbgrader is not needed either, unless somebody is to be entered."""
-    monkeypatch.setattr(pipeline, 'LIKE_A_RUN_S', 60)
-    grade_class(
-        [handed_in('ann', 'right')], LESSON, FakeEngine(), jobs=1, meanwhile=lambda _: 1 / 0
-    )
 
 
 def test_no_more_runs_at_a_time_than_asked_for():
@@ -184,28 +154,30 @@ def test_no_more_runs_at_a_time_than_asked_for():
 
 def test_ctrl_c_starts_nothing_new():
     """What was planned is dropped."""
-    engine = FakeEngine()
-    begun = threading.Event()
-    held = threading.Event()
-    run = engine.run
+    engine, begun, held = FakeEngine(), threading.Event(), threading.Event()
+    run, ran = engine.run, []
 
     def wait_then_run(exam, files):
-        begun.set()
-        held.wait(10)
+        (text,) = files.values()
+        ran.append(text)
+        if 'first' not in text:
+            begun.set()
+            held.wait(10)
         return run(exam, files)
 
-    def interrupt(ready):
+    def interrupt(graded):
         begun.wait(10)
         raise KeyboardInterrupt
 
     engine.run = wait_then_run
-    class_ = [handed_in(f's{number}', 'right') for number in range(50)]
+    class_ = [handed_in('a', 'right first')]
+    class_ += [handed_in(f's{number}', f'right {number}') for number in range(50)]
 
     with pytest.raises(KeyboardInterrupt):
-        grade_class(class_, LESSON, engine, jobs=1, meanwhile=interrupt)
+        grade_class(class_, LESSON, engine, jobs=1, on_graded=interrupt)
     held.set()
 
-    assert len(engine.threads) <= 1
+    assert len(ran) <= 4
 
 
 def test_one_notebook_is_graded_the_same_way():

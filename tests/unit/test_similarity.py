@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 import json
 
 from hypothesis import given, settings, strategies
@@ -238,7 +239,7 @@ def test_the_list_says_that_it_is_no_proof():
     assert WARNING in similar_text(result)
     assert 'proves nothing' in similar_text(result)
     assert 'Two submissions of this class are typically' in similar_text(result)
-    assert json.loads(json.dumps(result.to_json()))['warning'] == WARNING
+    assert json.loads(json.dumps(asdict(result)))['warning'] == WARNING
 
 
 def test_hostile_words_have_no_effect_on_a_terminal():
