@@ -16,7 +16,7 @@ import xml.etree.ElementTree as ElementTree
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.judging.causes.builds import diagnose, Diagnosis, NO_MESSAGES
 from autograder.judging.causes.ended import close_name
-from autograder.judging.causes.text_table import rows
+from autograder.judging.text_table import rows
 
 Fields = Sequence[tuple[str, str]]
 """Types and names of fields, in order."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 import re
 
-from autograder.judging.causes.text_table import rows
+from autograder.judging.text_table import rows
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from autograder.judging.causes.text_table import rows
+from autograder.judging.text_table import rows
 
 
 class Kind(NamedTuple):
