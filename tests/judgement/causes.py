@@ -19,7 +19,7 @@ from typing import Any
 from autograder.exam import catalog
 from autograder.exam.names import Names
 from autograder.exams.visible import check_your_understanding as questions
-from autograder.judging.causes import builds, ended, exception_table
+from autograder.judging.causes import builds, code_table, ended, exception_table
 from autograder.layout import Layout
 from tests.judgement.kept import load, table, write_or_compare
 
@@ -117,6 +117,9 @@ def _in_tables() -> Iterator[Written]:
             re.sub(r'\\\d|\{\w+\}', '…', said) for said in (kind.text, kind.try_this)
         )
         yield Written(kind.cause_id, text, try_this, 'exception_table')
+    for row in code_table.TABLE:
+        text, try_this = (re.sub(r'\{\w+\}', '…', said) for said in (row.text, row.try_this))
+        yield Written(row.cause_id, text, try_this, 'code_table')
     for name, (what, why) in ended.LIMITS.items():
         yield Written(name, f'The program was ended: {what}.', f'Look for {why}.', 'ended')
     for mistake in builds.MISTAKES:

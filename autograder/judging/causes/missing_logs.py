@@ -11,11 +11,12 @@ from collections.abc import Callable, Iterator, Sequence
 import re
 
 from autograder.exam.exam import Cause, Run
+from autograder.judging.causes.code_table import why_by_code
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.logged_errors import why_exception_logged
-from autograder.recording import Event, INFO, LEVELS
+from autograder.recording import Event, LEVELS
 from autograder.submission.code.code_places import leaves_out, logs_with_python
-from autograder.submission.code.learners_code import calls, Code
+from autograder.submission.code.learners_code import calls
 
 CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
 Belongs = Callable[[str], bool]
@@ -168,21 +169,4 @@ def why_no_line(run: Run, call: str) -> Cause:
 
     :param call: how its timer is made
     """
-    code = Code(run.files)
-    if not {'create_timer', 'create_rate'} & code.names:
-        return Cause('no_timer', 'No timer is created, so nothing is called.', f'Call {call}.')
-    if 'debug' in code.calls:
-        return debug_level(INFO)
-    if code.catches_all:
-        return Cause(
-            'swallowed',
-            'Nothing is logged, and your code catches every exception: a mistake in the callback '
-            'is told to nobody.',
-            'Take try and except out of the callback, and read what Python says.',
-        )
-    return Cause(
-        'silent',
-        'None of its timers leads to a line: it has not been created, or its period is too long, '
-        'or its callback does not log.',
-        f'Is {call} reached? The period is in seconds: 1000 is a quarter of an hour.',
-    )
+    return why_by_code('no_line', run, call=call)

@@ -15,7 +15,7 @@ from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.redaction import asked
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.recording import Recording
-from autograder.submission.code.learners_code import Code, pause_in_callback
+from autograder.submission.code.learners_code import pause_in_callback
 
 THREAD = 'Exception in thread '
 """How Python begins what it prints when an exception has ended a thread, and not the program."""
@@ -79,24 +79,6 @@ def _works(run: Run, node: str) -> bool:
     """Tell whether a node has a publisher or a subscription of its own."""
     kinds = ('publisher', 'subscription')
     return any(end['node'] == node for kind in kinds for end in run.recording.endpoints(kind))
-
-
-def why_it_loops(code: Code) -> Cause | None:
-    """
-    Explain a node that nobody spins because a loop does all.
-
-    There is no callback in its code, so none can be what does not return.
-    """
-    calls = ('create_timer', 'create_subscription', 'create_service', 'create_rate', 'on_')
-    called = any('callback' in name or name.startswith(calls) for name in code.names)
-    if called or not code.loops:
-        return None
-    return Cause(
-        'own_loop',
-        'Your program does all in a loop of its own, so nobody spins its node.',
-        'Use self.create_timer(...) with the period in seconds, and rclpy.spin(node), instead of '
-        'a loop.',
-    )
 
 
 def why_it_sleeps(run: Run) -> Cause | None:

@@ -48,12 +48,7 @@ def trees(files: Mapping[str, str]) -> Iterator[ast.Module]:
 
 def texts_in(files: Mapping[str, str]) -> set[str]:
     """Return the texts between quotes, documentation among them."""
-    return {
-        node.value
-        for tree in trees(files)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    }
+    return Code(files).texts
 
 
 class Code:
@@ -80,6 +75,12 @@ class Code:
     def names(self) -> frozenset[str]:
         """Return the names and attributes that are used, and the functions that are defined."""
         return (frozenset(map(last_name, self.nodes)) | set(self.functions)) - {''}
+
+    @cached_property
+    def texts(self) -> set[str]:
+        """Return the texts between quotes, documentation among them."""
+        constants = (node.value for node in self.nodes if isinstance(node, ast.Constant))
+        return {value for value in constants if isinstance(value, str)}
 
     @cached_property
     def functions(self) -> Mapping[str, ast.FunctionDef | ast.AsyncFunctionDef]:
