@@ -91,7 +91,7 @@ def test_exception_is_named_with_the_line_of_the_cell(error, cause_id):
     found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
 
     assert found.cause_id == cause_id
-    assert 'line 8 of the cell' in found.text
+    assert 'Line 8: ' in found.text
 
 
 def test_node_that_never_answers_was_never_spun():

@@ -15,7 +15,7 @@ from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.redaction import asked
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.recording import Recording
-from autograder.submission.code.learners_code import pause_in_callback
+from autograder.submission.code.learners_code import in_cell, pause_in_callback
 
 THREAD = 'Exception in thread '
 """How Python begins what it prints when an exception has ended a thread, and not the program."""
@@ -49,10 +49,8 @@ def why_thread_ended(run: Run) -> Cause | None:
         if trace is None or not trace.line or not (spins or idle):
             continue
         why = exception_cause(trace)
-        # It is not the program that stopped.
-        text = why.text.replace('The program stopped with an exception', 'An exception was raised')
         which = 'the thread that spins the node' if spins else 'a thread of your program'
-        return replace(why, text=f'{text.removesuffix(".")}. It ended {which}.')
+        return replace(why, text=f'{why.text.removesuffix(".")}. It ended {which}.')
     return None
 
 
@@ -64,13 +62,13 @@ def why_other_is_spun(run: Run) -> Cause | None:
     if not answered:
         return None
     silent = sorted(names - answered, key=lambda node: (not _works(run, node), node))
-    # A helper that nobody spins explains nothing, unless the one that is spun has no work either.
+    # A helper that is not spun explains nothing, unless the spun node has no work either.
     if silent and (_works(run, silent[0]) or not any(_works(run, node) for node in answered)):
         other, mine = (name.rpartition('/')[2][:60] for name in (min(answered), silent[0]))
         return Cause(
             'other_node_spun',
             f'The node {other} is spun and {mine} is not, so the callbacks of {mine} never run.',
-            'Spin the node that has the work, or give both to one executor with add_node().',
+            f'Spin {mine}, or add both nodes to one executor with add_node().',
         )
     return None
 
@@ -89,8 +87,7 @@ def why_it_sleeps(run: Run) -> Cause | None:
     name = f'{pause.callback[:60]}()' if pause.callback else 'A callback'
     return Cause(
         'sleeps_in_callback',
-        # Line 1 of the cell is the magic line.
-        f'{name} sleeps in line {pause.line + 1} of the cell, and while a callback sleeps, the '
-        'node does nothing else: no timer ticks, no message is taken.',
-        'Take the sleep out. The period of a timer is the pause, and a callback returns at once.',
+        f'{in_cell(pause.line)}{name} sleeps. While a callback sleeps, no timer ticks and no '
+        'message is received.',
+        'Use the period of the timer as the pause, and return from the callback at once.',
     )

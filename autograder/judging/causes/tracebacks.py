@@ -15,7 +15,7 @@ import re
 from autograder.exam.exam import Run
 from autograder.exam.names import Names
 from autograder.judging.causes.redaction import drawn_values, PUBLIC
-from autograder.submission.code.learners_code import without_texts
+from autograder.submission.code.learners_code import in_cell, without_texts
 
 _HEAD = 'Traceback (most recent call last)'
 _IGNORED = 'Exception ignored in'
@@ -60,14 +60,8 @@ class Traceback:
 
     @property
     def place(self) -> str:
-        """Return the place in the learner's cell, to be put behind a sentence."""
-        # Line 1 of the cell is the magic line, so line n of the file is line n + 1 of the cell.
-        return f' in line {self.line + 1} of the cell' if self.line else ''
-
-    @property
-    def where(self) -> str:
-        """Return the place, unless the line only spins: then another one is to be mended."""
-        return '' if self.spun else self.place
+        """Return the place in the learner's cell, unless the line only spins, which is right."""
+        return in_cell(None if self.spun else self.line)
 
     @cached_property
     def said(self) -> str:

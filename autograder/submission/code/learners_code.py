@@ -38,6 +38,15 @@ def without_texts(code: str) -> str:
     return ''.join(char for line in lines for char in line)
 
 
+def in_cell(line: int | None) -> str:
+    """
+    Return a place in the learner's cell, to be put before a sentence.
+
+    :param line: of the file, from 1; line 1 of the cell is the magic line, which is in no file
+    """
+    return f'Line {line + 1}: ' if line else ''
+
+
 def trees(files: Mapping[str, str]) -> Iterator[ast.Module]:
     """Yield the syntax tree of each file that Python can read."""
     for name, text in sorted(files.items()):
