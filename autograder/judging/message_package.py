@@ -14,8 +14,14 @@ import re
 import xml.etree.ElementTree as ElementTree
 
 from autograder.exam.exam import Cause, Failed, Run
-from autograder.judging.causes.builds import diagnose, Diagnosis, NO_MESSAGES
-from autograder.judging.causes.ended import close_name
+from autograder.judging.causes.builds import (
+    build_cause,
+    diagnose,
+    Diagnosis,
+    NO_MESSAGES,
+    output_of,
+)
+from autograder.judging.causes.ended import close_name, LIMITS, why_killed
 from autograder.judging.text_table import rows
 
 Fields = Sequence[tuple[str, str]]
@@ -32,12 +38,6 @@ _BOUNDS = (
     (re.compile(r'\[<=(\d+)\]$'), '[<={0}] is at most {0}'),
     (re.compile(r'<=(\d+)$'), '<={0} is at most {0} characters'),
 )
-ENDED = {
-    'waits_outside': 'it waited for something that never came',
-    'cpu_limit': 'it used more than 30 s of processor time, three times what it needs',
-    'memory_limit': 'it used more than 1 GiB of memory',
-    'output_limit': 'it printed more than 8 MB',
-}
 
 
 def fields_of(text: str) -> list[tuple[str, str]]:
@@ -294,8 +294,7 @@ def commands_of(text: str) -> list[tuple[str, list[str]]]:
 
 def mistake_in_build(run: Run) -> Diagnosis:
     """Return what the tools printed as a build failed."""
-    process = run.recording.process
-    output = ''.join(str(process.get(name, '')) for name in ('stderr', 'stdout'))
+    output = output_of(run)
     found = diagnose(output, run.files)
     if not found.cause and 'Traceback' in output and 'echo_node.py' in output:
         return NO_MESSAGES
@@ -305,19 +304,6 @@ def mistake_in_build(run: Run) -> Diagnosis:
 def why_no_build(run: Run) -> Cause:
     """Explain a message package of which no message came, from how its build ended."""
     killed = str(run.recording.process.get('killed', ''))
-    if killed:
-        how = ENDED.get(killed, 'it used more than it may')
-        return Cause(
-            killed,
-            f'The build was ended: {how}.',
-            'Run build_messages() in the notebook; look for a command that does not end.',
-        )
-    found = mistake_in_build(run)
-    if not found.cause:
-        return Cause(
-            'build',
-            f'colcon stops: {found.error}',
-            'Run build_messages() and read the first error.',
-        )
-    where = '' if found.error.startswith(found.where) else f'{found.where}: '
-    return Cause(found.cause, f'{where}{found.error}', found.advice)
+    if killed in LIMITS:
+        return why_killed(killed, 'build')
+    return build_cause(mistake_in_build(run))

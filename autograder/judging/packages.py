@@ -8,7 +8,7 @@ import re
 from typing import Any
 
 from autograder.exam.exam import Cause, Run
-from autograder.judging.causes.builds import diagnose
+from autograder.judging.causes.builds import build_cause, diagnose, output_of
 from autograder.judging.causes.tracebacks import traceback_of
 
 NO_EXECUTABLE, NOT_BUILT = 97, 98
@@ -25,8 +25,7 @@ def why_no_program(run: Run) -> Cause | None:
     process: Mapping[str, Any] = run.recording.process
     code = process.get('exit') if run.facts.get('package') else None
     if code == NOT_BUILT:
-        output = ''.join(str(process.get(name, '')) for name in ('stderr', 'stdout'))
-        return _why_not_built(output, run.files)
+        return build_cause(diagnose(output_of(run), run.files))
     if code == NO_EXECUTABLE:
         return _why_no_executable(run)
     return _why_no_entry(run) if code is not None else None
@@ -50,16 +49,6 @@ def _why_no_entry(run: Run) -> Cause | None:
         )
     text = f'The entry point names the module {found["module"]}, which is not in the package.'
     return Cause('entry_point_module', text, f'{write}; MODULE is a file in the folder {package}.')
-
-
-def _why_not_built(output: str, files: Mapping[str, str]) -> Cause:
-    found = diagnose(output, files)
-    where = f'{found.where}: ' if found.where and not found.error.startswith(found.where) else ''
-    return Cause(
-        found.cause or 'build',
-        f'{where}{found.error}'[:300],
-        found.advice or 'Run colcon build in your workspace; read the first error.',
-    )
 
 
 def _why_no_executable(run: Run) -> Cause:

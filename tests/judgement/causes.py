@@ -19,7 +19,7 @@ from typing import Any
 from autograder.exam import catalog
 from autograder.exam.names import Names
 from autograder.exams.visible import check_your_understanding as questions
-from autograder.judging.causes import builds, code_table, ended, exception_table
+from autograder.judging.causes import builds, code_table, ended, exceptions
 from autograder.layout import Layout
 from tests.judgement.kept import load, table, write_or_compare
 
@@ -112,11 +112,11 @@ def template(node: ast.AST) -> str:
 
 def _in_tables() -> Iterator[Written]:
     """Yield the causes whose names come from tables."""
-    for kind in exception_table.KINDS:
+    for kind in exceptions.KINDS:
         text, try_this = (
             re.sub(r'\\\d|\{\w+\}', '…', said) for said in (kind.text, kind.try_this)
         )
-        yield Written(kind.cause_id, text, try_this, 'exception_table')
+        yield Written(kind.cause_id, text, try_this, 'exceptions')
     for row in code_table.TABLE:
         text, try_this = (re.sub(r'\{\w+\}', '…', said) for said in (row.text, row.try_this))
         yield Written(row.cause_id, text, try_this, 'code_table')

@@ -2,7 +2,7 @@
 The exception a program died of, in the learner's words: what it means, where, and what to do.
 
 Python's own message says what happened; beginners need to hear which of their habits leads there.
-What a pattern tells is in :mod:`.exception_table`, names that are not found in
+What a pattern tells is in the table ``by_exception.txt``, names that are not found in
 :mod:`.unknown_names`; here is what has to be looked up in the code as well.
 """
 
@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 import re
+from typing import NamedTuple
 
 from autograder.exam.exam import Cause
-from autograder.judging.causes.exception_table import KINDS
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.judging.causes.unknown_names import (
     homes,
@@ -21,6 +21,7 @@ from autograder.judging.causes.unknown_names import (
     init_cause,
     name_cause,
 )
+from autograder.judging.text_table import rows_of
 from autograder.layout import Layout
 from autograder.submission.code.learners_code import in_cell
 
@@ -75,6 +76,26 @@ WANTED = {
     '': 'Give it a value of that type.',
 }
 """What to do about a field, by the end of rclpy's message; the first that is found."""
+
+
+class Kind(NamedTuple):
+    """
+    One way in which an exception is raised by a beginner.
+
+    :param says: regular expression, searched in the exception and, behind a line end, the line of
+        code without its comments and texts
+    :param text: what is wrong, with groups of ``says``
+    :param try_this: the repair, with groups of ``says`` in it and names of the exam
+    """
+
+    cause_id: str
+    says: str
+    text: str
+    try_this: str
+
+
+KINDS = tuple(Kind(*row) for row in rows_of('by_exception.txt'))
+"""Exceptions of beginners, the first that fits."""
 
 
 def exception_cause(trace: Traceback) -> Cause:
