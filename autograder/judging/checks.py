@@ -13,6 +13,7 @@ full.
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -27,6 +28,7 @@ from autograder.judging.causes.ended import (
 )
 from autograder.judging.causes.redaction import own_words
 from autograder.recording import Event, LEVELS
+from autograder.submission.code.learners_code import Code, in_cell
 
 SECOND = 1_000_000_000
 
@@ -52,17 +54,29 @@ def require_node(run: Run, node: str, only_named: bool = False) -> None:
 
 
 def _why_elsewhere(run: Run, namespace: str, base: str) -> Cause | None:
-    """Explain a node of the right name that is in another namespace."""
-    for name in run.recording.nodes:
-        other, _, last = name.rpartition('/')
-        if last == base and other != namespace:
-            return Cause(
-                'namespace',
-                f'Your node {base} is in the namespace {other or "/"}.',
-                'Let the command line choose it: a plain name, no namespace= and no '
-                'use_global_arguments=False.',
-            )
-    return None
+    """Explain a node of the right name that is in a different namespace."""
+    spaces = [name.rpartition('/')[0] for name in run.recording.nodes if name.endswith(f'/{base}')]
+    if not spaces or namespace in spaces:
+        return None
+    line, repair = _own_namespace(Code(run.files))
+    return Cause(
+        'namespace',
+        f'{in_cell(line)}Your node {base} is in the namespace {spaces[0] or "/"}.',
+        f'{repair} The command line chooses the namespace.',
+    )
+
+
+def _own_namespace(code: Code) -> tuple[int | None, str]:
+    """Return the line that keeps a node from the namespace of the command line, and its repair."""
+    for call in (call for some in code.calls.values() for call in some):
+        for one in call.keywords:
+            if one.arg in ('namespace', 'use_global_arguments', 'cli_args'):
+                return call.lineno, f'Remove {one.arg}=.'
+    for call in code.calls.get('init', ()):
+        given = [*call.args[:1], *(one.value for one in call.keywords if one.arg == 'args')]
+        if given and isinstance(given[0], (ast.List, ast.Tuple, ast.Call)):
+            return call.lineno, 'Write rclpy.init(args=args) in main(args=None).'
+    return None, 'Give the node a plain name.'
 
 
 def require_endpoint(run: Run, kind: str, topic: str, type_name: str) -> list[Event]:

@@ -29,7 +29,7 @@ SHARED = (
     'causes/of_builds.txt',
     'checks.py',
 )
-"""Modules and tables of advice that any exam may get; the others in the folder explain one exercise."""
+"""Modules and tables of advice that any exam may get; the others explain one exercise."""
 
 
 def rover() -> Exam:

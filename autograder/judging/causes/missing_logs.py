@@ -7,6 +7,7 @@ too.  What stands there and is no line of a node was printed, or comes from anot
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Iterator, Sequence
 import re
 
@@ -16,15 +17,15 @@ from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.logged_errors import why_exception_logged
 from autograder.recording import Event, LEVELS
 from autograder.submission.code.code_places import leaves_out, logs_with_python
-from autograder.submission.code.learners_code import calls
+from autograder.submission.code.learners_code import Code, in_cell, last_name
 
 CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
 Belongs = Callable[[str], bool]
-"""Tells by the text of a line whether it is the one that is missing."""
+"""Returns whether a text is that of the missing line."""
 
 OTHER_LOGGER = Cause(
     'other_logger',
-    "The lines come from a logger that is not the node's own; they reach no /rosout.",
+    'You log with a logger that does not belong to the node, so the lines never reach /rosout.',
     'Use self.get_logger(), not rclpy.logging.get_logger(...).',
 )
 OF_ROS = ('rcl', 'rmw', 'rcutils')
@@ -51,7 +52,7 @@ def why_not_logged(
         other = LEVELS.get(instead[0]['level'], instead[0]['level'])
         return Cause(
             'wrong_level',
-            f'A line at level {other} comes instead.',
+            f'Your node logs a line at level {other} instead.',
             f'Use self.get_logger().{CALLS[level]}(...).',
         )
     return why_printed(run, level, _needed(run, belongs)) or why_dropped(run, level)
@@ -88,7 +89,7 @@ def _why_pythons_logger(run: Run, level: int) -> Cause | None:
         return None
     return Cause(
         'other_logger',
-        "The lines are written by Python's own module logging; they reach no /rosout.",
+        "You log with Python's module logging, so the lines never reach /rosout.",
         f'Use self.get_logger().{CALLS[level]}(...), the logger of the node.',
     )
 
@@ -100,14 +101,21 @@ def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | N
     :param found: those that came; where they were logged tells which call it is
     """
     lines = {int(one['line']) for one in found if one.get('line')}
-    name = leaves_out(run.files, _names(level), lines)
-    if not name:
-        return None
-    return Cause(
-        'left_out',
-        f'Your code tells the logger to leave lines out: {name} does that.',
-        f'Take {name} out of the call of {CALLS[level]}(), so that each line comes.',
-    )
+    if name := leaves_out(run.files, _names(level), lines):
+        return Cause(
+            'left_out',
+            f'Your code tells the logger to leave lines out: {name} does that.',
+            f'Remove {name} from the call of {CALLS[level]}(), so that it logs every line.',
+        )
+    for call in Code(run.files).calls.get('set_level', ()):
+        named = set(map(last_name, ast.walk(call)))
+        if hidden := [one for number, one in LEVELS.items() if number > level and one in named]:
+            return Cause(
+                'set_level',
+                f'{in_cell(call.lineno)}set_level() hides all lines below {hidden[0]}.',
+                f'Remove that call: {CALLS[level]}() itself chooses the level of its line.',
+            )
+    return None
 
 
 def _names(level: int) -> Sequence[str]:
@@ -125,7 +133,7 @@ def why_printed(run: Run, level: int, belongs: Belongs | None = None) -> Cause |
         if not severity and text not in logged and (belongs is None or belongs(text)):
             return Cause(
                 'print_instead_of_logger',
-                'Something is printed; print() reaches its own terminal and nobody else.',
+                'Your code uses print(), which only writes to the terminal of the program.',
                 f'Use self.get_logger().{CALLS[level]}(...): it also goes to the topic /rosout.',
             )
     return None
@@ -144,23 +152,14 @@ def _on_stdout(run: Run) -> Iterator[tuple[str, str, str]]:
 
 def why_dropped(run: Run, level: int) -> Cause | None:
     """Explain a line at level DEBUG with none of the right one, or one that is left out."""
-    named = any(calls(run.files, name) for name in _names(level))
-    if calls(run.files, 'debug') and not named:
-        return debug_level(level)
+    code = Code(run.files)
+    if 'debug' in code.calls and not code.calls.keys() & set(_names(level)):
+        return Cause(
+            'debug_level',
+            'ROS hides lines at level DEBUG unless the program is started with a lower log level.',
+            f'Use self.get_logger().{CALLS[level]}(...).',
+        )
     return why_left_out(run, level)
-
-
-def debug_level(level: int) -> Cause:
-    """
-    Return the cause for a line that nobody gets to see.
-
-    :param level: the one that it should have
-    """
-    return Cause(
-        'debug_level',
-        'Lines at level DEBUG are dropped unless the program was told to show them.',
-        f'Use self.get_logger().{CALLS[level]}(...).',
-    )
 
 
 def why_no_line(run: Run, call: str) -> Cause:

@@ -170,15 +170,6 @@ def _is_made(name: ast.Name | ast.Attribute) -> bool:
     return isinstance(name.ctx, ast.Store)
 
 
-def calls(files: Mapping[str, str], name: str) -> bool:
-    """
-    Return whether a function of a name is called, by itself or as a method.
-
-    :param name: its last part, such as ``isnan``
-    """
-    return name in Code(files).calls
-
-
 def last_name(node: ast.AST) -> str:
     """Return the last part of a name with or without dots, empty for anything else."""
     if isinstance(node, ast.Attribute):
@@ -329,9 +320,10 @@ def bodies_of_callbacks(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
 
     A callback is a lambda or a function of the file that is handed to something but a thread.
     """
-    functions: dict[str, ast.AST] = {
-        node.name: node for node in ast.walk(tree) if isinstance(node, _DEFS)
-    }
+    functions: dict[str, list[ast.AST]] = {}  # two classes may each have a report()
+    for node in ast.walk(tree):
+        if isinstance(node, _DEFS):
+            functions.setdefault(node.name, []).append(node)
     handed = (
         given
         for node in ast.walk(tree)
@@ -341,15 +333,14 @@ def bodies_of_callbacks(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
     seen: set[ast.AST] = set()  # a file may have thousands of callbacks
     for callback in handed:
         name = last_name(callback)
-        first = callback if isinstance(callback, ast.Lambda) else functions.get(name)
-        left = [first] if first else []
+        left = [callback] if isinstance(callback, ast.Lambda) else [*functions.get(name, ())]
         for body in left:
             if body in seen:
                 continue
             seen.add(body)
             yield name, body
             called = (last_name(one.func) for one in ast.walk(body) if isinstance(one, ast.Call))
-            left += [functions[one] for one in called if one in functions]
+            left += [inner for one in called for inner in functions.get(one, ())]
 
 
 def _pause(body: ast.AST) -> int | None:
