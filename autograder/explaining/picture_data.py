@@ -19,7 +19,7 @@ from typing import Any
 from autograder.exam.exam import Check, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
 from autograder.judging.causes.redaction import namespace_of
-from autograder.judging.deviation import deviation
+from autograder.judging.deviation import deviation, failure_of
 from autograder.recording import Event, LEVELS
 from autograder.results import CheckResult, Verdict
 
@@ -186,7 +186,7 @@ def _arrow(
 
 def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
     """Return the times of events, if the check failed because of a number or a time."""
-    failure = _failure(check, run)
+    failure = failure_of(check, run)
     if failure is None or (failure.at is None and not _AMOUNT.match(failure.expected)):
         return None
     by_input = bool(run.recording.of('input')) and failure.every_s is None
@@ -225,14 +225,6 @@ def _window(begin: float, end: float, every_s: float, at: float | None) -> tuple
 
 def _within(row: dict[str, Any], begin: float, end: float) -> dict[str, Any]:
     return {**row, 'times': [time for time in row['times'] if begin <= time <= end][:MOST_TIMES]}
-
-
-def _failure(check: Check, run: Run) -> Failed | None:
-    try:
-        check.judge(run)
-    except Failed as failure:
-        return failure
-    return None
 
 
 def _rows(exam: Exam, run: Run, result: CheckResult, unit: str) -> list[dict[str, Any]]:

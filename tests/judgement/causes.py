@@ -20,6 +20,7 @@ from autograder.exam import catalog
 from autograder.exam.names import Names
 from autograder.exams.visible import check_your_understanding as questions
 from autograder.judging.causes import builds, code_table, ended, exceptions
+from autograder.judging.text_table import rows_of
 from autograder.layout import Layout
 from tests.judgement.kept import load, table, write_or_compare
 
@@ -122,6 +123,9 @@ def _in_tables() -> Iterator[Written]:
         yield Written(row.cause_id, text, try_this, 'code_table')
     for name, (what, why) in ended.LIMITS.items():
         yield Written(name, f'The program was ended: {what}.', f'Look for {why}.', 'ended')
+    for head, _, text, try_this in rows_of('of_fields.txt'):
+        text, try_this = (re.sub(r'\{\w+\}', '…', said) for said in (text, try_this))
+        yield Written(head.partition('|')[0], text, try_this, 'message_package')
     for mistake in builds.MISTAKES:
         yield Written(mistake.cause, mistake.error, mistake.advice, 'builds')
     for name, (text, try_this) in questions.CAUSES.items():

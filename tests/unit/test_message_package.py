@@ -100,7 +100,7 @@ class TestFields:
         text = RIGHT.replace('string', 'str').replace('float64[<=4] values', 'float values')
         failed = failure(require_fields, text, WANTED)
 
-        assert failed.why.text.endswith('Also to mend: str unit')
+        assert failed.why.text.endswith('Also fix: str unit')
 
     def test_many_lines_earn_nothing(self):
         """Who writes down everything that could be asked for has answered nothing."""

@@ -76,13 +76,13 @@ PYTHON_MISTAKES = (
 )
 MISSING_AMENT_PACKAGE = Diagnosis(
     'missing_ament_package',
-    'It was built, but ROS 2 cannot find it: nothing was registered.',
+    'The package was built, but ROS 2 cannot find it: nothing was registered.',
     'Make ament_package() the last line of CMakeLists.txt.',
     'CMakeLists.txt',
 )
 NO_MESSAGES = Diagnosis(
     'no_messages',
-    'It was built, but no message was made.',
+    'The package was built without a message.',
     'Call rosidl_generate_interfaces(${PROJECT_NAME} "msg/Name.msg" ...) there.',
     'CMakeLists.txt',
 )

@@ -179,13 +179,10 @@ def why_no_configure(code: Code) -> Cause | None:
     if code.makes('on_configure'):
         return None
     near = close_name('on_configure', code.functions)
-    text = f'Nobody calls your {near}(); did you mean on_configure()? rclpy calls the method of '
+    meant = f' Did you mean on_configure() by {near}()?' if near else ''
     return Cause(
         'method_name',
-        f'{text}exactly this name.'
-        if near
-        else 'There is no method on_configure() in your code; rclpy calls the one of exactly this '
-        'name.',
+        f'Your code has no method on_configure(), which rclpy calls by exactly this name.{meant}',
         'Write: def on_configure(self, state):',
     )
 
@@ -200,13 +197,13 @@ def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause |
         if end['topic'] == f'{end["node"]}/{base}':
             return Cause(
                 'private_name',
-                'With ~/ the topic belongs to the node alone: its name contains that of the node.',
+                'With ~/, the topic name contains the name of the node.',
                 plain,
             )
         if not topic.endswith(end['topic']):
             return Cause(
                 'namespace_in_the_name',
-                'The name of your topic contains a namespace that is not asked for.',
+                'Your topic name contains a namespace that the exercise does not have.',
                 plain,
             )
     return None
@@ -284,9 +281,7 @@ def how_to_look(run: Run) -> str:
         return ''
     if topics:
         return (
-            f"Look yourself: start your node and run echo('{min(topics)}') in a cell, or "
+            f"Try it: start your node and run echo('{min(topics)}') in a cell, or "
             f'ros2 topic echo in a terminal, and compare with what is expected.'
         )
-    return (
-        'Look yourself: start your node, run logs() in a cell, and compare with what is expected.'
-    )
+    return 'Try it: start your node, run logs() in a cell, and compare with what is expected.'

@@ -16,12 +16,12 @@ from autograder.submission.code.learners_code import Code
 
 READ_ONCE = Cause(
     'read_once',
-    'The parameter was changed, and on_configure() still goes by an earlier value.',
+    'The parameter has changed, but on_configure() still uses an earlier value.',
     "Read it in on_configure(), each time: self.get_parameter('$parameter').value.",
 )
 SILENT_REFUSAL = Cause(
     'silent_refusal',
-    'A refusal comes without an ERROR line: the reason is not reported.',
+    'Your node refuses without an ERROR line.',
     "Each time before FAILURE is returned: self.get_logger().error(f'...') with the limit in it, "
     'without once=.',
 )
@@ -32,12 +32,12 @@ NO_PARAMETER = Cause(
 )
 WRONG_DEFAULT = Cause(
     'wrong_default',
-    'The limit is not -1.0 before anybody sets it.',
+    'The default of the limit is not -1.0.',
     "In __init__(): self.declare_parameter('$parameter', -1.0).",
 )
 LET_THROUGH = Cause(
     'let_through',
-    'A limit that is not above zero is accepted.',
+    'Your node accepts a limit that is not above zero.',
     "In on_configure(): return FAILURE unless self.get_parameter('$parameter').value > 0.0.",
 )
 ERROR_NOT_FAILURE = Cause(

@@ -1,10 +1,10 @@
 """
-What feedback keeps to itself: the values that a hidden exam has drawn, and its namespace.
+Keep the inputs and the namespace of hidden exams out of feedback.
 
-Who is told them writes them into the code and hands in again.  So the checks of an exam speak of
-drawn values in kinds and relations wherever :attr:`autograder.exam.exam.Run.secret` holds, and
-quote the student's node only with what cannot be an echo of them.  The namespace is a part of most
-names, so the judge takes it out of all texts, in one place.
+A student who learns these values could hard-code them and resubmit.  So the checks of an exam
+speak of drawn values in kinds and relations wherever :attr:`autograder.exam.exam.Run.secret`
+holds, and quote the student's node only with what cannot be an echo of them.  The namespace is a
+part of most names, so the judge takes it out of all texts, in one place.
 """
 
 from __future__ import annotations

@@ -158,10 +158,10 @@ class Code:
     def first_numbers(self, name: str) -> Iterator[float]:
         """Yield the first arguments of a function where they are numbers, or names of some."""
         for tree in self.trees:
-            known = _values_by_name(tree)
+            known = values_by_name(tree)
             for node in ast.walk(tree):
                 if isinstance(node, ast.Call) and last_name(node.func) == name and node.args:
-                    value = _followed(node.args[0], known)
+                    value = followed(node.args[0], known)
                     if isinstance(value, ast.Constant) and isinstance(value.value, (int, float)):
                         yield float(value.value)
 
@@ -242,7 +242,7 @@ def subscription_depths(files: Mapping[str, str]) -> list[int | None]:
     """
     found: list[int | None] = []
     for tree in trees(files):
-        known = _values_by_name(tree)
+        known = values_by_name(tree)
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and last_name(node.func) == 'create_subscription':
                 named = [one.value for one in node.keywords if one.arg == 'qos_profile']
@@ -251,7 +251,7 @@ def subscription_depths(files: Mapping[str, str]) -> list[int | None]:
     return found
 
 
-def _values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
+def values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
     """Return what names get in a file, None for what gets several values or is changed."""
     known: dict[str, ast.AST | None] = {}
     for node in ast.walk(tree):
@@ -268,7 +268,7 @@ def _values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
     return known
 
 
-def _followed(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> ast.AST | None:
+def followed(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> ast.AST | None:
     """Return what an expression stands for: a name in it is followed once."""
     named = isinstance(node, (ast.Name, ast.Attribute))
     return known.get(last_name(node)) if node is not None and named else node
@@ -276,11 +276,11 @@ def _followed(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> ast.
 
 def _depth(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> int | None:
     """Return the depth that an expression stands for."""
-    node = _followed(node, known)
+    node = followed(node, known)
     if isinstance(node, ast.Call) and last_name(node.func) == 'QoSProfile':
         given = {one.arg: one.value for one in node.keywords}
         # A history of its own may be one that keeps all; two stars hide what is given.
-        node = None if {'history', None} & set(given) else _followed(given.get('depth'), known)
+        node = None if {'history', None} & set(given) else followed(given.get('depth'), known)
     return node.value if isinstance(node, ast.Constant) and type(node.value) is int else None
 
 
