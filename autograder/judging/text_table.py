@@ -1,9 +1,12 @@
-"""Read a table that is written as text, so that a row is read as what it says."""
+"""Read the tables of causes, which are written as text so that a row is read as what it says."""
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 import re
+
+from autograder.exam.exam import Cause
 
 FOLDER = Path(__file__).parent / 'causes'
 
@@ -22,3 +25,22 @@ def rows(text: str) -> list[list[str]]:
 def rows_of(name: str) -> list[list[str]]:
     """Return the rows of a file of causes, such as ``by_code.txt``."""
     return rows((FOLDER / name).read_text(encoding='utf-8'))
+
+
+def cause_of(situation: str, **words: object) -> Cause:
+    """
+    Return the cause that ``by_evidence.txt`` has for a situation.
+
+    :param words: what its sentences have in braces
+    """
+    cause_id, text, try_this = _sentences()[situation]
+    return Cause(cause_id, text.format(**words), try_this.format(**words))
+
+
+@cache
+def _sentences() -> dict[str, tuple[str, str, str]]:
+    found = {}
+    for head, text, try_this in rows_of('by_evidence.txt'):
+        cause_id, _, situation = head.partition('|')
+        found[situation or cause_id] = (cause_id, text, try_this)
+    return found

@@ -119,13 +119,14 @@ def _in_tables() -> Iterator[Written]:
         )
         yield Written(kind.cause_id, text, try_this, 'exceptions')
     for row in code_table.TABLE:
-        text, try_this = (re.sub(r'\{\w+\}', '…', said) for said in (row.text, row.try_this))
+        text, try_this = (re.sub(r'\{[^{}]+\}', '…', said) for said in (row.text, row.try_this))
         yield Written(row.cause_id, text, try_this, 'code_table')
     for name, (what, why) in ended.LIMITS.items():
         yield Written(name, f'The program was ended: {what}.', f'Look for {why}.', 'ended')
-    for head, _, text, try_this in rows_of('of_fields.txt'):
-        text, try_this = (re.sub(r'\{\w+\}', '…', said) for said in (text, try_this))
-        yield Written(head.partition('|')[0], text, try_this, 'message_package')
+    for name in ('by_evidence.txt', 'of_fields.txt'):
+        for head, *_, text, try_this in rows_of(name):
+            text, try_this = (re.sub(r'\{[^{}]+\}', '…', said) for said in (text, try_this))
+            yield Written(head.partition('|')[0], text, try_this, name)
     for mistake in builds.MISTAKES:
         yield Written(mistake.cause, mistake.error, mistake.advice, 'builds')
     for name, (text, try_this) in questions.CAUSES.items():

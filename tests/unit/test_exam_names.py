@@ -22,6 +22,7 @@ CODE = 'import rclpy\n\n\nclass Rover(Node):\n    {}\n'
 SHARED = (
     'causes/builds.py',
     'causes/by_code.txt',
+    'causes/by_evidence.txt',
     'causes/by_exception.txt',
     'causes/ended.py',
     'causes/exceptions.py',

@@ -17,6 +17,7 @@ from autograder.judging.causes.code_table import why_by_code
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.judging.packages import why_no_program
+from autograder.judging.text_table import cause_of
 from autograder.submission.code.learners_code import Code
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
@@ -114,11 +115,7 @@ def why_no_node(run: Run, wanted: str) -> Cause:
     others = [name for name in run.recording.nodes if name != wanted]
     near = close_name(wanted, others) or (others[0] if others else '')
     if near:
-        return Cause(
-            'node_name',
-            f'There is a node called {near[1:]}.',
-            f"Give super().__init__() the name '{wanted.rpartition('/')[2]}'.",
-        )
+        return cause_of('node_name', near=near[1:], wanted=wanted.rpartition('/')[2])
     return why_it_ended(run) or stalled.why_thread_ended(run) or why_by_code('unseen', run)
 
 
@@ -129,49 +126,33 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
     :param kind: ``'publisher'`` or ``'subscription'``
     """
     recording = run.recording
-    create = f'create_{kind}'
+    base, wanted = topic.rpartition('/')[2], type_name.rpartition('/')[2]
     for end in recording.endpoints(kind, topic):
         if end['type'] != type_name:
-            return Cause(
-                'wrong_type',
-                f'Your {kind} on {topic} has the type {end["type"]}.',
-                f'Pass the class {type_name.rpartition("/")[2]} to {create}().',
-            )
+            return cause_of('wrong_type', kind=kind, topic=topic, seen=end['type'], wanted=wanted)
     if why := _why_longer_name(run, kind, topic, type_name):
         return why
-    others = [end['topic'] for end in recording.endpoints(kind)]
-    near = close_name(topic, others)
+    near = close_name(topic, (end['topic'] for end in recording.endpoints(kind)))
     other = {'publisher': 'subscription', 'subscription': 'publisher'}[kind]
     if not near and recording.endpoints(other, topic):
-        return Cause(
-            'wrong_direction',
-            f'Your node has a {other} on {topic}, not a {kind}.',
-            f'Use {create}().',
-        )
+        return cause_of('wrong_direction', kind=kind, topic=topic, other=other)
     same_type = (end['topic'] for end in recording.endpoints(kind) if end['type'] == type_name)
     near = near or next(same_type, '')
     if near and topic.endswith(near):
-        return Cause(
-            'absolute_name',
-            f'Your {kind} uses the absolute name {near}, which stays outside the namespace '
-            f'{topic.removesuffix(near)}.',
-            f"Give {create}() the name '{near[1:]}', without a slash in front.",
-        )
+        space = topic.removesuffix(near)
+        return cause_of('absolute_name', kind=kind, near=near, space=space, base=near[1:])
     if near:
-        return Cause(
-            'topic_name',
-            f'Your {kind} uses the topic {near}; did you mean {topic}?',
-            f"Give {create}() the name '{_relative(run, topic)}'.",
-        )
-    ended = why_it_ended(run)
-    if ended:
+        written = _relative(run, topic)
+        return cause_of('topic_name', kind=kind, near=near, topic=topic, wanted=written)
+    if ended := why_it_ended(run):
         return ended
     if not recording.nodes:
         return why_no_node(run, '/?')
     code = Code(run.files)
     managed = kind == 'publisher' and 'LifecycleNode' in code.names
-    names = {'kind': kind, 'topic': topic.rpartition('/')[2], 'type': type_name.rpartition('/')[2]}
-    return (why_no_configure(code) if managed else None) or why_by_code(f'no_{kind}', run, **names)
+    if managed and (why := why_no_configure(code)):
+        return why
+    return why_by_code(f'no_{kind}', run, kind=kind, topic=base, type=wanted)
 
 
 def why_no_configure(code: Code) -> Cause | None:
@@ -180,32 +161,19 @@ def why_no_configure(code: Code) -> Cause | None:
         return None
     near = close_name('on_configure', code.functions)
     meant = f' Did you mean on_configure() by {near}()?' if near else ''
-    return Cause(
-        'method_name',
-        f'Your code has no method on_configure(), which rclpy calls by exactly this name.{meant}',
-        'Write: def on_configure(self, state):',
-    )
+    return cause_of('method_name', near=meant)
 
 
 def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause | None:
     """Explain a topic whose name ends as it should, with too much before it."""
     base = topic.rpartition('/')[2]
-    plain = f"Give create_{kind}() the plain name '{base}'."
     for end in run.recording.endpoints(kind):
         if end['type'] != type_name or not end['topic'].endswith(f'/{base}'):
             continue
         if end['topic'] == f'{end["node"]}/{base}':
-            return Cause(
-                'private_name',
-                'With ~/, the topic name contains the name of the node.',
-                plain,
-            )
+            return cause_of('private_name', kind=kind, base=base)
         if not topic.endswith(end['topic']):
-            return Cause(
-                'namespace_in_the_name',
-                'Your topic name contains a namespace that the exercise does not have.',
-                plain,
-            )
+            return cause_of('namespace_in_the_name', kind=kind, base=base)
     return None
 
 
@@ -220,18 +188,7 @@ def why_no_verdict(run: Run) -> Cause | None:
     found = _NO_VERDICT.search(str(run.recording.process.get('stderr', '')))
     if found is None:
         return None
-    if found[1] == 'NoneType':
-        return Cause(
-            'no_return',
-            'A transition callback ends without return, so rclpy does not know how it went.',
-            'End each on_...() with return super().on_...(state), or with a '
-            'TransitionCallbackReturn.',
-        )
-    return Cause(
-        'wrong_return',
-        f'A transition callback returns a {found[1]}, which rclpy does not understand.',
-        'Return a TransitionCallbackReturn, or what super().on_...(state) returns.',
-    )
+    return cause_of('no_return' if found[1] == 'NoneType' else 'wrong_return', type=found[1])
 
 
 def why_silent(run: Run) -> Cause | None:
@@ -254,14 +211,9 @@ def why_late(run: Run) -> Cause | None:
     code = Code(run.files)
     for timer in ('create_timer', 'Timer'):
         for period_s in code.first_numbers(timer):
-            if period_s < LONG_S:
-                continue
-            return Cause(
-                'period_unit',
-                f'{timer}() gets {period_s:g}, and that is seconds: the first call comes '
-                f'after {period_s / 60:.3g} minutes.',
-                'Write the period in seconds: 0.5 for 500 ms.',
-            )
+            if period_s >= LONG_S:
+                minutes = period_s / 60
+                return cause_of('period_unit', timer=timer, period_s=period_s, minutes=minutes)
     return None
 
 

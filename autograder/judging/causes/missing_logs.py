@@ -15,6 +15,7 @@ from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.code_table import why_by_code
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.logged_errors import why_exception_logged
+from autograder.judging.text_table import cause_of
 from autograder.recording import Event, LEVELS
 from autograder.submission.code.code_places import leaves_out, logs_with_python
 from autograder.submission.code.learners_code import Code, in_cell, last_name
@@ -23,11 +24,7 @@ CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
 Belongs = Callable[[str], bool]
 """Returns whether a text is that of the missing line."""
 
-OTHER_LOGGER = Cause(
-    'other_logger',
-    'You log with a logger that does not belong to the node, so the lines never reach /rosout.',
-    'Use self.get_logger(), not rclpy.logging.get_logger(...).',
-)
+OTHER_LOGGER = cause_of('other_logger')
 OF_ROS = ('rcl', 'rmw', 'rcutils')
 """How the names of loggers begin that the libraries of ROS write with, on standard output only."""
 _LOGGED = re.compile(r'\[(DEBUG|INFO|WARN|ERROR|FATAL)\] (?:\[[\d.]+\] )?\[([^\]]*)\]: ?(.*)')
@@ -50,11 +47,7 @@ def why_not_logged(
         return why
     if instead:
         other = LEVELS.get(instead[0]['level'], instead[0]['level'])
-        return Cause(
-            'wrong_level',
-            f'Your node logs a line at level {other} instead.',
-            f'Use self.get_logger().{CALLS[level]}(...).',
-        )
+        return cause_of('wrong_level', other=other, call=CALLS[level])
     return why_printed(run, level, _needed(run, belongs)) or why_dropped(run, level)
 
 
@@ -87,11 +80,7 @@ def _why_pythons_logger(run: Run, level: int) -> Cause | None:
     """Explain a line that is written by Python's own module for logs."""
     if run.recording.logs(level=level) or not logs_with_python(run.files, _names(level)):
         return None
-    return Cause(
-        'other_logger',
-        "You log with Python's module logging, so the lines never reach /rosout.",
-        f'Use self.get_logger().{CALLS[level]}(...), the logger of the node.',
-    )
+    return cause_of('logging', call=CALLS[level])
 
 
 def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | None:
@@ -102,19 +91,12 @@ def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | N
     """
     lines = {int(one['line']) for one in found if one.get('line')}
     if name := leaves_out(run.files, _names(level), lines):
-        return Cause(
-            'left_out',
-            f'Your code tells the logger to leave lines out: {name} does that.',
-            f'Remove {name} from the call of {CALLS[level]}(), so that it logs every line.',
-        )
+        return cause_of('left_out', name=name, call=CALLS[level])
     for call in Code(run.files).calls.get('set_level', ()):
         named = set(map(last_name, ast.walk(call)))
         if hidden := [one for number, one in LEVELS.items() if number > level and one in named]:
-            return Cause(
-                'set_level',
-                f'{in_cell(call.lineno)}set_level() hides all lines below {hidden[0]}.',
-                f'Remove that call: {CALLS[level]}() itself chooses the level of its line.',
-            )
+            place = in_cell(call.lineno)
+            return cause_of('set_level', place=place, level=hidden[0], call=CALLS[level])
     return None
 
 
@@ -131,11 +113,7 @@ def why_printed(run: Run, level: int, belongs: Belongs | None = None) -> Cause |
     logged = {line for one in run.recording.logs() for line in str(one['text']).splitlines()}
     for severity, _, text in _on_stdout(run):
         if not severity and text not in logged and (belongs is None or belongs(text)):
-            return Cause(
-                'print_instead_of_logger',
-                'Your code uses print(), which only writes to the terminal of the program.',
-                f'Use self.get_logger().{CALLS[level]}(...): it also goes to the topic /rosout.',
-            )
+            return cause_of('print_instead_of_logger', call=CALLS[level])
     return None
 
 
@@ -154,11 +132,7 @@ def why_dropped(run: Run, level: int) -> Cause | None:
     """Explain a line at level DEBUG with none of the right one, or one that is left out."""
     code = Code(run.files)
     if 'debug' in code.calls and not code.calls.keys() & set(_names(level)):
-        return Cause(
-            'debug_level',
-            'ROS hides lines at level DEBUG unless the program is started with a lower log level.',
-            f'Use self.get_logger().{CALLS[level]}(...).',
-        )
+        return cause_of('debug_level', call=CALLS[level])
     return why_left_out(run, level)
 
 

@@ -14,6 +14,7 @@ from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.redaction import asked
 from autograder.judging.causes.tracebacks import traceback_of
+from autograder.judging.text_table import cause_of
 from autograder.recording import Recording
 from autograder.submission.code.learners_code import in_cell, pause_in_callback
 
@@ -65,11 +66,7 @@ def why_other_is_spun(run: Run) -> Cause | None:
     # A helper that is not spun explains nothing, unless the spun node has no work either.
     if silent and (_works(run, silent[0]) or not any(_works(run, node) for node in answered)):
         other, mine = (name.rpartition('/')[2][:60] for name in (min(answered), silent[0]))
-        return Cause(
-            'other_node_spun',
-            f'The node {other} is spun and {mine} is not, so the callbacks of {mine} never run.',
-            f'Spin {mine}, or add both nodes to one executor with add_node().',
-        )
+        return cause_of('other_node_spun', other=other, mine=mine)
     return None
 
 
@@ -85,9 +82,4 @@ def why_it_sleeps(run: Run) -> Cause | None:
     if pause is None:
         return None
     name = f'{pause.callback[:60]}()' if pause.callback else 'A callback'
-    return Cause(
-        'sleeps_in_callback',
-        f'{in_cell(pause.line)}{name} sleeps. While a callback sleeps, no timer ticks and no '
-        'message is received.',
-        'Use the period of the timer as the pause, and return from the callback at once.',
-    )
+    return cause_of('sleeps_in_callback', place=in_cell(pause.line), name=name)
