@@ -18,7 +18,7 @@ from autograder.submission.code.python_text import NotPythonError, parsed
 
 _DEFS = (ast.FunctionDef, ast.AsyncFunctionDef)
 SHORT_S = 0.1
-"""A pause [s] that nobody notices."""
+"""A pause [s] too short to matter."""
 
 
 @lru_cache(maxsize=64)  # Python needs a second for a line with thousands of f-strings
@@ -231,24 +231,7 @@ def _is_empty_time(value: ast.AST) -> bool:
     )
 
 
-# -- queues ---------------------------------------------------------------------------------
-
-
-def subscription_depths(files: Mapping[str, str]) -> list[int | None]:
-    """
-    Return the depth of each subscription that is created, None where it cannot be read.
-
-    It is read if it is a number or a ``QoSProfile`` with one, or a name that gets one value only.
-    """
-    found: list[int | None] = []
-    for tree in trees(files):
-        known = values_by_name(tree)
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Call) and last_name(node.func) == 'create_subscription':
-                named = [one.value for one in node.keywords if one.arg == 'qos_profile']
-                given = [*named, *node.args[3:4]]
-                found.append(_depth(given[0], known) if given else None)
-    return found
+# -- values of names -------------------------------------------------------------------------
 
 
 def values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
@@ -274,16 +257,6 @@ def followed(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> ast.A
     return known.get(last_name(node)) if node is not None and named else node
 
 
-def _depth(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> int | None:
-    """Return the depth that an expression stands for."""
-    node = followed(node, known)
-    if isinstance(node, ast.Call) and last_name(node.func) == 'QoSProfile':
-        given = {one.arg: one.value for one in node.keywords}
-        # A history of its own may be one that keeps all; two stars hide what is given.
-        node = None if {'history', None} & set(given) else followed(given.get('depth'), known)
-    return node.value if isinstance(node, ast.Constant) and type(node.value) is int else None
-
-
 # -- pauses in callbacks --------------------------------------------------------------------
 
 
@@ -304,8 +277,8 @@ def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
     """
     Return the first pause in a callback, or in what it calls in the same file.
 
-    ``await asyncio.sleep()`` lets
-    others work and is none; nor is a pause in a ``while`` loop, which is the one to blame.
+    ``await asyncio.sleep()`` lets others work and does not count, nor does a pause in a ``while``
+    loop, which is the one to blame.
     """
     for tree in trees(files):
         for name, body in bodies_of_callbacks(tree):
@@ -363,6 +336,6 @@ def _pause(body: ast.AST) -> int | None:
 
 
 def _is_short(call: ast.Call) -> bool:
-    """Tell whether a pause is surely so short that nothing waits for it."""
+    """Return whether a pause is surely so short that nothing waits for it."""
     value = call.args[0].value if call.args and isinstance(call.args[0], ast.Constant) else None
     return isinstance(value, (int, float)) and value < SHORT_S
