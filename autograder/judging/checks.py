@@ -222,7 +222,7 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
 
 
 def _own_value(run: Run, value: Any) -> str:
-    """Show what stands in a field, unless it may be an input of a hidden exam."""
+    """Show the value of a field, unless it may be an input of a hidden exam."""
     if isinstance(value, str):
         return own_words(run, value, 'another text')[:40]
     return 'another value' if run.secret else repr(value)[:40]

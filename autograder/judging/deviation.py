@@ -1,5 +1,5 @@
 """
-Where in a recording a check saw something else than it asks for.
+Find the moment in a recording at which a check saw something unexpected.
 
 A check says only what it expected and what it observed.  It may name the moment
 (``Failed(at=...)``).  Else the recording is cut shorter and shorter, and the moment is where the

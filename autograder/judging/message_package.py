@@ -205,7 +205,7 @@ def require_declarations(
 
 
 def _named(line: str) -> str:
-    """Return what stands between the tags of a line."""
+    """Return the text between the tags of a line."""
     return line.partition('>')[2].partition('<')[0]
 
 
@@ -220,7 +220,7 @@ def require_registered(text: str) -> None:
     """
     Fail if a package is built and does not tell ROS 2 that it is there.
 
-    :param text: a CMakeLists.txt; one that another command is missing in is no case for this
+    :param text: a CMakeLists.txt; if it lacks other commands too, this does not fail
     """
     bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE]).lower()
     called = re.findall(r'\b(ament_(?:auto_)?package|rosidl_generate_interfaces)\s*\(', bare)

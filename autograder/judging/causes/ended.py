@@ -224,9 +224,9 @@ def why_no_message(run: Run) -> Cause:
 
 def how_to_look(run: Run) -> str:
     """
-    Return what to try where no cause is sure: how to see with own eyes what was seen here.
+    Return what to try if no cause is certain: how to see what the grader has seen.
 
-    Topics go by their last part, because the namespace of a hidden exam is nobody's business.
+    It shows the last part of a topic's name only, because a hidden exam draws its namespace.
     """
     topics = {end['topic'].rpartition('/')[2][:60] for end in run.recording.endpoints('publisher')}
     if not run.recording.nodes:

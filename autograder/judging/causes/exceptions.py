@@ -229,7 +229,7 @@ def _show(name: str, package: str) -> str:
 
 
 def _field_cause(trace: Traceback) -> Cause | None:
-    """Explain a field of a message that gets a value of another type."""
+    """Explain a field of a message that gets a value of the wrong type."""
     found = _FIELD.search(trace.error)
     if found is None:
         return None
@@ -267,7 +267,7 @@ def _no_field_cause(trace: Traceback) -> Cause | None:
 
 
 def _whole_message_cause(trace: Traceback) -> Cause | None:
-    """Explain a message that is reckoned with or compared as if it were the number in it."""
+    """Explain a message that the code uses as if it were the number in it."""
     if trace.kind != 'TypeError' or 'not callable' in trace.error:
         return None
     known = _messages(trace)
@@ -276,7 +276,7 @@ def _whole_message_cause(trace: Traceback) -> Cause | None:
 
 
 def _take_the_field(kind: str, trace: Traceback) -> Cause:
-    """Tell to take the field of a message where the whole of it is used."""
+    """Return the repair for a message that is used instead of its field."""
     package = _messages(trace)[kind]
     field = _main_field(kind, package)
     name = next((one for one, theirs in _heard(trace).items() if theirs == kind), 'message')

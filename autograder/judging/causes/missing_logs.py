@@ -2,7 +2,7 @@
 Why a log line that is due did not come: another logger, another level, ``print()``, or none.
 
 A node's own lines go to the topic ``/rosout`` and, as the course sets it up, to standard output
-too.  What stands there and is no line of a node was printed, or comes from another logger.
+too.  Any other text on standard output was printed, or comes from a different logger.
 """
 
 from __future__ import annotations
@@ -73,11 +73,6 @@ def why_other_logger(run: Run, level: int, belongs: Belongs | None = None) -> Ca
         known = name.startswith(OF_ROS) or any(f'{name}.'.startswith(f'{one}.') for one in own)
         if severity == LEVELS[level] and not known and (belongs is None or belongs(text)):
             return OTHER_LOGGER
-    return _why_pythons_logger(run, level)
-
-
-def _why_pythons_logger(run: Run, level: int) -> Cause | None:
-    """Explain a line that is written by Python's own module for logs."""
     if run.recording.logs(level=level) or not logs_with_python(run.files, _names(level)):
         return None
     return cause_of('logging', call=CALLS[level])
@@ -121,7 +116,7 @@ def _on_stdout(run: Run) -> Iterator[tuple[str, str, str]]:
     """Yield level, logger and text of what is on standard output; print() has no level."""
     for line in str(run.recording.process.get('stdout', '')).splitlines():
         found = _LOGGED.search(line)
-        printed = line[: found.start()] if found else line  # print(..., end='') stands before it
+        printed = line[: found.start()] if found else line  # print(..., end='') comes before it
         if printed.strip():
             yield '', '', printed
         if found:

@@ -1,8 +1,7 @@
 """
 Why a node does not answer, or answers late, in a program that runs to the end.
 
-Its thread has ended with an exception, another node is spun, a loop takes the place of a timer, or
-one of its callbacks sleeps.  :mod:`causes` asks here.
+Its thread has ended with an exception, the program spins a different node, or a callback sleeps.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from autograder.recording import Recording
 from autograder.submission.code.learners_code import in_cell, pause_in_callback
 
 THREAD = 'Exception in thread '
-"""How Python begins what it prints when an exception has ended a thread, and not the program."""
+"""The first words that Python prints when an exception has ended a thread."""
 MOST_THREADS = 20  # that are looked at
 SPINS = re.compile(r'^ +File .*, in _?spin\w*$', re.MULTILINE)
 
@@ -71,7 +70,7 @@ def why_other_is_spun(run: Run) -> Cause | None:
 
 
 def _works(run: Run, node: str) -> bool:
-    """Tell whether a node has a publisher or a subscription of its own."""
+    """Return whether a node has a publisher or a subscription."""
     kinds = ('publisher', 'subscription')
     return any(end['node'] == node for kind in kinds for end in run.recording.endpoints(kind))
 

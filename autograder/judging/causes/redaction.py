@@ -61,9 +61,9 @@ def own_words(run: Run, text: str, instead: str) -> str:
     """
     Return a text of the student's node as it may be quoted.
 
-    It is no echo of an input where none was sent, or where the text stands in the code.
+    It cannot repeat an input if none was sent, or if the text is in the code.
 
-    :param instead: what is said where it may be one
+    :param instead: what to say if it may repeat one
     """
     open_to_all = not run.secret or not run.recording.of('input')
     if open_to_all or any(text in code for code in run.files.values()):

@@ -1,8 +1,8 @@
 """
 The exception a program died of, read off standard error, with the learner's line that it names.
 
-Of several tracebacks the last one ended the program, but for what Python says that it ignores, and
-but for an ``except`` or ``finally`` that stumbles over a name that the failed line was to make.
+Of several tracebacks the last one ended the program.  Two kinds do not count: what Python says
+that it ignores, and an ``except`` or ``finally`` that fails because a name was never assigned.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def traceback_of(run: Run) -> Traceback | None:
 
 def _is_learners(path: str, names: Iterable[str]) -> bool:
     """
-    Tell whether a frame is in one of the student's files.
+    Return whether a frame is in one of the student's files.
 
     A module of a package may be called as one of a library is, such as ``node.py``; where both are
     installed, its folder tells.

@@ -1,7 +1,7 @@
 """
 What a learner's code says, read as Python and never run: it decides words, not verdicts.
 
-Comments and texts are no code: a call that is named in a comment calls nothing.
+Comments and strings do not count: a call that is named in a comment calls nothing.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class Code:
         return {node.name: node for node in self.nodes if isinstance(node, _DEFS)}
 
     def makes(self, name: str) -> bool:
-        """Return whether a name is defined, gets a value, or stands in quotes, for setattr()."""
+        """Return whether a name is defined, gets a value, or is in quotes, for setattr()."""
         return name in self.functions or any(
             (isinstance(one, ast.Constant) and one.value == name)
             or (
