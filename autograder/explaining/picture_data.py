@@ -197,7 +197,7 @@ def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mappin
         begin, end = 1.0, float(max(2, len(run.recording.of('input'))))
     else:
         begin = 0.0
-        end = max([*times, _last(run, unit)], default=0.0)
+        end = max([*times, *_moments(run.recording.events, unit)], default=0.0)
     if not rows or end <= begin:
         return None
     at = _first_difference(check, run, failure, unit)
@@ -286,11 +286,6 @@ def _due(every_s: float, rows: Sequence[Mapping[str, Any]], end: float) -> dict[
     count = int((end - first) / every_s + 1e-6) + 1
     due = [first + number * every_s for number in range(max(count, 1))][-2 * MOST_PERIODS :]
     return {**_row('expected', 'expected', due), 'every_s': every_s}
-
-
-def _last(run: Run, unit: str) -> float:
-    moments = _moments(run.recording.events, unit)
-    return max(moments, default=0.0)
 
 
 def _first_difference(check: Check, run: Run, failure: Failed, unit: str) -> float | None:
