@@ -213,7 +213,11 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
     near = isinstance(wanted, str) and any(
         str(value).strip().lower() == wanted.lower() for value in others
     )
-    slip = 'Upper and lower case and spaces matter.' if near else f'{field} has a different value.'
+    slip = (
+        'Upper and lower case and spaces matter.'
+        if near
+        else f'The field {field} has a different value.'
+    )
     raise Failed(
         expected=f'{field} {wanted!r} in every message',
         observed=f'{field} {shown}',

@@ -160,7 +160,7 @@ def why_no_configure(code: Code) -> Cause | None:
     if code.makes('on_configure'):
         return None
     near = close_name('on_configure', code.functions)
-    meant = f' Did you mean on_configure() by {near}()?' if near else ''
+    meant = f' Your {near}() has a similar name.' if near else ''
     return cause_of('method_name', near=meant)
 
 

@@ -102,7 +102,8 @@ def exception_cause(trace: Traceback) -> Cause:
     """Name what a program died of, with the line of the learner's cell in front."""
     for explain in _IN_ORDER:
         if cause := explain(trace):
-            return replace(cause, text=f'{trace.place}{cause.text}')
+            place = '' if cause.cause_id in _IN_A_FILE else trace.place
+            return replace(cause, text=f'{place}{cause.text}')
     text = f'An exception was raised: {trace.error}'
     return Cause('exception', f'{trace.place}{text}', _how_to_find(trace))
 
@@ -287,6 +288,8 @@ def _take_the_field(kind: str, trace: Traceback) -> Cause:
     )
 
 
+_IN_A_FILE = ('no_parameter_file', 'parameter_file')
+"""Causes that are not in the line that raises."""
 _IN_ORDER = (
     init_cause,
     _known_cause,
