@@ -19,7 +19,7 @@ from typing import Any
 from autograder.exam.exam import Check, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
 from autograder.judging.causes.redaction import namespace_of
-from autograder.judging.deviation import deviation
+from autograder.judging.deviation import deviation, failure_of
 from autograder.recording import Event, LEVELS
 from autograder.results import CheckResult, Verdict
 
@@ -186,7 +186,7 @@ def _arrow(
 
 def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
     """Return the times of events, if the check failed because of a number or a time."""
-    failure = _failure(check, run)
+    failure = failure_of(check, run)
     if failure is None or (failure.at is None and not _AMOUNT.match(failure.expected)):
         return None
     by_input = bool(run.recording.of('input')) and failure.every_s is None
@@ -197,7 +197,7 @@ def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mappin
         begin, end = 1.0, float(max(2, len(run.recording.of('input'))))
     else:
         begin = 0.0
-        end = max([*times, _last(run, unit)], default=0.0)
+        end = max([*times, *_moments(run.recording.events, unit)], default=0.0)
     if not rows or end <= begin:
         return None
     at = _first_difference(check, run, failure, unit)
@@ -225,14 +225,6 @@ def _window(begin: float, end: float, every_s: float, at: float | None) -> tuple
 
 def _within(row: dict[str, Any], begin: float, end: float) -> dict[str, Any]:
     return {**row, 'times': [time for time in row['times'] if begin <= time <= end][:MOST_TIMES]}
-
-
-def _failure(check: Check, run: Run) -> Failed | None:
-    try:
-        check.judge(run)
-    except Failed as failure:
-        return failure
-    return None
 
 
 def _rows(exam: Exam, run: Run, result: CheckResult, unit: str) -> list[dict[str, Any]]:
@@ -294,11 +286,6 @@ def _due(every_s: float, rows: Sequence[Mapping[str, Any]], end: float) -> dict[
     count = int((end - first) / every_s + 1e-6) + 1
     due = [first + number * every_s for number in range(max(count, 1))][-2 * MOST_PERIODS :]
     return {**_row('expected', 'expected', due), 'every_s': every_s}
-
-
-def _last(run: Run, unit: str) -> float:
-    moments = _moments(run.recording.events, unit)
-    return max(moments, default=0.0)
 
 
 def _first_difference(check: Check, run: Run, failure: Failed, unit: str) -> float | None:

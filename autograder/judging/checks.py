@@ -13,6 +13,7 @@ full.
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -27,6 +28,7 @@ from autograder.judging.causes.ended import (
 )
 from autograder.judging.causes.redaction import own_words
 from autograder.recording import Event, LEVELS
+from autograder.submission.code.learners_code import Code, in_cell
 
 SECOND = 1_000_000_000
 
@@ -52,17 +54,29 @@ def require_node(run: Run, node: str, only_named: bool = False) -> None:
 
 
 def _why_elsewhere(run: Run, namespace: str, base: str) -> Cause | None:
-    """Explain a node of the right name that is in another namespace."""
-    for name in run.recording.nodes:
-        other, _, last = name.rpartition('/')
-        if last == base and other != namespace:
-            return Cause(
-                'namespace',
-                f'Your node {base} is in the namespace {other or "/"}.',
-                'Let the command line choose it: a plain name, no namespace= and no '
-                'use_global_arguments=False.',
-            )
-    return None
+    """Explain a node of the right name that is in a different namespace."""
+    spaces = [name.rpartition('/')[0] for name in run.recording.nodes if name.endswith(f'/{base}')]
+    if not spaces or namespace in spaces:
+        return None
+    line, repair = _own_namespace(Code(run.files))
+    return Cause(
+        'namespace',
+        f'{in_cell(line)}Your node {base} is in the namespace {spaces[0] or "/"}.',
+        f'{repair} The command line chooses the namespace.',
+    )
+
+
+def _own_namespace(code: Code) -> tuple[int | None, str]:
+    """Return the line that keeps a node from the namespace of the command line, and its repair."""
+    for call in (call for some in code.calls.values() for call in some):
+        for one in call.keywords:
+            if one.arg in ('namespace', 'use_global_arguments', 'cli_args'):
+                return call.lineno, f'Remove {one.arg}=.'
+    for call in code.calls.get('init', ()):
+        given = [*call.args[:1], *(one.value for one in call.keywords if one.arg == 'args')]
+        if given and isinstance(given[0], (ast.List, ast.Tuple, ast.Call)):
+            return call.lineno, 'Write rclpy.init(args=args) in main(args=None).'
+    return None, 'Give the node a plain name.'
 
 
 def require_endpoint(run: Run, kind: str, topic: str, type_name: str) -> list[Event]:
@@ -90,29 +104,37 @@ def require_partner(ends: Iterable[Event]) -> None:
     :param ends: from :func:`require_endpoint`
     """
     for end in ends:
-        qos, topic = end['qos'], end['topic'].rpartition('/')[2]
-        if end['kind'] == 'publisher' and qos['reliability'] == 'BEST_EFFORT':
+        policy, wrong, *texts = _UNUSUAL[end['kind']]
+        if end['qos'][policy] == wrong:
+            expected, cause_id, why, repair = texts
             raise Failed(
-                expected='a publisher that a subscription of depth 10 is connected to',
-                observed='reliability BEST_EFFORT',
-                why=Cause(
-                    'offers_too_little',
-                    f'Most subscriptions ask for reliable delivery, and then {topic} stays silent '
-                    'for them: the policy RELIABILITY does not match.',
-                    'Give create_publisher() the number 10, or ReliabilityPolicy.RELIABLE.',
-                ),
+                expected=expected,
+                observed=f'{policy} {wrong}',
+                why=Cause(cause_id, why.format(end['topic'].rpartition('/')[2]), repair),
             )
-        if end['kind'] == 'subscription' and qos['durability'] == 'TRANSIENT_LOCAL':
-            raise Failed(
-                expected='a subscription that a publisher of depth 10 is connected to',
-                observed='durability TRANSIENT_LOCAL',
-                why=Cause(
-                    'asks_too_much',
-                    f'Your subscription on {topic} asks for old messages, which most publishers '
-                    'do not keep: the policy DURABILITY does not match, and it hears nothing.',
-                    'Give create_subscription() the number 10, or leave out the durability.',
-                ),
-            )
+
+
+_UNUSUAL = {
+    'publisher': (
+        'reliability',
+        'BEST_EFFORT',
+        'a publisher that a subscription of depth 10 is connected to',
+        'offers_too_little',
+        'Most subscriptions request reliable delivery, so they receive nothing on {}: the policy '
+        'RELIABILITY does not match.',
+        'Give create_publisher() the number 10, or ReliabilityPolicy.RELIABLE.',
+    ),
+    'subscription': (
+        'durability',
+        'TRANSIENT_LOCAL',
+        'a subscription that a publisher of depth 10 is connected to',
+        'asks_too_much',
+        'Your subscription on {} requests old messages, which most publishers do not keep: the '
+        'policy DURABILITY does not match, so it receives nothing.',
+        'Give create_subscription() the number 10, or leave out the durability.',
+    ),
+}
+"""By kind of endpoint: the policy whose value most partners do not match, and what is told."""
 
 
 def require_reached(run: Run, topic: str, kind: str) -> None:
@@ -129,11 +151,11 @@ def require_reached(run: Run, topic: str, kind: str) -> None:
     asked = 'a deadline' if ends[0]['qos']['deadline_ns'] else 'a quality of service'
     raise Failed(
         expected=f'a subscription on {topic} of type {kind}',
-        observed='a subscription that gets nothing',
+        observed='a subscription that receives nothing',
         why=why_silent(run)
         or Cause(
             'qos_incompatible',
-            f'Your subscription asks for {asked} that the publisher does not promise.',
+            f'Your subscription requests {asked} that the publisher does not offer.',
             'Pass the depth 10 as quality of service.',
         ),
     )
@@ -164,7 +186,7 @@ def require_messages(
                 f'which are {known}, got {topic!r}.'
             )
         found = run.recording.messages(topic) if found is None else found
-        # A message of a program that is gone before anybody can look came by chance.
+        # If a program ends before discovery, whether its message arrives varies from run to run.
         if least > 0:
             require_endpoint(run, 'publisher', topic, kind)
         what = f'messages on {topic.rpartition("/")[2]}' if what == 'messages' else what
@@ -191,7 +213,11 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
     near = isinstance(wanted, str) and any(
         str(value).strip().lower() == wanted.lower() for value in others
     )
-    slip = 'Upper and lower case and spaces count.' if near else f'Another value is in {field}.'
+    slip = (
+        'Upper and lower case and spaces matter.'
+        if near
+        else f'The field {field} has a different value.'
+    )
     raise Failed(
         expected=f'{field} {wanted!r} in every message',
         observed=f'{field} {shown}',
@@ -200,7 +226,7 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
 
 
 def _own_value(run: Run, value: Any) -> str:
-    """Show what stands in a field, unless it may be an input of a hidden exam."""
+    """Show the value of a field, unless it may be an input of a hidden exam."""
     if isinstance(value, str):
         return own_words(run, value, 'another text')[:40]
     return 'another value' if run.secret else repr(value)[:40]
@@ -235,7 +261,7 @@ def require_qos(ends: Iterable[Event], **wanted: Any) -> None:
                     observed=f'{name} {_policy_text(policy, end["qos"][policy])}',
                     why=Cause(
                         f'qos_{name}',
-                        f'The {end["kind"]} on {end["topic"]} has another {name}.',
+                        f'The {end["kind"]} on {end["topic"]} has a different {name}.',
                         f'Pass a QoSProfile with {name}={_policy_code(policy, value)}.',
                     ),
                 )

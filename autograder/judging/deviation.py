@@ -1,5 +1,5 @@
 """
-Where in a recording a check saw something else than it asks for.
+Find the moment in a recording at which a check saw something unexpected.
 
 A check says only what it expected and what it observed.  It may name the moment
 (``Failed(at=...)``).  Else the recording is cut shorter and shorter, and the moment is where the
@@ -9,7 +9,7 @@ same words come out for the first time.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from autograder.exam.exam import Check, Failed, Run
 from autograder.recording import Event, Recording
@@ -38,7 +38,7 @@ def deviation(check: Check, run: Run) -> Deviation | None:
     :param run: the files and the recording
     """
     events = run.recording.events
-    failure = _failure(check, run, events)
+    failure = failure_of(check, run)
     if failure is None or check.static or not events:
         return None
     if failure.at is not None:
@@ -54,9 +54,10 @@ def _last_before_the_end(events: Sequence[Event]) -> int:
     return max((n for n, event in enumerate(events) if event['event'] not in TAIL), default=0)
 
 
-def _failure(check: Check, run: Run, events: Sequence[Event]) -> Failed | None:
+def failure_of(check: Check, run: Run) -> Failed | None:
+    """Return how a check fails, None if it passes."""
     try:
-        check.judge(Run(run.files, Recording(run.recording.header, events), run.facts))
+        check.judge(run)
     except Failed as failure:
         return failure
     return None
@@ -81,7 +82,8 @@ def _shortest(check: Check, run: Run, failure: Failed) -> int:
     while short < long:
         middle = (short + long) // 2
         try:
-            found = _failure(check, run, [*events[:middle], *events[body:]])
+            cut = Recording(run.recording.header, [*events[:middle], *events[body:]])
+            found = failure_of(check, replace(run, recording=cut))
         except Exception:  # noqa: BLE001 - a check need not bear half a recording
             found = None
         words = found and (found.expected, found.observed)

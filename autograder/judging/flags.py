@@ -16,7 +16,7 @@ from autograder.recording import Event, Recording
 MANY_ENDPOINTS = 100
 """Publishers and subscriptions; a node of the course has fewer than ten."""
 
-_OWN_TOPICS = ('/rosout', '/parameter_events')  # one publisher a node, made by rclpy
+_OWN_TOPICS = ('/rosout', '/parameter_events')  # one publisher per node, created by rclpy
 
 
 def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
@@ -61,7 +61,7 @@ def _about_topics(recording: Recording, scenario: Scenario) -> Iterator[str]:
 
 
 def _extra_publishers(graph: Event, topic: str) -> bool:
-    """Tell whether a topic has more publishers of a name than there are nodes of it."""
+    """Return whether a topic has more publishers of a name than there are nodes of it."""
     nodes: Counter[str] = Counter(graph['nodes'])
     makers = Counter(
         end['node']
@@ -84,5 +84,5 @@ def _about_nodes(recording: Recording) -> Iterator[str]:
 
 
 def is_a_name(name: str) -> bool:
-    """Tell whether rclpy would have let a node have this full name."""
+    """Return whether rclpy would have let a node have this full name."""
     return all(part.isascii() and part.isidentifier() for part in name.split('/')[1:])

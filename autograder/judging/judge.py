@@ -32,7 +32,7 @@ def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
 
 def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
     """
-    Tell whether a run could change any verdict.
+    Return whether a run could change any verdict.
 
     :param files: the student's files; checks that look at them alone are judged here
     """

@@ -8,36 +8,33 @@ it reads text that may come from anybody.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 import re
 import xml.etree.ElementTree as ElementTree
 
 from autograder.exam.exam import Cause, Failed, Run
-from autograder.judging.causes.builds import diagnose, Diagnosis, NO_MESSAGES
-from autograder.judging.causes.ended import close_name
-from autograder.judging.causes.text_table import rows
+from autograder.judging.causes.builds import (
+    build_cause,
+    diagnose,
+    Diagnosis,
+    NO_MESSAGES,
+    output_of,
+)
+from autograder.judging.causes.ended import close_name, LIMITS, why_killed
+from autograder.judging.text_table import rows, rows_of
 
 Fields = Sequence[tuple[str, str]]
 """Types and names of fields, in order."""
 
-PRIMITIVE = re.compile(r'bool|byte|char|float32|float64|u?int(?:8|16|32|64)|w?string')
-A_FIELD = 'A field is: type, space, name, and perhaps a default. An = makes a constant.'
-A_CONSTANT = 'A constant has an = sign between its name and its value.'
+A_FIELD = 'A field is a type, a space and a name, and perhaps a default. An = makes a constant.'
 LONGEST_CMAKE = 20_000
 """Characters; the lesson's file has 700."""
-_ELEMENT = re.compile(r'[\w/]*')
 _BOUNDS = (
     (re.compile(r'\[(\d+)\]$'), '[{0}] is exactly {0}'),
     (re.compile(r'\[<=(\d+)\]$'), '[<={0}] is at most {0}'),
     (re.compile(r'<=(\d+)$'), '<={0} is at most {0} characters'),
 )
-ENDED = {
-    'waits_outside': 'it waited for something that never came',
-    'cpu_limit': 'it used more than 30 s of processor time, three times what it needs',
-    'memory_limit': 'it used more than 1 GiB of memory',
-    'output_limit': 'it printed more than 8 MB',
-}
 
 
 def fields_of(text: str) -> list[tuple[str, str]]:
@@ -80,7 +77,7 @@ def _why_fields(found: Fields, wanted: Fields, text: str) -> Cause:
     if wrong:
         cause = _why_wrong(*wrong[0], types)
         more = '; '.join(' '.join(field).strip()[:40] for field in wrong[1:4])
-        return replace(cause, text=f'{cause.text} Also to mend: {more}' if more else cause.text)
+        return replace(cause, text=f'{cause.text} Also fix: {more}' if more else cause.text)
     names = [name for _, name in found]
     missing = [name for name in types if name not in names]
     for line in map(str.strip, text.splitlines()):
@@ -95,65 +92,39 @@ def _why_fields(found: Fields, wanted: Fields, text: str) -> Cause:
         )
     twice = next((name for name in names if names.count(name) > 1), '')
     if twice:
-        return Cause('field_twice', f'{twice} stands there twice.', 'Remove one of the lines.')
+        return Cause('field_twice', f'{twice} occurs twice.', 'Remove one of the lines.')
     place = next(number for number, name in enumerate(types) if names[number] != name)
     return Cause(
         'field_order',
-        f'{names[place]} stands where {list(types)[place]} belongs.',
+        f'{names[place]} is in the place of {list(types)[place]}.',
         'Put the fields in the order of the table: order is part of a message type.',
     )
 
 
 def _why_wrong(kind: str, name: str, types: Mapping[str, str]) -> Cause:
     """Explain a line that is no field of the specification."""
-    line = f'{kind} {name}'.strip()[:60]
-    bare = _ELEMENT.match(name)[0]  # type: ignore[index]  # it matches anything
-    more, first = name[len(bare) :][:5], kind.rstrip(':')
-    if bare in types and more[:1] in ('[', '<'):
-        slip = f'The bound stands behind the name in: {line}'
-        return Cause('bound_behind_name', slip, f'It belongs to the type: {types[bare]} {bare}')
-    if bare in types and more:
-        slip = f'{more!r} is too much in: {line}'
-        return Cause('punctuation', slip, f'Write: {types[bare]} {bare}')
-    if first in types:
-        slip = f'The name stands before the type in: {line}'
-        return Cause('name_first', slip, f'The type comes first: {types[first]} {first}')
-    if name.startswith(('<', '[')):
-        return Cause('split_type', f'A space divides the type in: {line}', 'Write no space in it.')
-    if not name:
-        return Cause('field_line', f'This line defines no field: {line}', A_FIELD)
-    kind, shown = kind[:60], name[:40]
-    if name.isupper():
-        slip = f'{kind} {shown} is read as a field, and there is no such field.'
-        return Cause('constant_without_equals', slip, A_CONSTANT)
-    if name in types:
-        return _why_type(kind, shown, types[name])
+    line = f'{kind} {name}'.strip()[:80]
+    names = f'(?P<name>{"|".join(types)})'
+    for cause_id, condition, pattern, text, repair in _FIELD_SLIPS:
+        found = re.search(pattern.replace('NAME', names), line)
+        words = {'kind': '', **found.groupdict()} if found else {}
+        wanted = types.get(words.get('name', ''), '')
+        if found and (not condition or _IF[condition](words['kind'], wanted)):
+            words |= {'line': line, 'wanted': wanted, 'bound': _bound_of(wanted)}
+            return Cause(cause_id, text.format(**words), repair.format(**words))
     near = close_name(name, types)
     advice = f'Did you mean {near}?' if near else 'Compare with the table.'
-    return Cause('field_name', f'There is no field {shown!r} in the specification.', advice)
+    return Cause('field_name', f'There is no field {name[:40]!r} in the specification.', advice)
 
 
-def _why_type(kind: str, name: str, wanted: str) -> Cause:
-    """Explain a field of another type."""
-    element, right = (_ELEMENT.match(one)[0] for one in (kind, wanted))  # type: ignore[index]
-    package, _, last = wanted.partition('/')
-    write = f'Write {wanted}.'
-    if last and '.' in kind:
-        slip = f'{kind} is Python; in a .msg file a type of another package has a slash.'
-        return Cause('dotted_type', slip, write)
-    if kind == f'{package}/msg/{last}':
-        slip = f'{kind} is the name on the command line; a .msg file leaves the /msg out.'
-        return Cause('msg_in_type', slip, write)
-    if last and kind == last:
-        slip = f'{kind} alone is looked for in your own package.'
-        return Cause('type_without_package', slip, write)
-    if element == right:
-        slip = f'{kind} {name} has another bound, or none.'
-        return Cause('bound', slip, f'{_bound_of(wanted)}: {wanted} {name}')
-    if '/' in kind or PRIMITIVE.fullmatch(element):
-        return Cause('field_type', f'{name} has the type {kind}.', f'Its type is {wanted}.')
-    slip = f'{name} has the type {kind}, which .msg files do not know.'
-    return Cause('unknown_type', slip, f'Its type is {wanted}.')
+_FIELD_SLIPS = [[*head.partition('|')[::2], *rest] for head, *rest in rows_of('of_fields.txt')]
+_IF: Mapping[str, Callable[[str, str], bool]] = {
+    'of_a_package': lambda kind, wanted: '/' in wanted,
+    'same_but_for_the_bound': lambda kind, wanted: (
+        re.split(r'[^\w/]', kind)[0] == re.split(r'[^\w/]', wanted)[0]
+    ),
+}
+"""Conditions of a row, asked of the type in the line and of the one that is due."""
 
 
 def _bound_of(wanted: str) -> str:
@@ -182,7 +153,7 @@ Programs that use the message need the runtime of generated code.
 
 <member_of_group>rosidl_interface_packages</member_of_group>
 member_of_group
-By this group ROS 2 knows packages that have messages.
+This group tells ROS 2 that the package has messages.
 """
 """Rows of three: what ``package.xml`` has to say (REP 149), tags that all say it, and why."""
 _BUILD_TYPES = {
@@ -226,7 +197,7 @@ def require_declarations(
         total = len(declarations) + 2
         first = next(iter(missing))
         raise Failed(
-            expected='the declarations of the lesson, all of them',
+            expected='all declarations of the lesson',
             observed='missing: ' + ', '.join(missing),
             share=round(0.5 * (1 - len(missing) / total), 2) if len(missing) < total // 2 else 0,
             why=Cause('manifest', missing[first], f'Write {first}.'),
@@ -234,14 +205,14 @@ def require_declarations(
 
 
 def _named(line: str) -> str:
-    """Return what stands between the tags of a line."""
+    """Return the text between the tags of a line."""
     return line.partition('>')[2].partition('<')[0]
 
 
 def _why_not_declared(line: str, have: set[tuple[str, str]], why: str) -> str:
     for tag, name in sorted(have):
         if name == _named(line):
-            return f'{name} is declared by <{tag[:40]}>, which says something else. {why}'
+            return f'{name} is declared with <{tag[:40]}>, which has a different meaning. {why}'
     return why
 
 
@@ -249,7 +220,7 @@ def require_registered(text: str) -> None:
     """
     Fail if a package is built and does not tell ROS 2 that it is there.
 
-    :param text: a CMakeLists.txt; one that another command is missing in is no case for this
+    :param text: a CMakeLists.txt; if it lacks other commands too, this does not fail
     """
     bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE]).lower()
     called = re.findall(r'\b(ament_(?:auto_)?package|rosidl_generate_interfaces)\s*\(', bare)
@@ -294,8 +265,7 @@ def commands_of(text: str) -> list[tuple[str, list[str]]]:
 
 def mistake_in_build(run: Run) -> Diagnosis:
     """Return what the tools printed as a build failed."""
-    process = run.recording.process
-    output = ''.join(str(process.get(name, '')) for name in ('stderr', 'stdout'))
+    output = output_of(run)
     found = diagnose(output, run.files)
     if not found.cause and 'Traceback' in output and 'echo_node.py' in output:
         return NO_MESSAGES
@@ -305,19 +275,6 @@ def mistake_in_build(run: Run) -> Diagnosis:
 def why_no_build(run: Run) -> Cause:
     """Explain a message package of which no message came, from how its build ended."""
     killed = str(run.recording.process.get('killed', ''))
-    if killed:
-        how = ENDED.get(killed, 'it used more than it may')
-        return Cause(
-            killed,
-            f'The build was ended: {how}.',
-            'Run build_messages() in the notebook; look for a command that does not end.',
-        )
-    found = mistake_in_build(run)
-    if not found.cause:
-        return Cause(
-            'build',
-            f'colcon stops: {found.error}',
-            'Run build_messages() and read the first error.',
-        )
-    where = '' if found.error.startswith(found.where) else f'{found.where}: '
-    return Cause(found.cause, f'{where}{found.error}', found.advice)
+    if killed in LIMITS:
+        return why_killed(killed, 'build')
+    return build_cause(mistake_in_build(run))

@@ -8,8 +8,9 @@ import re
 from typing import Any
 
 from autograder.exam.exam import Cause, Run
-from autograder.judging.causes.builds import diagnose
+from autograder.judging.causes.builds import build_cause, diagnose, output_of
 from autograder.judging.causes.tracebacks import traceback_of
+from autograder.judging.text_table import cause_of
 
 NO_EXECUTABLE, NOT_BUILT = 97, 98
 MARK = 'run_package: '
@@ -25,8 +26,7 @@ def why_no_program(run: Run) -> Cause | None:
     process: Mapping[str, Any] = run.recording.process
     code = process.get('exit') if run.facts.get('package') else None
     if code == NOT_BUILT:
-        output = ''.join(str(process.get(name, '')) for name in ('stderr', 'stdout'))
-        return _why_not_built(output, run.files)
+        return build_cause(diagnose(output_of(run), run.files))
     if code == NO_EXECUTABLE:
         return _why_no_executable(run)
     return _why_no_entry(run) if code is not None else None
@@ -38,28 +38,10 @@ def _why_no_entry(run: Run) -> Cause | None:
     found = _NO_ENTRY.search(trace.error) if trace is not None and not trace.line else None
     if found is None:
         return None
-    write = f"In console_scripts of setup.py: '{run.facts['executable']} = {package}.MODULE:main'"
+    words = {**found.groupdict(), 'executable': run.facts['executable'], 'package': package}
     if found['function']:
-        text = f'The entry point names {found["function"]}, which {found["place"]} does not have.'
-        return Cause('entry_point_function', text, write)
-    if found['module'] == package:
-        return Cause(
-            'no_modules',
-            'setup.py does not install the modules of the package.',
-            "In setup.py: packages=find_packages(exclude=['test']).",
-        )
-    text = f'The entry point names the module {found["module"]}, which is not in the package.'
-    return Cause('entry_point_module', text, f'{write}; MODULE is a file in the folder {package}.')
-
-
-def _why_not_built(output: str, files: Mapping[str, str]) -> Cause:
-    found = diagnose(output, files)
-    where = f'{found.where}: ' if found.where and not found.error.startswith(found.where) else ''
-    return Cause(
-        found.cause or 'build',
-        f'{where}{found.error}'[:300],
-        found.advice or 'Run colcon build in your workspace; read the first error.',
-    )
+        return cause_of('entry_point_function', **words)
+    return cause_of('no_modules' if found['module'] == package else 'entry_point_module', **words)
 
 
 def _why_no_executable(run: Run) -> Cause:
@@ -68,23 +50,11 @@ def _why_no_executable(run: Run) -> Cause:
     others = [one for one in there['others'] if one != package]
     if name in there['bin'] or (others and not there['lib']):
         folder = 'bin/' if name in there['bin'] else f'lib/{others[0]}/'
-        return Cause(
-            'script_folder',
-            f'{name} is installed in {folder}, where ros2 run does not look.',
-            f'In setup.cfg: [install] install_scripts=$base/lib/{package}',
-        )
+        return cause_of('script_folder', executable=name, folder=folder, package=package)
     if 'setup.py' in run.files and 'CMakeLists.txt' not in run.files:
         has = f'; it makes {", ".join(there["lib"])}' if there['lib'] else ''
-        return Cause(
-            'entry_point_missing',
-            f'setup.py makes no executable {name}{has}.',
-            f"In console_scripts of setup.py: '{name} = {package}.MODULE:main'",
-        )
-    return Cause(
-        'executable_not_installed',
-        f'CMakeLists.txt installs no executable {name}.',
-        f'install(PROGRAMS ... DESTINATION lib/${{PROJECT_NAME}}), file name {name}.',
-    )
+        return cause_of('entry_point_missing', executable=name, has=has, package=package)
+    return cause_of('executable_not_installed', executable=name)
 
 
 def installed(run: Run) -> dict[str, list[str]]:

@@ -19,7 +19,8 @@ from typing import Any
 from autograder.exam import catalog
 from autograder.exam.names import Names
 from autograder.exams.visible import check_your_understanding as questions
-from autograder.judging.causes import builds, ended, exception_table
+from autograder.judging.causes import builds, code_table, ended, exceptions
+from autograder.judging.text_table import rows_of
 from autograder.layout import Layout
 from tests.judgement.kept import load, table, write_or_compare
 
@@ -112,13 +113,20 @@ def template(node: ast.AST) -> str:
 
 def _in_tables() -> Iterator[Written]:
     """Yield the causes whose names come from tables."""
-    for kind in exception_table.KINDS:
+    for kind in exceptions.KINDS:
         text, try_this = (
             re.sub(r'\\\d|\{\w+\}', '…', said) for said in (kind.text, kind.try_this)
         )
-        yield Written(kind.cause_id, text, try_this, 'exception_table')
+        yield Written(kind.cause_id, text, try_this, 'exceptions')
+    for row in code_table.TABLE:
+        text, try_this = (re.sub(r'\{[^{}]+\}', '…', said) for said in (row.text, row.try_this))
+        yield Written(row.cause_id, text, try_this, 'code_table')
     for name, (what, why) in ended.LIMITS.items():
         yield Written(name, f'The program was ended: {what}.', f'Look for {why}.', 'ended')
+    for name in ('by_evidence.txt', 'of_fields.txt'):
+        for head, *_, text, try_this in rows_of(name):
+            text, try_this = (re.sub(r'\{[^{}]+\}', '…', said) for said in (text, try_this))
+            yield Written(head.partition('|')[0], text, try_this, name)
     for mistake in builds.MISTAKES:
         yield Written(mistake.cause, mistake.error, mistake.advice, 'builds')
     for name, (text, try_this) in questions.CAUSES.items():

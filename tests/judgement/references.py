@@ -26,6 +26,7 @@ GRADER = LAYOUT.root / 'autograder'
 SHARED = (
     *sorted((GRADER / 'exam').glob('*.py')),
     *sorted((GRADER / 'judging').rglob('*.py')),
+    *sorted((GRADER / 'judging').rglob('*.txt')),
     *sorted((GRADER / 'submission' / 'code').glob('*.py')),
 )
 """What decides verdicts and causes, beside an exam's own modules."""

@@ -129,10 +129,10 @@ def test_any_other_end_keeps_the_words_of_the_exam():
 
 def test_lines_are_those_of_the_file():
     """A file has no magic line above it."""
-    check = CheckResult('a', 'A.', Verdict.FAILED, 0, 1, cause='It fails in line 8 of the cell.')
+    check = CheckResult('a', 'A.', Verdict.FAILED, 0, 1, cause='Line 8: It fails.')
     result = explained(EXAM, ExamResult('x', (check,)), None, {})
 
-    assert result.checks[0].cause == 'It fails in line 7 of the file.'
+    assert result.checks[0].cause == 'Line 7: It fails.'
 
 
 def test_both_sides_mean_the_same_codes(monkeypatch):

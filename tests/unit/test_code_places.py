@@ -72,6 +72,7 @@ def test_loggers_of_python_are_told_from_those_of_nodes(line, names, found):
     [
         ('random.seed(7)', '', 'seed'),
         ('rng = random.Random(7)', '', 'Random'),
+        ('random.seed(SEED)', 'SEED = 7\n', 'seed'),
         ('self.draw()', '    def draw(self):\n        np.random.default_rng(3)\n', 'default_rng'),
         ('pass', 'def set_up():\n    random.seed(7)\nset_up()\n', ''),
         ('random.seed()', '', ''),

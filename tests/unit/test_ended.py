@@ -91,7 +91,7 @@ def test_exception_is_named_with_the_line_of_the_cell(error, cause_id):
     found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
 
     assert found.cause_id == cause_id
-    assert 'line 8 of the cell' in found.text
+    assert 'Line 8: ' in found.text
 
 
 def test_node_that_never_answers_was_never_spun():
@@ -179,8 +179,8 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
 @pytest.mark.parametrize(
     ('code', 'cause_id', 'words'),
     [
-        ('rclpy.spin(node)', 'exited_early', 'was at work'),
-        ('while rclpy.ok():\n    rclpy.spin_once(node)', 'exited_early', 'was at work'),
+        ('rclpy.spin(node)', 'exited_early', 'was running'),
+        ('while rclpy.ok():\n    rclpy.spin_once(node)', 'exited_early', 'was running'),
         ('try:\n    rclpy.spin(n)\nexcept Exception as e:\n    print(e)', 'swallowed', 'catches'),
         (
             'try:\n    rclpy.spin(n)\nexcept ExternalShutdownException:\n    ...',
@@ -193,8 +193,8 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
             '',
         ),
         # What one call of it has served, may be the question itself.
-        ('rclpy.spin_once(node)  # for a while', 'spins_once', 'serves one callback'),
-        ('for node in nodes:\n    rclpy.spin_once(node)', 'exited_early', 'was at work'),
+        ('rclpy.spin_once(node)  # for a while', 'spins_once', 'runs one callback'),
+        ('for node in nodes:\n    rclpy.spin_once(node)', 'exited_early', 'was running'),
     ],
 )
 def test_program_that_ends_in_a_callback_is_not_told_to_spin(code, cause_id, words):
@@ -242,7 +242,7 @@ def test_node_that_could_not_be_seen_is_not_called_missing():
 
     found = causes.why_no_node(Run({'talker.py': code}, seen.recording), '/talker')
 
-    assert 'although your code has one' in found.text
+    assert 'does not appear' in found.text
     assert 'nodes()' in found.try_this
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from autograder.submission.code import learners_code
 from autograder.submission.code.learners_code import (
-    calls,
+    Code,
     FieldUse,
     Pause,
     pause_in_callback,
@@ -47,15 +47,14 @@ class TestTexts:
     def test_what_is_no_python_stays_as_it_is(self, code):
         """Nothing is known of it."""
         assert without_texts(code) == code
-        assert calls({'n.py': code}, 'b') is False
+        assert not Code({'n.py': code}).calls
 
     def test_texts_and_calls_are_found_in_python_files_only(self):
         """A package has other files too."""
         files = {'n.py': "math.isnan(a) or 'Farenheit'", 'package.xml': "<a b='c'>isfinite(1)</a>"}
 
         assert texts_in(files) == {'Farenheit'}
-        assert calls(files, 'isnan')
-        assert not calls(files, 'isfinite')
+        assert set(Code(files).calls) == {'isnan'}
 
     def test_an_escape_that_python_warns_of_is_the_learners(self):
         """The grader prints no warnings of it."""
@@ -105,6 +104,14 @@ class TestPauses:
         files = node('self.work()\n    def work(self):\n        time.sleep(1.0)')
 
         assert pause_in_callback(files) == Pause('tick', 7)
+
+    def test_callbacks_of_one_name_in_two_classes_are_all_looked_at(self):
+        """Each class may have its tick()."""
+        other = 'class M(Node):\n    def tick(self):\n        pass\n'
+        code = node('time.sleep(1.0)')['n.py']
+
+        assert pause_in_callback({'n.py': code + other}) == Pause('tick', 5)
+        assert pause_in_callback({'n.py': other + code}) == Pause('tick', 8)
 
     def test_a_lambda_has_no_name(self):
         """A lambda that sleeps is found too."""

@@ -100,7 +100,7 @@ class TestFields:
         text = RIGHT.replace('string', 'str').replace('float64[<=4] values', 'float values')
         failed = failure(require_fields, text, WANTED)
 
-        assert failed.why.text.endswith('Also to mend: str unit')
+        assert failed.why.text.endswith('Also fix: str unit')
 
     def test_many_lines_earn_nothing(self):
         """Who writes down everything that could be asked for has answered nothing."""
@@ -189,7 +189,7 @@ class TestBuild:
         cause = self.built(exit=None, killed='waits_outside')
 
         assert cause.cause_id == 'waits_outside'
-        assert 'never came' in cause.text
+        assert 'never happened' in cause.text
 
     def test_a_known_error_is_named_with_its_line(self):
         """The line of the file comes before the cause."""

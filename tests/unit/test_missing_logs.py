@@ -77,8 +77,10 @@ def test_any_printed_line_counts_where_nothing_is_logged():
         ('log.info(1)  # not log.debug(2)', ERROR, None),
         ('log.debug(1)\nlog.warn(2)', WARN, None),
         ('log.debug(1)\nlog.info(2)', WARN, 'debug_level'),
+        ('log.set_level(LoggingSeverity.WARN)\nlog.info(2)', INFO, 'set_level'),
+        ('log.set_level(LoggingSeverity.WARN)\nlog.warning(2)', WARN, None),
     ],
 )
-def test_debug_is_named_only_if_nothing_has_the_right_level(code, level, cause_id):
+def test_hidden_level_is_named_only_if_it_explains_the_line(code, level, cause_id):
     """A program may have lines for its author."""
     assert why(run_of(WARNING, code=code), level=level) == cause_id

@@ -17,7 +17,7 @@ import time
 import pytest
 
 from autograder.judging.causes.builds import MISTAKES
-from autograder.judging.causes.exception_table import KINDS
+from autograder.judging.causes.exceptions import KINDS
 
 GRADER = Path(__file__).parents[2] / 'autograder'
 IN_THE_SANDBOX = ('inside/', 'probe/', '_work/')

@@ -321,7 +321,7 @@ class TestWords:
                 'talker',
                 'keeps and asks for old messages',
                 'offers_reliable_qos',
-                'The publisher on chatter has another durability.',
+                'The publisher on chatter has a different durability.',
             ),
             (
                 'map_server',

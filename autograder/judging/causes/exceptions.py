@@ -2,26 +2,28 @@
 The exception a program died of, in the learner's words: what it means, where, and what to do.
 
 Python's own message says what happened; beginners need to hear which of their habits leads there.
-What a pattern tells is in :mod:`.exception_table`, names that are not found in
+What a pattern tells is in the table ``by_exception.txt``, names that are not found in
 :mod:`.unknown_names`; here is what has to be looked up in the code as well.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 import re
+from typing import NamedTuple
 
 from autograder.exam.exam import Cause
-from autograder.judging.causes.exception_table import KINDS
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.judging.causes.unknown_names import (
     homes,
     import_cause,
     init_cause,
-    local_cause,
     name_cause,
 )
+from autograder.judging.text_table import rows_of
 from autograder.layout import Layout
+from autograder.submission.code.learners_code import in_cell
 
 __all__ = ['exception_cause']
 
@@ -45,14 +47,14 @@ BY_NAME = {'QoSProfile': 'QoSProfile(depth=10)', 'Duration': 'Duration(seconds=0
 """Classes of rclpy that take their values by name only."""
 
 SIGNATURES = {
-    'publish': 'Hand it one message: self.publisher.publish(message).',
+    'publish': 'Pass one message: self.publisher.publish(message).',
     'create_timer': 'It needs the period and the method: create_timer(1.0, self.callback).',
     'create_node': "It needs the name of the node: rclpy.create_node('name').",
     'declare_parameter': "It needs a name and a default: declare_parameter('$parameter', ...).",
     'get_parameter': "It needs the name: get_parameter('$parameter').",
-    'get_logger': "Its parentheses stay empty: self.get_logger().info('hello').",
-    'now': 'Its parentheses stay empty: self.get_clock().now().',
-    'info': "It needs a text: info('hello').",
+    'get_logger': "It takes no argument: self.get_logger().info('hello').",
+    'now': 'It takes no argument: self.get_clock().now().',
+    'info': "It needs a string: info('hello').",
     'create_publisher': "In this order: create_publisher($type, '$topic', 10).",
     'create_subscription': 'In this order: '
     "create_subscription($heard_type, '$heard_topic', self.callback, 10).",
@@ -67,107 +69,114 @@ WANTED = {
     "'(?:sec|nanosec)' field must be of type 'int'": 'Take the whole stamp from the clock of the '
     'node: self.get_clock().now().to_msg(). A number with a fraction is made whole by int(value).',
     "type 'int'": 'It needs a whole number: int(value), or // where you divide.',
-    "type 'str'": "It needs a text: str(value), or an f-string: f'{value}'.",
-    "type 'float'": 'A number is no text, and 25 is no float: write 25.0, or float(value).',
+    "type 'str'": "It needs a string: str(value), or an f-string: f'{value}'.",
+    "type 'float'": 'The field needs a float, and 25 is an integer: write 25.0, or float(value).',
     "type 'bool'": 'Write True or False, without quotes.',
-    r' in \[': 'The number is too small or too large for this field: keep it within the limits.',
+    r' in \[': 'The number is outside the range of this field: keep it within the limits.',
     '': 'Give it a value of that type.',
 }
 """What to do about a field, by the end of rclpy's message; the first that is found."""
 
 
+class Kind(NamedTuple):
+    """
+    One way in which an exception is raised by a beginner.
+
+    :param says: regular expression, searched in the exception and, behind a line end, the line of
+        code without its comments and texts
+    :param text: what is wrong, with groups of ``says``
+    :param try_this: the repair, with groups of ``says`` in it and names of the exam
+    """
+
+    cause_id: str
+    says: str
+    text: str
+    try_this: str
+
+
+KINDS = tuple(Kind(*row) for row in rows_of('by_exception.txt'))
+"""Exceptions of beginners, the first that fits."""
+
+
 def exception_cause(trace: Traceback) -> Cause:
-    """Name what a program died of, with the line of the learner's cell."""
-    return (
-        init_cause(trace)
-        or _known_cause(trace)
-        or local_cause(trace)
-        or _arguments_cause(trace)
-        or import_cause(trace)
-        or name_cause(trace)
-        or _field_cause(trace)
-        or _no_field_cause(trace)
-        or _whole_message_cause(trace)
-        or _any_cause(trace)
-    )
+    """Name what a program died of, with the line of the learner's cell in front."""
+    for explain in _IN_ORDER:
+        if cause := explain(trace):
+            place = '' if cause.cause_id in _IN_A_FILE else trace.place
+            return replace(cause, text=f'{place}{cause.text}')
+    text = f'An exception was raised: {trace.error}'
+    return Cause('exception', f'{trace.place}{text}', _how_to_find(trace))
+
+
+def _how_to_find(trace: Traceback) -> str:
+    """Return where to look for the reason of an exception, because feedback shows no traceback."""
+    code = trace.code[:100]
+    if trace.spun or not code:
+        return 'Start the node in a cell: the traceback there shows the lines that led to it.'
+    if code.startswith('raise'):
+        return (
+            f'Your own line raises it: {code}. An exception that leaves a callback ends the '
+            'program: catch it there with except, or log the problem and return.'
+        )
+    return f'Look at that line: {code}'
 
 
 def _known_cause(trace: Traceback) -> Cause | None:
     """Explain an exception that the table knows."""
     for kind in KINDS:
         if found := re.search(kind.says, trace.said):
-            text = kind.text.replace('{where}', trace.where).replace('{place}', trace.place)
-            return Cause(kind.cause_id, found.expand(text), found.expand(kind.try_this))
+            # A pattern that reads the line means it, even if the line only spins.
+            place = in_cell(trace.line) if trace.spun and r'\n' in kind.says else ''
+            return Cause(
+                kind.cause_id, place + found.expand(kind.text), found.expand(kind.try_this)
+            )
     return None
 
 
-def _any_cause(trace: Traceback) -> Cause:
-    """Pass on what Python says, with the line, because feedback shows no traceback."""
-    code = trace.code[:100]
-    if 'has no attribute' in trace.error:
-        return Cause(
-            'no_attribute',
-            f'Something is used{trace.where} that is not there: {trace.error}',
-            'Is it spelled as where it is made, and made before it is used? self.name = ... '
-            'belongs into __init__().',
-        )
-    if trace.spun or not code:
-        advice = 'Start the node in a cell: the traceback there shows the lines that led to it.'
-    elif code.startswith('raise'):
-        advice = (
-            f'Your own line raises it: {code}. What a callback lets through ends the program: '
-            'catch it there with except, or log it and return.'
-        )
-    else:
-        advice = f'Look at that line: {code}'
+def _attribute_cause(trace: Traceback) -> Cause | None:
+    """Pass on that an object does not have what the code uses."""
+    if 'has no attribute' not in trace.error:
+        return None
     return Cause(
-        'exception',
-        f'The program stopped with an exception{trace.where}: {trace.error}',
-        advice,
+        'no_attribute',
+        f'Your code uses something that does not exist: {trace.error}',
+        'Is the spelling the same everywhere, and is it created before it is used? Put '
+        'self.name = ... into __init__().',
     )
 
 
 def _arguments_cause(trace: Traceback) -> Cause | None:
-    """Explain a function that gets another number of arguments than it takes."""
+    """Explain a function that gets more or fewer arguments than it takes."""
     found = _ARGUMENTS.search(trace.error)
     if trace.kind != 'TypeError' or found is None:
         return None
-    path, said = found['callee'].split('.'), found['said']
-    name, owner = path[-1], ''.join(path[-2:-1])
-    made = name == '__init__'
-    theirs = (
-        owner in trace.own if made else name in trace.own and owner in ('', '<locals>', *trace.own)
-    )
-    call = rf'(?:self\.)?{re.escape(name)}\(\)'
-    if made and (cause := None if theirs else _by_name_cause(owner, said, trace)):
+    owner, name = ['', *found['callee'].split('.')][-2:]
+    made, said = name == '__init__', found['said']
+    called = owner if made else name
+    own = called in trace.own and (made or owner in ('', '<locals>', *trace.own))
+    if made and not own and (cause := _by_name_cause(owner, said, trace)):
         return cause
     # The line hands on what the call returns.
-    if (
-        theirs
-        and found['missing']
-        and re.search(rf'[(,=]\s*{call}|^{call}\s*[,)]', trace.bare_code)
-    ):
+    call = rf'(?:self\.)?{re.escape(name)}\(\)'
+    passed = re.search(rf'[(,=]\s*{call}|^{call}\s*[,)]', trace.bare_code)
+    if own and passed and found['missing']:
         return Cause(
             'called_not_passed',
-            f'{name}() is called{trace.where}, where it should be passed on.',
+            f'Your code calls {name}() where it should pass the method.',
             f'Write the method without parentheses: self.{name}.',
         )
     if trace.spun and not made:
-        called = 'A callback' if name == '<lambda>' else f'{name}()'
         return Cause(
             'callback_arguments',
-            f'{called} gets another number of arguments than its def line has{trace.where}.',
-            'A subscription hands over the message, an event callback gets the event, a timer '
-            'gives nothing; and a method has self first: def take(self, message).',
+            f'{"A callback" if name == "<lambda>" else f"{name}()"} gets the wrong number of '
+            'arguments.',
+            'A subscription passes the message, an event callback gets the event, a timer passes '
+            'nothing; a method also has self first: def take(self, message).',
         )
-    advice = SIGNATURES.get(name, f'Look how {owner if made else name}() is called in the lesson.')
-    if theirs:
-        advice = (
-            f'Compare the call with its line def {name}(...); self is counted, and filled in by '
-            'itself.'
-        )
-    called = owner if made else name
-    return Cause('arguments', f'{called}() is called wrongly{trace.where}: {said}.', advice)
+    advice = SIGNATURES.get(name, f'Look up how the lesson calls {called}().')
+    if own:
+        advice = f'Compare the call with its line def {name}(...); Python passes self itself.'
+    return Cause('arguments', f'{called}() is called wrongly: {said}.', advice)
 
 
 def _by_name_cause(name: str, said: str, trace: Traceback) -> Cause | None:
@@ -177,9 +186,9 @@ def _by_name_cause(name: str, said: str, trace: Traceback) -> Cause | None:
     example = f'{name}({field or "field"}=...)' if package else BY_NAME.get(name, '')
     if not example:
         return None
-    text = f'{name}() takes its values by name, and gets one without a name{trace.where}.'
+    text = f'{name}() takes only named values, but gets one without a name.'
     if said.startswith('got'):
-        text = f'{name}() has no value of that name{trace.where}: {said}.'
+        text = f'{name}() has no value of that name: {said}.'
     fields = f' {_show(name, package)}' if package and not field else ''
     return Cause('by_name', text, f'Write the name before the value: {example}.{fields}')
 
@@ -221,13 +230,12 @@ def _show(name: str, package: str) -> str:
 
 
 def _field_cause(trace: Traceback) -> Cause | None:
-    """Explain a field of a message that gets a value of another type."""
+    """Explain a field of a message that gets a value of the wrong type."""
     found = _FIELD.search(trace.error)
     if found is None:
         return None
     name, wanted = found[1], found[2].partition(' and each')[0].strip()
-    what = 'that does not fit' if ' in [' in wanted else 'of another type'
-    text = f'The field {name} gets a value {what}{trace.where}: it must be {wanted}.'
+    text = f'The field {name} gets a value that does not fit: it must be {wanted}.'
     given = re.search(rf'\b{name}\s*=\s*(\w+)\s*(?:[,)]|$)', trace.bare_code)
     kind = _heard(trace).get(given[1], '') if given else ''
     field = _main_field(kind, _messages(trace).get(kind, ''))
@@ -245,31 +253,22 @@ def _no_field_cause(trace: Traceback) -> Cause | None:
     """Explain a field that a message does not have, where it is made or used."""
     known = _messages(trace)
     if 'Invalid arguments passed to constructor' in trace.error:
-        made = [
-            name for name in re.findall(r'\b([A-Z]\w{0,40})\(', trace.bare_code) if name in known
-        ]
-        return Cause(
-            'no_field',
-            f'A {made[0] if made else "message"} is made with a field that it does not '
-            f'have{trace.where}.',
-            _show(made[0], known[made[0]])
-            if made
-            else "ros2 interface show with the type's name lists the fields.",
-        )
+        named = re.findall(r'\b([A-Z]\w{0,40})\(', trace.bare_code)
+        made = next((name for name in named if name in known), '')
+        text = f'Your code gives a {made or "message"} a field that it does not have.'
+        advice = "ros2 interface show with the type's name lists the fields."
+        return Cause('no_field', text, _show(made, known[made]) if made else advice)
     found = _ATTRIBUTE.match(trace.error)
     if found is None or found[1] not in known:
         return None
     if found[1] == 'String' and hasattr(str, found[2]):
         return _take_the_field('String', trace)
-    return Cause(
-        'no_field',
-        f'A {found[1]} has no field {found[2]}, which is used{trace.where}.',
-        _show(found[1], known[found[1]]),
-    )
+    text = f'A {found[1]} has no field {found[2]}.'
+    return Cause('no_field', text, _show(found[1], known[found[1]]))
 
 
 def _whole_message_cause(trace: Traceback) -> Cause | None:
-    """Explain a message that is reckoned with or compared as if it were the number in it."""
+    """Explain a message that the code uses as if it were the number in it."""
     if trace.kind != 'TypeError' or 'not callable' in trace.error:
         return None
     known = _messages(trace)
@@ -278,12 +277,27 @@ def _whole_message_cause(trace: Traceback) -> Cause | None:
 
 
 def _take_the_field(kind: str, trace: Traceback) -> Cause:
-    """Tell to take the field of a message where the whole of it is used."""
+    """Return the repair for a message that is used instead of its field."""
     package = _messages(trace)[kind]
     field = _main_field(kind, package)
     name = next((one for one, theirs in _heard(trace).items() if theirs == kind), 'message')
     return Cause(
         'whole_message',
-        f'A whole {kind} is used{trace.where} as if it were the value in it.',
+        f'Your code uses a whole {kind} as if it were a value.',
         f'Take the field: {name}.{field}.' if field else f'Take a field. {_show(kind, package)}',
     )
+
+
+_IN_A_FILE = ('no_parameter_file', 'parameter_file')
+"""Causes that are not in the line that raises."""
+_IN_ORDER = (
+    init_cause,
+    _known_cause,
+    _arguments_cause,
+    import_cause,
+    name_cause,
+    _field_cause,
+    _no_field_cause,
+    _whole_message_cause,
+    _attribute_cause,
+)

@@ -12,41 +12,15 @@ import ast
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.ended import why_no_configure, why_no_verdict
 from autograder.judging.causes.unknown_names import homes
+from autograder.judging.text_table import cause_of
 from autograder.submission.code.learners_code import Code
 
-READ_ONCE = Cause(
-    'read_once',
-    'The parameter was changed, and on_configure() still goes by an earlier value.',
-    "Read it in on_configure(), each time: self.get_parameter('$parameter').value.",
-)
-SILENT_REFUSAL = Cause(
-    'silent_refusal',
-    'A refusal comes without an ERROR line: the reason is not reported.',
-    "Each time before FAILURE is returned: self.get_logger().error(f'...') with the limit in it, "
-    'without once=.',
-)
-NO_PARAMETER = Cause(
-    'no_parameter',
-    'Your node has no parameter called $parameter that takes a float.',
-    "In __init__(): self.declare_parameter('$parameter', -1.0).",
-)
-WRONG_DEFAULT = Cause(
-    'wrong_default',
-    'The limit is not -1.0 before anybody sets it.',
-    "In __init__(): self.declare_parameter('$parameter', -1.0).",
-)
-LET_THROUGH = Cause(
-    'let_through',
-    'A limit that is not above zero is accepted.',
-    "In on_configure(): return FAILURE unless self.get_parameter('$parameter').value > 0.0.",
-)
-ERROR_NOT_FAILURE = Cause(
-    'error_not_failure',
-    'on_configure() returns ERROR, or it raises an exception, which rclpy swallows without a '
-    'word.',
-    'Return TransitionCallbackReturn.FAILURE. If you do: put the lines before it into try/except '
-    'Exception as error, and log error.',
-)
+READ_ONCE = cause_of('read_once')
+SILENT_REFUSAL = cause_of('silent_refusal')
+NO_PARAMETER = cause_of('no_parameter')
+WRONG_DEFAULT = cause_of('wrong_default')
+LET_THROUGH = cause_of('let_through')
+ERROR_NOT_FAILURE = cause_of('error_not_failure')
 
 
 def why_accepted(run: Run) -> Cause:
@@ -72,31 +46,12 @@ def why_refused(run: Run, name: str, again: bool = False) -> Cause:
     if why := why_no_configure(code):
         return why
     if again:
-        return Cause(
-            'refused_again',
-            f'The first time, on_{name}() succeeds, and the second time it does not.',
-            'Something is not set back in between, as in on_deactivate() or on_cleanup().',
-        )
+        return cause_of('refused_again', name=name)
     taken = code.parameters(f'on_{name}')
     if taken is not None and len(taken) < 2:
-        return Cause(
-            'callback_arguments',
-            f'rclpy calls on_{name}() with the state it comes from, and yours takes none: an '
-            'exception, which rclpy swallows without a word.',
-            f'Write def on_{name}({(*taken, "self")[0]}, state):',
-        )
+        return cause_of('callback_arguments', name=name, first=(*taken, 'self')[0])
     known = {one: home for home, names in homes().items() for one in names.split()}
     missing = next((one for one in known if one in code.unmade), '')
     if missing:
-        return Cause(
-            'missing_import',
-            f'{missing} is used and not imported; rclpy swallows the NameError of on_{name}() '
-            'without a word.',
-            f'Write at the top: from {known[missing]} import {missing}',
-        )
-    return Cause(
-        'refused',
-        f'on_{name}() returns FAILURE or ERROR, or it raises an exception, which rclpy '
-        'swallows without a word.',
-        f'Put the lines of on_{name}() into try/except Exception as error, and log error.',
-    )
+        return cause_of('missing_import', name=missing, callback=name, home=known[missing])
+    return cause_of('refused', name=name)

@@ -2,30 +2,29 @@
 Why a log line that is due did not come: another logger, another level, ``print()``, or none.
 
 A node's own lines go to the topic ``/rosout`` and, as the course sets it up, to standard output
-too.  What stands there and is no line of a node was printed, or comes from another logger.
+too.  Any other text on standard output was printed, or comes from a different logger.
 """
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Iterator, Sequence
 import re
 
 from autograder.exam.exam import Cause, Run
+from autograder.judging.causes.code_table import why_by_code
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.logged_errors import why_exception_logged
-from autograder.recording import Event, INFO, LEVELS
+from autograder.judging.text_table import cause_of
+from autograder.recording import Event, LEVELS
 from autograder.submission.code.code_places import leaves_out, logs_with_python
-from autograder.submission.code.learners_code import calls, Code
+from autograder.submission.code.learners_code import Code, in_cell, last_name
 
 CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
 Belongs = Callable[[str], bool]
-"""Tells by the text of a line whether it is the one that is missing."""
+"""Returns whether a text is that of the missing line."""
 
-OTHER_LOGGER = Cause(
-    'other_logger',
-    "The lines come from a logger that is not the node's own; they reach no /rosout.",
-    'Use self.get_logger(), not rclpy.logging.get_logger(...).',
-)
+OTHER_LOGGER = cause_of('other_logger')
 OF_ROS = ('rcl', 'rmw', 'rcutils')
 """How the names of loggers begin that the libraries of ROS write with, on standard output only."""
 _LOGGED = re.compile(r'\[(DEBUG|INFO|WARN|ERROR|FATAL)\] (?:\[[\d.]+\] )?\[([^\]]*)\]: ?(.*)')
@@ -48,11 +47,7 @@ def why_not_logged(
         return why
     if instead:
         other = LEVELS.get(instead[0]['level'], instead[0]['level'])
-        return Cause(
-            'wrong_level',
-            f'A line at level {other} comes instead.',
-            f'Use self.get_logger().{CALLS[level]}(...).',
-        )
+        return cause_of('wrong_level', other=other, call=CALLS[level])
     return why_printed(run, level, _needed(run, belongs)) or why_dropped(run, level)
 
 
@@ -78,18 +73,9 @@ def why_other_logger(run: Run, level: int, belongs: Belongs | None = None) -> Ca
         known = name.startswith(OF_ROS) or any(f'{name}.'.startswith(f'{one}.') for one in own)
         if severity == LEVELS[level] and not known and (belongs is None or belongs(text)):
             return OTHER_LOGGER
-    return _why_pythons_logger(run, level)
-
-
-def _why_pythons_logger(run: Run, level: int) -> Cause | None:
-    """Explain a line that is written by Python's own module for logs."""
     if run.recording.logs(level=level) or not logs_with_python(run.files, _names(level)):
         return None
-    return Cause(
-        'other_logger',
-        "The lines are written by Python's own module logging; they reach no /rosout.",
-        f'Use self.get_logger().{CALLS[level]}(...), the logger of the node.',
-    )
+    return cause_of('logging', call=CALLS[level])
 
 
 def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | None:
@@ -99,14 +85,14 @@ def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | N
     :param found: those that came; where they were logged tells which call it is
     """
     lines = {int(one['line']) for one in found if one.get('line')}
-    name = leaves_out(run.files, _names(level), lines)
-    if not name:
-        return None
-    return Cause(
-        'left_out',
-        f'Your code tells the logger to leave lines out: {name} does that.',
-        f'Take {name} out of the call of {CALLS[level]}(), so that each line comes.',
-    )
+    if name := leaves_out(run.files, _names(level), lines):
+        return cause_of('left_out', name=name, call=CALLS[level])
+    for call in Code(run.files).calls.get('set_level', ()):
+        named = set(map(last_name, ast.walk(call)))
+        if hidden := [one for number, one in LEVELS.items() if number > level and one in named]:
+            place = in_cell(call.lineno)
+            return cause_of('set_level', place=place, level=hidden[0], call=CALLS[level])
+    return None
 
 
 def _names(level: int) -> Sequence[str]:
@@ -122,11 +108,7 @@ def why_printed(run: Run, level: int, belongs: Belongs | None = None) -> Cause |
     logged = {line for one in run.recording.logs() for line in str(one['text']).splitlines()}
     for severity, _, text in _on_stdout(run):
         if not severity and text not in logged and (belongs is None or belongs(text)):
-            return Cause(
-                'print_instead_of_logger',
-                'Something is printed; print() reaches its own terminal and nobody else.',
-                f'Use self.get_logger().{CALLS[level]}(...): it also goes to the topic /rosout.',
-            )
+            return cause_of('print_instead_of_logger', call=CALLS[level])
     return None
 
 
@@ -134,7 +116,7 @@ def _on_stdout(run: Run) -> Iterator[tuple[str, str, str]]:
     """Yield level, logger and text of what is on standard output; print() has no level."""
     for line in str(run.recording.process.get('stdout', '')).splitlines():
         found = _LOGGED.search(line)
-        printed = line[: found.start()] if found else line  # print(..., end='') stands before it
+        printed = line[: found.start()] if found else line  # print(..., end='') comes before it
         if printed.strip():
             yield '', '', printed
         if found:
@@ -143,23 +125,10 @@ def _on_stdout(run: Run) -> Iterator[tuple[str, str, str]]:
 
 def why_dropped(run: Run, level: int) -> Cause | None:
     """Explain a line at level DEBUG with none of the right one, or one that is left out."""
-    named = any(calls(run.files, name) for name in _names(level))
-    if calls(run.files, 'debug') and not named:
-        return debug_level(level)
+    code = Code(run.files)
+    if 'debug' in code.calls and not code.calls.keys() & set(_names(level)):
+        return cause_of('debug_level', call=CALLS[level])
     return why_left_out(run, level)
-
-
-def debug_level(level: int) -> Cause:
-    """
-    Return the cause for a line that nobody gets to see.
-
-    :param level: the one that it should have
-    """
-    return Cause(
-        'debug_level',
-        'Lines at level DEBUG are dropped unless the program was told to show them.',
-        f'Use self.get_logger().{CALLS[level]}(...).',
-    )
 
 
 def why_no_line(run: Run, call: str) -> Cause:
@@ -168,21 +137,4 @@ def why_no_line(run: Run, call: str) -> Cause:
 
     :param call: how its timer is made
     """
-    code = Code(run.files)
-    if not {'create_timer', 'create_rate'} & code.names:
-        return Cause('no_timer', 'No timer is created, so nothing is called.', f'Call {call}.')
-    if 'debug' in code.calls:
-        return debug_level(INFO)
-    if code.catches_all:
-        return Cause(
-            'swallowed',
-            'Nothing is logged, and your code catches every exception: a mistake in the callback '
-            'is told to nobody.',
-            'Take try and except out of the callback, and read what Python says.',
-        )
-    return Cause(
-        'silent',
-        'None of its timers leads to a line: it has not been created, or its period is too long, '
-        'or its callback does not log.',
-        f'Is {call} reached? The period is in seconds: 1000 is a quarter of an hour.',
-    )
+    return why_by_code('no_line', run, call=call)

@@ -1,10 +1,10 @@
 """
-What feedback keeps to itself: the values that a hidden exam has drawn, and its namespace.
+Keep the inputs and the namespace of hidden exams out of feedback.
 
-Who is told them writes them into the code and hands in again.  So the checks of an exam speak of
-drawn values in kinds and relations wherever :attr:`autograder.exam.exam.Run.secret` holds, and
-quote the student's node only with what cannot be an echo of them.  The namespace is a part of most
-names, so the judge takes it out of all texts, in one place.
+A student who learns these values could hard-code them and resubmit.  So the checks of an exam
+speak of drawn values in kinds and relations wherever :attr:`autograder.exam.exam.Run.secret`
+holds, and quote the student's node only with what cannot be an echo of them.  The namespace is a
+part of most names, so the judge takes it out of all texts, in one place.
 """
 
 from __future__ import annotations
@@ -61,9 +61,9 @@ def own_words(run: Run, text: str, instead: str) -> str:
     """
     Return a text of the student's node as it may be quoted.
 
-    It is no echo of an input where none was sent, or where the text stands in the code.
+    It cannot repeat an input if none was sent, or if the text is in the code.
 
-    :param instead: what is said where it may be one
+    :param instead: what to say if it may repeat one
     """
     open_to_all = not run.secret or not run.recording.of('input')
     if open_to_all or any(text in code for code in run.files.values()):

@@ -1,8 +1,8 @@
 """
 The exception a program died of, read off standard error, with the learner's line that it names.
 
-Of several tracebacks the last one ended the program, but for what Python says that it ignores, and
-but for an ``except`` or ``finally`` that stumbles over a name that the failed line was to make.
+Of several tracebacks the last one ended the program.  Two kinds do not count: what Python says
+that it ignores, and an ``except`` or ``finally`` that fails because a name was never assigned.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import re
 from autograder.exam.exam import Run
 from autograder.exam.names import Names
 from autograder.judging.causes.redaction import drawn_values, PUBLIC
-from autograder.submission.code.learners_code import without_texts
+from autograder.submission.code.learners_code import in_cell, without_texts
 
 _HEAD = 'Traceback (most recent call last)'
 _IGNORED = 'Exception ignored in'
@@ -60,14 +60,8 @@ class Traceback:
 
     @property
     def place(self) -> str:
-        """Return the place in the learner's cell, to be put behind a sentence."""
-        # Line 1 of the cell is the magic line, so line n of the file is line n + 1 of the cell.
-        return f' in line {self.line + 1} of the cell' if self.line else ''
-
-    @property
-    def where(self) -> str:
-        """Return the place, unless the line only spins: then another one is to be mended."""
-        return '' if self.spun else self.place
+        """Return the place in the learner's cell, unless the line only spins, which is right."""
+        return in_cell(None if self.spun else self.line)
 
     @cached_property
     def said(self) -> str:
@@ -113,7 +107,7 @@ def traceback_of(run: Run) -> Traceback | None:
 
 def _is_learners(path: str, names: Iterable[str]) -> bool:
     """
-    Tell whether a frame is in one of the student's files.
+    Return whether a frame is in one of the student's files.
 
     A module of a package may be called as one of a library is, such as ``node.py``; where both are
     installed, its folder tells.

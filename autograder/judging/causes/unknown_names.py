@@ -23,7 +23,6 @@ _MODULE = re.compile(r"No module named '([\w.]{1,80})'")
 _INIT = re.compile(r'\bdef (_{0,3}[Ii]ni?t_{0,3})\(')
 _NO_INIT = re.compile(r"Node\.__init__\(\) missing .*'node_name'|\b\w+\(\) takes no arguments")
 _PARENTS = re.compile(r"'super' object has no attribute '(_{0,3}[Ii]ni?t_{0,3})'")
-_LOCAL = re.compile(r"^UnboundLocalError: .*local variable '(\w{1,60})'")
 _PACKAGE = re.compile(r'\w+(?:_interfaces|_msgs|_srvs|_pkg)')
 _MESSAGES = re.compile(rf'{_PACKAGE.pattern}(?:\.(?:msg|srv|action))?|\w+\.(?:msg|srv|action)')
 
@@ -39,8 +38,16 @@ HOMES = {
     'sensor_msgs.msg': 'LaserScan Imu Image BatteryState Range JointState',
     'nav_msgs.msg': 'Odometry OccupancyGrid',
     'std_srvs.srv': 'SetBool Trigger',
+    'time': 'sleep',
+    'math': 'isnan sqrt sin cos pi',
+    'random': 'randint uniform',
+    'collections': 'deque',
+    'threading': 'Thread',
+    'functools': 'partial',
+    'dataclasses': 'dataclass',
+    'pathlib': 'Path',
 }
-"""Where the names of the lessons, and of the most used messages, come from."""
+"""Where the names of the lessons, of the most used messages and of everyday Python come from."""
 
 
 def homes() -> Mapping[str, str]:
@@ -52,36 +59,18 @@ def homes() -> Mapping[str, str]:
     return {**HOMES, **own}
 
 
-OTHER_HOMES = {
-    'time': 'sleep',
-    'math': 'isnan sqrt sin cos pi',
-    'random': 'randint uniform',
-    'collections': 'deque',
-    'threading': 'Thread',
-    'functools': 'partial',
-    'dataclasses': 'dataclass',
-    'pathlib': 'Path',
+IMPORTS = {
+    'np': 'import numpy as np',
+    'rclpy': 'import rclpy',
+    'datetime': 'import datetime, for datetime.datetime.now(); or from datetime import datetime, '
+    'for datetime.now()',
+    'Time': 'from builtin_interfaces.msg import Time, for the stamp of a message; or from '
+    'rclpy.time import Time, to calculate with times',
 }
-"""Where names come from that the lessons do not need and learners know."""
+"""Import lines of names that have a different module, or more than one."""
 
-ALIASES = {'np': 'import numpy as np'}
-MODULES = ('rclpy', 'math', 'random', 'time')
 INSTALLED = (*(one for one in sorted(sys.stdlib_module_names) if one[0] != '_'), 'numpy')
-"""Modules that are there wherever rclpy is."""
-
-USES = (
-    ('datetime', r'\bdatetime\.datetime\b', 'import datetime'),
-    ('datetime', r'\bdatetime\.\w', 'from datetime import datetime'),
-    ('Time', r'\bTime\((?:seconds|nanoseconds)=|\bTime\.from_msg', 'from rclpy.time import Time'),
-    ('Time', r'\bTime\((?:sec|nanosec)=', 'from builtin_interfaces.msg import Time'),
-    (
-        'Time',
-        '',
-        'from builtin_interfaces.msg import Time, for the stamp of a message; or from rclpy.time '
-        'import Time, to calculate with times',
-    ),
-)
-"""Names of more than one origin: the name, how the line uses it, and what to write."""
+"""Modules that exist wherever rclpy does."""
 
 NOTEBOOK = (
     'build_messages echo explain graph hz info listen logs nodes plot qos_table quiz start stop '
@@ -89,42 +78,39 @@ NOTEBOOK = (
 )
 """What roslab brings into a notebook."""
 
-ALONE = 'Each %%node cell or file stands alone: what others import or define is not in it.'
+ALONE = 'Each %%node cell is a separate file, without the imports and names of other cells.'
 
 
 def import_cause(trace: Traceback) -> Cause | None:
-    """Explain a module that is not found, or a name that is looked for in another than its own."""
+    """Explain a module that is not found, or a name that is looked for in the wrong module."""
     if missing := _MODULE.search(trace.error):
         return _module_cause(trace, missing[1])
     found = _FROM.search(trace.error) or _BEHIND.search(trace.error)
     name, module = found.group('name', 'module') if found else ('', '')
     home = _home(name, trace.names.homes, homes())
-    text = f'{name} is not in {module}, where it is looked for{trace.where}.'
-    if home == module != '':
-        return Cause(
-            'import', text, 'A message of your own has to be built first: build_messages().'
-        )
-    if home:
-        return Cause('import', text, f'Write: from {home} import {name}, and below {name} alone.')
-    if trace.kind != 'ImportError':
+    if not home and trace.kind != 'ImportError':
         return None
-    text = f'An import fails{trace.where}: {trace.error.partition(". Did you mean")[0]}'
-    if _PACKAGE.fullmatch(module):
-        advice = f'Messages are one level below: from {module}.msg import {name}'
-    elif meant := _MEANT.search(trace.error):
-        advice = f'Did you mean {meant[1]}? Large and small letters count.'
-    elif found:
-        advice = f'Check the spelling of the name; help({module}) lists what it has.'
-    else:
+    if not found:
         advice = 'Check the spelling of the package and of the name.'
-    return Cause('import', text, advice)
+        return Cause('import', f'An import fails: {trace.error}', advice)
+    if home:
+        advice = f'Write: from {home} import {name}, and use {name} alone.'
+        if home == module:
+            advice = 'Build your own message first: build_messages().'
+    elif _PACKAGE.fullmatch(module):
+        advice = f'Message classes are in the submodule msg: from {module}.msg import {name}'
+    elif meant := _MEANT.search(trace.error):
+        advice = f'Did you mean {meant[1]}? Upper and lower case matter.'
+    else:
+        advice = f'Check the spelling of the name; help({module}) lists what it has.'
+    return Cause('import', f'{module} has no {name}, which your code uses.', advice)
 
 
 def _module_cause(trace: Traceback, module: str) -> Cause:
-    """Explain a module or package that is not there."""
-    known = homes()
-    packages = (*trace.names.homes, *known, *(home.partition('.')[0] for home in known))
-    near = difflib.get_close_matches(module, (*packages, 'builtin_interfaces.msg'), 1, 0.8)
+    """Explain a module or package that does not exist."""
+    known = {*trace.names.homes, *homes()}
+    packages = (*known, *(home.partition('.')[0] for home in known), 'builtin_interfaces.msg')
+    near = difflib.get_close_matches(module, packages, 1, 0.8)
     messages = _MESSAGES.fullmatch(module)
     if not near and not messages:
         alike = [one for one in INSTALLED if one[0] == module[0]]
@@ -132,52 +118,39 @@ def _module_cause(trace: Traceback, module: str) -> Cause:
     if messages and near in ([], [module]):
         return Cause(
             'message_not_built',
-            f'There is no message package of that name{trace.where}: {trace.error}',
-            'Is it the package of the table, spelled as there? Build your own package first with '
+            f'There is no message package of that name: {trace.error}',
+            'Is the package spelled as in the table? Build your own package first with '
             'build_messages(). Packages of others are installed if environment/messages.txt '
             'names them.',
         )
-    return Cause(
-        'import',
-        f'There is no module {module}, which is imported{trace.where}.',
-        f'Did you mean {near[0]}? Check the spelling.'
-        if near and near[0] != module
-        else 'Check the spelling. Or is it not installed? The lessons need only Python and ROS 2.',
-    )
+    advice = 'Check the spelling. Or is it not installed? The lessons need only Python and ROS 2.'
+    if near and near[0] != module:
+        advice = f'Did you mean {near[0]}? Check the spelling.'
+    return Cause('import', f'Your code imports {module}, but there is no such module.', advice)
 
 
 def name_cause(trace: Traceback) -> Cause | None:
-    """Explain a name that nobody has defined."""
+    """Explain a name that the code does not define."""
     found = _NAME.search(trace.error)
     if trace.kind != 'NameError' or found is None:
         return None
     name = found[1]
-    line = _import_line(name, trace)
-    if line:
-        return Cause(
-            'missing_import',
-            f'The name {name} is used{trace.where} and never imported.',
-            f'{ALONE} Write at the top: {line}',
-        )
-    return Cause(
-        'unknown_name',
-        f'The name {name} is used{trace.where} and is not known there.',
-        _main_advice(trace.bare) if name == 'main' else _how_to_make(name, trace),
-    )
+    if line := _import_line(name, trace):
+        text = f'Your code uses the name {name} and never imports it.'
+        return Cause('missing_import', text, f'{ALONE} Write at the top: {line}')
+    text = f'Your code uses the name {name}, which is not defined.'
+    return Cause('unknown_name', text, _how_to_define(name, trace))
 
 
 def _import_line(name: str, trace: Traceback) -> str:
-    """Return the import that brings a name, as far as its use in a line tells; or nothing."""
-    for one, use, line in USES:
-        if one == name and re.search(use, trace.bare_code):
-            return line
-    if home := _home(name, trace.names.homes, homes(), OTHER_HOMES):
+    """Return the import line of a name; empty if it is not known to come from a module."""
+    if name in IMPORTS:
+        return IMPORTS[name]
+    if home := _home(name, trace.names.homes, homes()):
         return f'from {home} import {name}'
     # Half the modules of Python have names that variables have too, such as code or string.
-    as_module = name in sys.stdlib_module_names and re.search(rf'\b{name}\.\w', trace.bare_code)
-    if name in MODULES or as_module:
-        return f'import {name}'
-    return ALIASES.get(name, '')
+    used = name in sys.stdlib_module_names and re.search(rf'\b{name}\.\w', trace.bare_code)
+    return f'import {name}' if used else ''
 
 
 def _home(name: str, *tables: Mapping[str, str]) -> str:
@@ -186,34 +159,22 @@ def _home(name: str, *tables: Mapping[str, str]) -> str:
     return next((home for home, names in pairs if name in names.split()), '')
 
 
-def _main_advice(source: str) -> str:
-    """Tell why the last lines of a program do not find main()."""
-    if re.search(r'^(?:async )?def main\b', source, re.MULTILINE):
-        return 'It is called above its def line: the call belongs at the very end.'
-    if re.search(r'^[ \t]+(?:async )?def main\b', source, re.MULTILINE):
-        return 'Is def main indented into the class? It has to begin at the left margin.'
-    return 'Write def main(args=None): at the left margin, above the lines that call it.'
-
-
-def _how_to_make(name: str, trace: Traceback) -> str:
-    """Tell what a name that nothing has made is likely to be."""
-    meant = _MEANT.search(trace.error)
+def _how_to_define(name: str, trace: Traceback) -> str:
+    """Return what to do about a name that comes from no module."""
     if name == 'self':
         return 'Only a method has it, as its first argument, and further right than its def.'
+    if name == 'main':
+        return 'Write def main(args=None): at the left margin, above the lines that call it.'
     if name in NOTEBOOK.split() and f'{name}(' in trace.bare_code:
-        return f'{name}() belongs to the notebook, and is not there for a node: leave it out here.'
-    if meant and meant[1].startswith('self.'):
-        return f'Did you mean {meant[1]}? What belongs to the node has self. in front.'
+        return f'{name}() works only in the notebook, not in a node: leave it out here.'
     if re.search(rf'^[ \t]+{name}\s*=(?!=)', trace.bare, re.MULTILINE):
         return (
-            f'It is made inside a def and known only there: hand it on as an argument, or keep it '
-            f'as self.{name} in both places.'
+            'It is defined inside a def and exists only there: pass it as an argument, or use '
+            f'self.{name} in both places.'
         )
-    if meant:
-        return f'Did you mean {meant[1]}? Otherwise make it first, with the same spelling.'
-    if name in sys.stdlib_module_names:
-        return f'Is it a module? Then write at the top: import {name}. Else make it first.'
-    return f'Is it spelled as where it is made? What belongs to the node is self.{name}. {ALONE}'
+    if meant := _MEANT.search(trace.error):
+        return f'Did you mean {meant[1]}? Otherwise define {name} first, with the same spelling.'
+    return f'Is the spelling the same as where it is defined? An attribute is self.{name}. {ALONE}'
 
 
 def init_cause(trace: Traceback) -> Cause | None:
@@ -225,31 +186,6 @@ def init_cause(trace: Traceback) -> Cause | None:
         return None
     return Cause(
         'init_name',
-        f'Your code has {found[1]}(), and Python calls __init__() only, so it is not what it is '
-        'meant to be.',
-        'Write __init__, small letters between two underscores on each side, wherever it stands.',
-    )
-
-
-def local_cause(trace: Traceback) -> Cause | None:
-    """Explain a name that a def assigns to, and that it uses before."""
-    found = _LOCAL.search(trace.error)
-    if found is None:
-        return None
-    name = found[1]
-    kept = 'A name that a def assigns to is its own: '
-    again = rf'\b{name}\s*(?:[-+*/%|&]|//|\*\*)=|\b{name}\s*=[^=\n][^\n]*\b{name}\b'
-    if not re.search(again, trace.bare):
-        advice = (
-            f'Give {name} a value on every way to that line: above the if, or below an else too.'
-        )
-    elif re.search(r'\bself\b', trace.bare):
-        advice = f'{kept}keep it as self.{name}, with self. everywhere.'
-    else:
-        advice = (
-            f'{kept}make it above the def, and write as its first line global {name}, or, inside '
-            f'another def, nonlocal {name}.'
-        )
-    return Cause(
-        'local_name', f'{name} is used before this def has given it a value{trace.where}.', advice
+        f'Your code has {found[1]}(), but Python calls only __init__().',
+        'Write __init__ everywhere: small letters between two underscores on each side.',
     )

@@ -9,7 +9,13 @@ from __future__ import annotations
 import ast
 from collections.abc import Collection, Iterator, Mapping
 
-from autograder.submission.code.learners_code import bodies_of_callbacks, last_name, trees
+from autograder.submission.code.learners_code import (
+    bodies_of_callbacks,
+    followed,
+    last_name,
+    trees,
+    values_by_name,
+)
 
 _LEAVE_OUT = ('throttle_duration_sec', 'once', 'skip_first')
 _SEEDS = ('seed', 'Random', 'RandomState', 'default_rng')
@@ -24,28 +30,23 @@ def leaves_out(
     :param names: of the calls, such as ``warn`` and ``warning``; those of callbacks count
     :param lines: only calls in these lines, if there are any
     """
-    found: list[str] = []
-    for tree in trees(files):
-        for _, body in bodies_of_callbacks(tree):
-            for call in ast.walk(body):
-                if not isinstance(call, ast.Call) or (lines and call.lineno not in lines):
-                    continue
-                if last_name(call.func) in names:
-                    told = (one for one in call.keywords if one.arg in _LEAVE_OUT)
-                    found.append(
-                        next((str(one.arg) for one in told if not _is_off(one.value)), '')
-                    )
+    made = (call for tree in trees(files) for call in _calls_in_callbacks(tree, names))
+    found = [_leaves_out(call) for call in made if not lines or call.lineno in lines]
     return found[0] if found and all(found) else ''
 
 
-def _is_off(value: ast.AST) -> bool:
-    """Tell whether a value is False, 0 or None, and so asks for nothing."""
-    return isinstance(value, ast.Constant) and not value.value
+def _leaves_out(call: ast.Call) -> str:
+    """Return the argument with which a log call leaves lines out; False, 0 and None do not."""
+    for one in call.keywords:
+        off = isinstance(one.value, ast.Constant) and not one.value.value
+        if one.arg in _LEAVE_OUT and not off:
+            return one.arg
+    return ''
 
 
 def logs_with_python(files: Mapping[str, str], names: Collection[str]) -> bool:
     """
-    Tell whether all log calls of a level go to Python's own module ``logging``.
+    Return whether all log calls of a level go to Python's own module ``logging``.
 
     :param names: of the calls, such as ``warn`` and ``warning``
     """
@@ -74,10 +75,15 @@ def _logging_names(tree: ast.Module) -> Iterator[str]:
 def seed_in_callback(files: Mapping[str, str]) -> str:
     """Return what seeds random numbers with a constant in a function that is called again."""
     for tree in trees(files):
-        for _, body in bodies_of_callbacks(tree):
-            for call in ast.walk(body):
-                if not isinstance(call, ast.Call) or last_name(call.func) not in _SEEDS:
-                    continue
-                if call.args and isinstance(call.args[0], ast.Constant):
-                    return last_name(call.func)
+        known = values_by_name(tree)
+        for call in _calls_in_callbacks(tree, _SEEDS):
+            if call.args and isinstance(followed(call.args[0], known), ast.Constant):
+                return last_name(call.func)
     return ''
+
+
+def _calls_in_callbacks(tree: ast.Module, names: Collection[str]) -> Iterator[ast.Call]:
+    for _, body in bodies_of_callbacks(tree):
+        for one in ast.walk(body):
+            if isinstance(one, ast.Call) and last_name(one.func) in names:
+                yield one

@@ -1,7 +1,7 @@
 """
 What a learner's code says, read as Python and never run: it decides words, not verdicts.
 
-Comments and texts are no code: a call that is named in a comment calls nothing.
+Comments and strings do not count: a call that is named in a comment calls nothing.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from autograder.submission.code.python_text import NotPythonError, parsed
 
 _DEFS = (ast.FunctionDef, ast.AsyncFunctionDef)
 SHORT_S = 0.1
-"""A pause [s] that nobody notices."""
+"""A pause [s] too short to matter."""
 
 
 @lru_cache(maxsize=64)  # Python needs a second for a line with thousands of f-strings
@@ -38,6 +38,15 @@ def without_texts(code: str) -> str:
     return ''.join(char for line in lines for char in line)
 
 
+def in_cell(line: int | None) -> str:
+    """
+    Return a place in the learner's cell, to be put before a sentence.
+
+    :param line: of the file, from 1; line 1 of the cell is the magic line, which is in no file
+    """
+    return f'Line {line + 1}: ' if line else ''
+
+
 def trees(files: Mapping[str, str]) -> Iterator[ast.Module]:
     """Yield the syntax tree of each file that Python can read."""
     for name, text in sorted(files.items()):
@@ -48,12 +57,7 @@ def trees(files: Mapping[str, str]) -> Iterator[ast.Module]:
 
 def texts_in(files: Mapping[str, str]) -> set[str]:
     """Return the texts between quotes, documentation among them."""
-    return {
-        node.value
-        for tree in trees(files)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    }
+    return Code(files).texts
 
 
 class Code:
@@ -82,12 +86,18 @@ class Code:
         return (frozenset(map(last_name, self.nodes)) | set(self.functions)) - {''}
 
     @cached_property
+    def texts(self) -> set[str]:
+        """Return the texts between quotes, documentation among them."""
+        constants = (node.value for node in self.nodes if isinstance(node, ast.Constant))
+        return {value for value in constants if isinstance(value, str)}
+
+    @cached_property
     def functions(self) -> Mapping[str, ast.FunctionDef | ast.AsyncFunctionDef]:
         """Return the functions and methods that are defined, by name."""
         return {node.name: node for node in self.nodes if isinstance(node, _DEFS)}
 
     def makes(self, name: str) -> bool:
-        """Return whether a name is defined, gets a value, or stands in quotes, for setattr()."""
+        """Return whether a name is defined, gets a value, or is in quotes, for setattr()."""
         return name in self.functions or any(
             (isinstance(one, ast.Constant) and one.value == name)
             or (
@@ -148,25 +158,16 @@ class Code:
     def first_numbers(self, name: str) -> Iterator[float]:
         """Yield the first arguments of a function where they are numbers, or names of some."""
         for tree in self.trees:
-            known = _values_by_name(tree)
+            known = values_by_name(tree)
             for node in ast.walk(tree):
                 if isinstance(node, ast.Call) and last_name(node.func) == name and node.args:
-                    value = _followed(node.args[0], known)
+                    value = followed(node.args[0], known)
                     if isinstance(value, ast.Constant) and isinstance(value.value, (int, float)):
                         yield float(value.value)
 
 
 def _is_made(name: ast.Name | ast.Attribute) -> bool:
     return isinstance(name.ctx, ast.Store)
-
-
-def calls(files: Mapping[str, str], name: str) -> bool:
-    """
-    Return whether a function of a name is called, by itself or as a method.
-
-    :param name: its last part, such as ``isnan``
-    """
-    return name in Code(files).calls
 
 
 def last_name(node: ast.AST) -> str:
@@ -230,27 +231,10 @@ def _is_empty_time(value: ast.AST) -> bool:
     )
 
 
-# -- queues ---------------------------------------------------------------------------------
+# -- values of names -------------------------------------------------------------------------
 
 
-def subscription_depths(files: Mapping[str, str]) -> list[int | None]:
-    """
-    Return the depth of each subscription that is created, None where it cannot be read.
-
-    It is read if it is a number or a ``QoSProfile`` with one, or a name that gets one value only.
-    """
-    found: list[int | None] = []
-    for tree in trees(files):
-        known = _values_by_name(tree)
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Call) and last_name(node.func) == 'create_subscription':
-                named = [one.value for one in node.keywords if one.arg == 'qos_profile']
-                given = [*named, *node.args[3:4]]
-                found.append(_depth(given[0], known) if given else None)
-    return found
-
-
-def _values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
+def values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
     """Return what names get in a file, None for what gets several values or is changed."""
     known: dict[str, ast.AST | None] = {}
     for node in ast.walk(tree):
@@ -267,20 +251,10 @@ def _values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
     return known
 
 
-def _followed(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> ast.AST | None:
+def followed(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> ast.AST | None:
     """Return what an expression stands for: a name in it is followed once."""
     named = isinstance(node, (ast.Name, ast.Attribute))
     return known.get(last_name(node)) if node is not None and named else node
-
-
-def _depth(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> int | None:
-    """Return the depth that an expression stands for."""
-    node = _followed(node, known)
-    if isinstance(node, ast.Call) and last_name(node.func) == 'QoSProfile':
-        given = {one.arg: one.value for one in node.keywords}
-        # A history of its own may be one that keeps all; two stars hide what is given.
-        node = None if {'history', None} & set(given) else _followed(given.get('depth'), known)
-    return node.value if isinstance(node, ast.Constant) and type(node.value) is int else None
 
 
 # -- pauses in callbacks --------------------------------------------------------------------
@@ -303,8 +277,8 @@ def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
     """
     Return the first pause in a callback, or in what it calls in the same file.
 
-    ``await asyncio.sleep()`` lets
-    others work and is none; nor is a pause in a ``while`` loop, which is the one to blame.
+    ``await asyncio.sleep()`` lets others work and does not count, nor does a pause in a ``while``
+    loop, which is the one to blame.
     """
     for tree in trees(files):
         for name, body in bodies_of_callbacks(tree):
@@ -319,9 +293,10 @@ def bodies_of_callbacks(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
 
     A callback is a lambda or a function of the file that is handed to something but a thread.
     """
-    functions: dict[str, ast.AST] = {
-        node.name: node for node in ast.walk(tree) if isinstance(node, _DEFS)
-    }
+    functions: dict[str, list[ast.AST]] = {}  # two classes may each have a report()
+    for node in ast.walk(tree):
+        if isinstance(node, _DEFS):
+            functions.setdefault(node.name, []).append(node)
     handed = (
         given
         for node in ast.walk(tree)
@@ -331,15 +306,14 @@ def bodies_of_callbacks(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
     seen: set[ast.AST] = set()  # a file may have thousands of callbacks
     for callback in handed:
         name = last_name(callback)
-        first = callback if isinstance(callback, ast.Lambda) else functions.get(name)
-        left = [first] if first else []
+        left = [callback] if isinstance(callback, ast.Lambda) else [*functions.get(name, ())]
         for body in left:
             if body in seen:
                 continue
             seen.add(body)
             yield name, body
             called = (last_name(one.func) for one in ast.walk(body) if isinstance(one, ast.Call))
-            left += [functions[one] for one in called if one in functions]
+            left += [inner for one in called for inner in functions.get(one, ())]
 
 
 def _pause(body: ast.AST) -> int | None:
@@ -362,6 +336,6 @@ def _pause(body: ast.AST) -> int | None:
 
 
 def _is_short(call: ast.Call) -> bool:
-    """Tell whether a pause is surely so short that nothing waits for it."""
+    """Return whether a pause is surely so short that nothing waits for it."""
     value = call.args[0].value if call.args and isinstance(call.args[0], ast.Constant) else None
     return isinstance(value, (int, float)) and value < SHORT_S

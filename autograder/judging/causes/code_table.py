@@ -1,0 +1,100 @@
+"""
+Why nothing came of a program, as far as its code shows.
+
+The table ``by_code.txt`` has the rows for all such situations; here is what its words mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from autograder.exam.exam import Cause, Run
+from autograder.judging.text_table import rows_of
+from autograder.submission.code.learners_code import Code
+
+
+class Row(NamedTuple):
+    """
+    A cause that code shows.
+
+    :param situations: where it may hold, such as ``idle``; see who calls :func:`why_by_code`
+    :param words: all must hold: a name that the code uses, ``name()`` if it calls it, a fact of
+        :data:`_FACTS`; ``!`` before a word means that it must not hold
+    :param text: with names in braces, which the situation gives
+    """
+
+    cause_id: str
+    situations: str
+    words: str
+    text: str
+    try_this: str
+
+
+TABLE = tuple(Row(*head.split('|'), *rest) for head, *rest in rows_of('by_code.txt'))
+
+
+def why_by_code(situation: str, run: Run, **names: object) -> Cause:
+    """
+    Return the first cause of a situation that the code shows.
+
+    Only such a last row fits code that Python cannot read.
+
+    :param names: what the texts of the situation have in braces
+    """
+    code = Code(run.files)
+    here = (row for row in TABLE if situation in row.situations.split())
+    row = next(row for row in here if row.words == 'always' or _fits(code, row.words))
+    return Cause(row.cause_id, row.text.format(**names), row.try_this.format(**names))
+
+
+def _fits(code: Code, words: str) -> bool:
+    if not code.names:
+        return False
+    return all(_holds(code, word.removeprefix('!')) != (word[0] == '!') for word in words.split())
+
+
+def _holds(code: Code, word: str) -> bool:
+    if fact := _FACTS.get(word):
+        return fact(code)
+    return word[:-2] in code.calls if word.endswith('()') else word in code.names
+
+
+def _has_callbacks(code: Code) -> bool:
+    starts = ('create_timer', 'create_subscription', 'create_service', 'create_rate', 'on_')
+    return any('callback' in name or name.startswith(starts) for name in code.names)
+
+
+def _main_unused(code: Code) -> bool:
+    """Return whether nothing calls main(); an entry point of a package names it in a text."""
+    unused = code.defines_unused('main') and not any(one.endswith(':main') for one in code.texts)
+    return unused or ('__name__' in code.names and '__main__' not in code.texts)
+
+
+def _destroyed_first(code: Code) -> bool:
+    """Return whether destroy_node() is called above spin(); a lifecycle node is seen even so."""
+    first = {name: code.calls[name][0] for name in ('destroy_node', 'spin') if name in code.calls}
+    at = [(call.lineno, call.col_offset) for call in first.values()]
+    return len(at) == 2 and at[0] < at[1]
+
+
+def _creates_node(code: Code) -> bool:
+    made = (name.endswith('Node') or name in ('__init__', 'create_node') for name in code.calls)
+    return any(made)
+
+
+_FACTS: Mapping[str, Callable[[Code], bool]] = {
+    'catches_all': lambda code: code.catches_all,
+    'ends_itself': lambda code: code.ends_itself,
+    'loops': lambda code: code.loops,
+    'serves': lambda code: 'spin' in code.calls or code.loops,
+    'spins': lambda code: any(name.startswith('spin') for name in code.names),
+    'creates_executor': lambda code: any(name.endswith('Executor') for name in code.calls),
+    'overrides_activate': lambda code: (
+        'on_activate' in code.functions and 'on_activate' not in code.calls
+    ),
+    'creates_node': _creates_node,
+    'has_callbacks': _has_callbacks,
+    'main_unused': _main_unused,
+    'destroyed_first': _destroyed_first,
+}

@@ -1,0 +1,46 @@
+"""Read the tables of causes, which are written as text so that a row is read as what it says."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+import re
+
+from autograder.exam.exam import Cause
+
+FOLDER = Path(__file__).parent / 'causes'
+
+
+def rows(text: str) -> list[list[str]]:
+    """
+    Return the rows of a table, each with its cells.
+
+    :param text: rows with an empty line between them, a cell in each line; a line that is indented
+        continues the one above it, behind one space; a block that begins with # is a comment
+    """
+    blocks = (block for block in text.strip().split('\n\n') if block[0] != '#')
+    return [re.sub(r'\n +', ' ', block).split('\n') for block in blocks]
+
+
+def rows_of(name: str) -> list[list[str]]:
+    """Return the rows of a file of causes, such as ``by_code.txt``."""
+    return rows((FOLDER / name).read_text(encoding='utf-8'))
+
+
+def cause_of(situation: str, **words: object) -> Cause:
+    """
+    Return the cause that ``by_evidence.txt`` has for a situation.
+
+    :param words: what its sentences have in braces
+    """
+    cause_id, text, try_this = _sentences()[situation]
+    return Cause(cause_id, text.format(**words), try_this.format(**words))
+
+
+@cache
+def _sentences() -> dict[str, tuple[str, str, str]]:
+    found = {}
+    for head, text, try_this in rows_of('by_evidence.txt'):
+        cause_id, _, situation = head.partition('|')
+        found[situation or cause_id] = (cause_id, text, try_this)
+    return found
