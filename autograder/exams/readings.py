@@ -113,7 +113,7 @@ class Sent:
 def sent(run: Run) -> list[Sent]:
     """Pair every reading of the exam, sent or not, with what was logged after it."""
     asked: Specification = run.facts['warnings']
-    found = rows(run, run.recording.logs(), len(asked.inputs), asked.burst)
+    found = rows(run, 'warnings', run.recording.logs())
     return [Sent(asked.row(place), row) for place, row in enumerate(found)]
 
 

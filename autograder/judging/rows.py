@@ -30,15 +30,15 @@ from autograder.recording import Event, WARN
 Row = list[Event]
 
 
-def rows(run: Run, events: Iterable[Event], count: int, burst: int = 0) -> list[Row | None]:
+def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
     """
-    Return the events that followed each input.
+    Return the events that followed each input of a specification, those of a burst in one row.
 
+    :param ask: name of the specification
     :param events: of the run, each with the number of the input that it follows
-    :param count: how many inputs the exam has
-    :param burst: how many of the last ones come at once: they have one row
     :returns: None in place of a row whose input was not sent, or not all of the burst
     """
+    count, burst = len(run.asked(ask).inputs), run.asked(ask).burst
     found: list[Row] = [[] for _ in range(count)]
     for event in events:
         if event['after_input'] is not None:
@@ -61,13 +61,11 @@ def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, .
     :returns: None in place of an input that was not sent; a value is None if its message was too
         large to be recorded
     """
-    asked: Specification = run.facts[ask]
-    messages = run.recording.messages(topic)
     found = [
         None if row is None else tuple(_value(one, fields) for one in row)
-        for row in rows(run, messages, len(asked.inputs), asked.burst)
+        for row in rows(run, ask, run.recording.messages(topic))
     ]
-    if asked.burst and found[-1]:  # which several threads may answer in any order
+    if run.asked(ask).burst and found[-1]:  # which several threads may answer in any order
         found[-1] = in_order(found[-1])
     return found
 

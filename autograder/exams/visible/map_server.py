@@ -111,10 +111,7 @@ def new_maps(run: Run) -> list[Maps | None]:
     A publisher that was made a moment ago is not yet connected to our volatile listener, and the
     early one, for which it keeps its map, hears it all the same.
     """
-    count, burst = len(asked(run).inputs), asked(run).burst
-    heard = [
-        rows(run, run.recording.messages('/map', one), count, burst) for one in (None, 'early')
-    ]
+    heard = [rows(run, 'maps', run.recording.messages('/map', one)) for one in (None, 'early')]
     return [row if row is None else _texts(row) for row in max(heard, key=_how_many)]
 
 
