@@ -45,8 +45,9 @@ from autograder.judging.causes.lifecycle import (
 from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import field_of, own_logs, require_answers
 from autograder.judging.claims import node
+from autograder.judging.lines import require_warnings, warnings_after
 from autograder.judging.numbers import numbers_in, shows
-from autograder.judging.rows import require_warnings, Row, warnings_after
+from autograder.judging.rows import Row
 from autograder.recording import ERROR, WARN
 
 NODE, TOPIC = '/pressure_monitor', '/pressure'
