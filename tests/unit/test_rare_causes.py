@@ -27,7 +27,7 @@ WATCHED = {
     'kind': 'subscription',
     'node': sensor_watch.NODE,
     'type': sensor_watch.TYPE,
-    'qos': {},
+    'qos': {'deadline_ns': sensor_watch.DEADLINE_NS},
 }
 
 
