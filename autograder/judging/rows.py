@@ -20,7 +20,7 @@ from autograder.exam.slips import (
 )
 from autograder.exam.specification import in_order, Specification
 from autograder.judging.causes.ended import why_silent
-from autograder.judging.checks import count_of, field_of, require_endpoint
+from autograder.judging.checks import count_of, field_of, require_endpoint, SECOND
 from autograder.recording import Event
 
 Row = list[Event]
@@ -64,6 +64,24 @@ def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, .
     if run.asked(ask).burst and found[-1]:  # which several threads may answer in any order
         found[-1] = in_order(found[-1])
     return found
+
+
+def endpoints_at(run: Run, when: str, kind: str, topic: str) -> list[Event]:
+    """
+    Return the endpoints on a topic at one look at the graph.
+
+    :param when: name of a :class:`autograder.exam.scenario.Look`, ``start`` or ``end``
+    :param kind: ``'publisher'`` or ``'subscription'``
+    """
+    ends = (end for graph in run.recording.of('graph', when=when) for end in graph['endpoints'])
+    return [end for end in ends if (end['kind'], end['topic']) == (kind, topic)]
+
+
+def seconds_after_join(run: Run, topic: str, listener: str) -> float:
+    """Return how long after a listener has joined its first message came [s]."""
+    joined = run.recording.of('joined', listener=listener)[0]
+    first = run.recording.messages(topic, listener)[0]
+    return float(first['clock_ns'] - joined['clock_ns']) / SECOND
 
 
 def _value(message: Event, fields: Sequence[str]) -> Any:
