@@ -88,8 +88,9 @@ class Run:
         return found
 
     def during(self, phase: str) -> Run:
-        """Return one phase of the run, see :meth:`autograder.recording.Recording.phase`."""
-        return replace(self, recording=self.recording.phase(phase))
+        """Return one phase of the run with the graphs of all, which tell whose lines count."""
+        part, graphs = self.recording.phase(phase), self.recording.of('graph')
+        return replace(self, recording=Recording(part.header, (*graphs, *part.events)))
 
     @property
     def names(self) -> Names:

@@ -266,7 +266,7 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
         facts={'namespace': namespace, 'active_s': seconds},
     )
     named = 'Your program starts a node called beacon, in the namespace it is given.'
-    exam.check(points=1, read=EXERCISE)(node(name, sentence=named))
+    exam.check(points=1, read=EXERCISE)(node(name, sentence=named, only_named=True))
     exam.check(points=1, needs=['starts_its_node'], read='Part 1: Two kinds of life')(is_managed)
     exam.check(points=2, needs=['is_managed'])(takes_every_transition)
     exam.check(points=2, needs=['is_managed'])(creates_its_publisher)

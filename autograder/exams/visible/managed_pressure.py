@@ -364,7 +364,7 @@ def build(
         facts={'refused': refused},
         asks={'warnings': Specification(inputs, warns(), SLIPS)},
     )
-    exam.check(points=1, read=EXERCISE)(node(NODE))
+    exam.check(points=1, read=EXERCISE)(node(NODE, only_named=True))
     exam.check(points=2, needs=['starts_its_node'])(refuses_a_senseless_limit)
     exam.check(points=1, needs=['refuses_a_senseless_limit'])(tells_why)
     exam.check(points=2, needs=['refuses_a_senseless_limit'])(recovers)
