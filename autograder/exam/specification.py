@@ -1,5 +1,5 @@
 """
-What an exercise asks for as a function of the inputs, and the same function with a mistake in it.
+Define the correct answers to the inputs of an exercise, and typical wrong answers.
 
 An exam knows what it sends.  So what a right program answers can be computed, and so can what a
 program with a known mistake answers: that is a :class:`Slip`.  The cause of a failed check is the
@@ -11,8 +11,8 @@ slip that gives the answers that came::
         slips=(Slip('sign_lost', 'The sign is lost.', 'Leave out abs().', each(half_of_abs)),),
     )
 
-Nothing here decides points.  An exam whose inputs do not tell a slip from what is due is refused
-(:meth:`Specification.mistakes`): a program with that slip would pass.
+Nothing here decides points.  An exam is refused if its inputs cannot distinguish a slip from the
+correct answers (:meth:`Specification.mistakes`): a program with that slip would pass.
 """
 
 from __future__ import annotations

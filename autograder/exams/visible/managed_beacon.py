@@ -38,24 +38,25 @@ SILENT = ('fresh', 'configured', 'paused', 'cleaned', 'configured again')
 ACTIVE = ('active', 'active again')
 NOT_CLEANED = Cause(
     'not_cleaned',
-    'What on_configure() creates is still there after cleanup.',
+    'After cleanup, the timer or publisher that on_configure() created still exists.',
     'In on_cleanup(): self.destroy_timer(...) and self.destroy_lifecycle_publisher(...).',
 )
 ACTS_ALONE = Cause(
     'acts_alone',
-    'The program asks itself for transitions before anybody else does.',
-    'Leave out trigger_configure() and trigger_activate(): here, the supervisor is the grader.',
+    'Your program requests its own transitions.',
+    'Leave out trigger_configure() and trigger_activate(): in the checks, the grader is the '
+    'supervisor.',
 )
 TIMER_LEFT = Cause(
     'timer_left',
-    'The first time it is active the rate is right, the second time it is higher: on_activate() '
-    'makes another timer, and the old one goes on.',
+    'The rate is right in the first active phase and higher in the second: on_activate() creates '
+    'a new timer while the old timer still runs.',
     'Create the timer in on_configure(), or end it in on_deactivate(): self.destroy_timer(...).',
 )
 MUTE_AGAIN = Cause(
     'mute_again',
-    'The first time it is active it publishes, and the second time it does not.',
-    'What on_deactivate() stops, on_activate() starts again: self.timer.reset().',
+    'Your node publishes in the first active phase, but not in the second.',
+    'In on_activate(), restart the timer that on_deactivate() stops: self.timer.reset().',
 )
 MUTE_AFTER_CLEANUP = Cause(
     'mute_after_cleanup',
@@ -76,12 +77,12 @@ NOT_MANAGED = Cause(
 )
 TOO_EARLY = Cause(
     'published_too_early',
-    'The publisher is created with the node.',
+    'Your code creates the publisher in __init__().',
     'Move create_lifecycle_publisher() from __init__() to on_configure().',
 )
 TOO_LATE = Cause(
     'too_late',
-    'The publisher is created later than in on_configure().',
+    'Your code creates the publisher after on_configure().',
     'Call self.create_lifecycle_publisher() in on_configure().',
 )
 EXERCISE = 'Exercise 1: a managed beacon'
@@ -134,7 +135,7 @@ def creates_its_publisher(run: Run) -> None:
 
 
 def takes_every_transition(run: Run) -> None:
-    """It takes every transition that it is asked for, twice around."""
+    """It carries out every requested transition, in two rounds."""
     _require_transitions(run, len(ASKED))
 
 
@@ -192,11 +193,11 @@ def is_silent_otherwise(run: Run) -> None:
     kept = run.recording.messages(topic_of(run), 'latecomer')
     if kept:
         raise Failed(
-            expected='no message for who comes while it is inactive',
+            expected='no message for a subscription that connects while the node is inactive',
             observed=f'{len(kept)}, sent while it was active',
             why=Cause(
                 'keeps_old',
-                'The publisher keeps its messages for those who come later: its durability is '
+                'The publisher keeps its messages for late subscriptions: its durability is '
                 'transient local.',
                 'Pass the depth 10 as quality of service.',
             ),
@@ -204,7 +205,7 @@ def is_silent_otherwise(run: Run) -> None:
 
 
 def cleans_up(run: Run) -> None:
-    """Cleaning up takes the publisher away, and the next configuration makes one again."""
+    """Cleanup destroys the publisher, and the next configuration creates a new one."""
     left = len(publishers(run, 'cleaned'))
     if left:
         expected = 'no publisher on beacon_signal after cleanup'

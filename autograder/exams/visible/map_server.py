@@ -182,7 +182,8 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
     if not before:
         return NO_FIRST
     near = before[0].strip().lower() == FIRST
-    slip = 'Upper and lower case and spaces matter.' if near else 'The first map has another text.'
+    matters = 'Upper and lower case and spaces matter.'
+    slip = matters if near else 'The first map has a different text.'
     return Cause('wrong_text', slip, f'Write {FIRST!r}.')
 
 
