@@ -27,6 +27,7 @@ from autograder.judging.causes.lifecycle import why_refused
 from autograder.judging.checks import require_answers, require_endpoint, require_partner
 from autograder.judging.claims import node
 from autograder.judging.rhythm import require_period
+from autograder.judging.rows import endpoints_at
 from autograder.recording import Event
 
 TYPE = 'std_msgs/msg/String'
@@ -70,6 +71,11 @@ STAYS_ON = Cause(
     'If you write on_deactivate(), end it with return super().on_deactivate(state). The publisher '
     'comes from self.create_lifecycle_publisher().',
 )
+KEEPS_OLD = Cause(
+    'keeps_old',
+    'The publisher keeps its messages for late subscriptions: its durability is transient local.',
+    'Pass the depth 10 as quality of service.',
+)
 NOT_MANAGED = Cause(
     'not_managed',
     'The publisher does not follow the state of the node.',
@@ -100,12 +106,7 @@ def topic_of(run: Run) -> str:
 
 def publishers(run: Run, when: str) -> list[Event]:
     """Return the publishers on the topic when the graph was looked at."""
-    return [
-        end
-        for graph in run.recording.of('graph', when=when)
-        for end in graph['endpoints']
-        if end['topic'] == topic_of(run) and end['kind'] == 'publisher'
-    ]
+    return endpoints_at(run, when, 'publisher', topic_of(run))
 
 
 def is_managed(run: Run) -> None:
@@ -157,24 +158,26 @@ def _require_transitions(run: Run, count: int) -> None:
 
 def publishes_while_active(run: Run) -> None:
     """Active, it publishes once a second."""
-    for phase in ACTIVE:
-        if not run.recording.phase(phase).messages(topic_of(run)):
-            require_endpoint(run, 'publisher', topic_of(run), TYPE)
-            raise Failed(
-                expected='messages on beacon_signal while it is active',
-                observed='none',
-                why=why_silent(run) or (MUTE_AGAIN if phase != ACTIVE[0] else why_no_message(run)),
-            )
-        _require_beat(run, phase, TIMER_LEFT if phase != ACTIVE[0] else None)
+    first, again = ACTIVE
+    _require_beat(run, first, None, None)
+    _require_beat(run, again, MUTE_AGAIN, TIMER_LEFT)
 
 
-def _require_beat(run: Run, phase: str, why_more: Cause | None) -> None:
+def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause | None) -> None:
     """
     Fail unless messages of an active phase come once a second.
 
+    :param why_none: explains that none comes; None if the code does
     :param why_more: explains more messages than are due; None if their rhythm does
     """
     found, active_s = run.recording.phase(phase).messages(topic_of(run)), run.facts['active_s']
+    if not found:
+        require_endpoint(run, 'publisher', topic_of(run), TYPE)
+        raise Failed(
+            expected=f'messages on beacon_signal while it is {phase}',
+            observed='none',
+            why=why_silent(run) or why_none or why_no_message(run),
+        )
     more = why_more if len(found) > active_s + 1 else None
     when = f' while it is {phase}'
     require_period(run, found, 1.0, active_s, explain=lambda: more, when=when)
@@ -195,12 +198,7 @@ def is_silent_otherwise(run: Run) -> None:
         raise Failed(
             expected='no message for a subscription that connects while the node is inactive',
             observed=f'{len(kept)}, sent while it was active',
-            why=Cause(
-                'keeps_old',
-                'The publisher keeps its messages for late subscriptions: its durability is '
-                'transient local.',
-                'Pass the depth 10 as quality of service.',
-            ),
+            why=KEEPS_OLD,
         )
 
 
@@ -217,13 +215,7 @@ def cleans_up(run: Run) -> None:
             observed=str(again) if again else 'none',
             why=why_silent(run) or (None if publishers(run, 'configured') else TOO_LATE),
         )
-    if not run.recording.phase('active after cleanup').messages(topic_of(run)):
-        raise Failed(
-            expected='messages while it is active after cleanup',
-            observed='none',
-            why=why_silent(run) or MUTE_AFTER_CLEANUP,
-        )
-    _require_beat(run, 'active after cleanup', NOT_CLEANED)
+    _require_beat(run, 'active after cleanup', MUTE_AFTER_CLEANUP, NOT_CLEANED)
     _require_transitions(run, len(ASKED) + len(UNUSED))
 
 
