@@ -84,7 +84,7 @@ def above_limit(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]
     Return the slips of a comparison: a warning is due strictly above a limit.
 
     :param rule: makes the rule that has this comparison in it; its answers count warnings
-    :param limit: as it stands in the learner's code, ``30.0`` or ``self.limit``
+    :param limit: as in the learner's code, ``30.0`` or ``self.limit``
     """
     strictly = f'Above means strictly greater: value > {limit}, not >=.'
     each_itself = f'Compare each received value unchanged: value > {limit}'

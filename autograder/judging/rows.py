@@ -169,7 +169,7 @@ def shown_values(run: Run, values: Sequence[Any] | None, secret: str = 'somethin
 
 
 def require_all_sent(run: Run, found: Sequence[object]) -> None:
-    """Fail if a run ended before all inputs were sent: what was right until then is no proof."""
+    """Fail if a run ended before all inputs were sent."""
     if found and found[-1] is None:
         raise Failed(
             expected='a node that goes on to the last input',

@@ -39,7 +39,7 @@ def fahrenheit(draw: random.Random) -> list[Reading]:
 
 
 def odd(draw: random.Random) -> list[Reading]:
-    """Return what a program may die of: last, so that what it loses by that is no luck."""
+    """Return readings that may end a program: last, so that it loses only what comes after."""
     rest = ''.join(draw.choices('bdghjlqrtvwxz', k=5))
     units = [
         (f'C{rest}', UNKNOWN),

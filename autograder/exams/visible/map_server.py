@@ -130,7 +130,7 @@ def new_maps(run: Run) -> list[Maps | None]:
     Return the maps that came after each survey, without the first one.
 
     A publisher that was made a moment ago is not yet connected to our volatile listener, and the
-    early one, for which it keeps its map, hears it all the same.
+    early one, for which it keeps its map, receives it.
     """
     heard = [
         [

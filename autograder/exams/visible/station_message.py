@@ -1,7 +1,7 @@
 """
 Lesson 04, part 1: the message of a weather station, and its package.
 
-Constants and defaults are no part of a type's hash, and a build alone needs less of package.xml
+A type's hash does not include constants and defaults, and a build alone needs less of package.xml
 than users of the package do; so the files answer for these.  If the fields are right, the package
 is built, and the hash of the built type is read from the graph.
 """

@@ -103,7 +103,7 @@ def _after(word: str, words: list[str]) -> list[str]:
 
 
 def travelled(run: Run) -> bool:
-    """Tell whether all messages came back unchanged in the type that was built."""
+    """Return whether all messages came back unchanged in the type that was built."""
     inputs = [event['data'] for event in run.recording.of('input')]
     echoed = [event.get('data') for event in run.recording.messages('/echo_out')]
     return bool(inputs == run.facts['sent'] and echoed == inputs)
