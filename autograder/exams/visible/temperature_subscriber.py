@@ -258,7 +258,10 @@ def _goes_on(run: Run) -> None:
 def _why_deaf(run: Run) -> Cause | None:
     """Explain a node that does not log what it is sent."""
     proper = [one for one in run.asked('warnings').inputs if not one.odd]
-    shows_one = lambda text: any(one.is_in(text) for one in proper)  # noqa: E731
+
+    def shows_one(text: str) -> bool:
+        return any(one.is_in(text) for one in proper)
+
     return why_not_logged(run, [], INFO, shows_one) or monitor.NOT_LOGGED
 
 
