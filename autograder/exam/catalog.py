@@ -73,7 +73,9 @@ def load(name: str, hidden: bool = True) -> Exam:
         raise ExamInvalid(f'There is no exam {name!r}.', f'Known: {", ".join(known)}.')
     exam = getattr(_module(folder, name), 'exam', None)
     if not isinstance(exam, Exam) or exam.name != name or not exam.checks:
-        raise ExamInvalid(f'{_file_of(folder, name)} defines no whole exam {name!r}.')
+        raise ExamInvalid(
+            f'{_file_of(folder, name)} does not define a complete exam called {name!r}.'
+        )
     if hidden and not exam.hidden:
         exam.hidden = True
         exam.facts['secret'] = True

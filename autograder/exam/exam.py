@@ -15,13 +15,13 @@ An exam module reads like the lesson it grades::
             raise Failed(expected='60 messages in 60 s', observed='...')
 
 The docstring is the sentence the learner reads.  A check passes by returning, fails by raising
-:class:`Failed`; any other exception is our own fault and flags the submission for a person.
+:class:`Failed`; any other exception is a fault of the grader, and the submission is for review.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, KW_ONLY, replace
 import hashlib
 import inspect
 import json
@@ -36,6 +36,7 @@ from autograder.recording import Recording
 __all__ = ['Advance', 'Cause', 'Check', 'Exam', 'Failed', 'Feed', 'Run', 'Scenario']
 
 
+@dataclass(eq=False, kw_only=True)
 class Failed(Exception):
     """
     A check fails, for a reason the learner can act on.
@@ -43,32 +44,23 @@ class Failed(Exception):
     :param expected: what the exercise asks for, with numbers and units
     :param observed: what was seen instead
     :param why: the likely cause; leave it out when unsure
-    :param share: part of the check's points that is earned all the same, 0 to 1
+    :param share: share of the check's points that is still given, 0 to 1
     :param blocks: whether the checks that need this one wait for it
     :param at: virtual time of the first deviation [ns], if no single event shows it
     :param every_s: what was due comes once in so many seconds; for the picture only
     """
 
-    def __init__(
-        self,
-        *,
-        expected: str,
-        observed: str,
-        why: Cause | None = None,
-        share: float = 0.0,
-        blocks: bool = True,
-        at: int | None = None,
-        every_s: float | None = None,
-    ) -> None:
-        """Keep the facts apart; the report lays them out."""
-        super().__init__(observed)
-        self.expected = expected
-        self.observed = observed
-        self.why = why
-        self.share = share
-        self.blocks = blocks
-        self.at = at
-        self.every_s = every_s
+    expected: str
+    observed: str
+    why: Cause | None = None
+    share: float = 0.0
+    blocks: bool = True
+    at: int | None = None
+    every_s: float | None = None
+
+    def __str__(self) -> str:
+        """Return what was seen."""
+        return self.observed
 
 
 @dataclass(frozen=True)
@@ -87,12 +79,18 @@ class Run:
 
     @property
     def secret(self) -> bool:
-        """Tell whether the inputs were drawn, so that no text may show them."""
+        """Return whether the inputs are secret, so that no text may show them."""
         return bool(self.facts.get('secret'))
 
+    def asked(self, ask: str) -> Specification:
+        """Return what the exam asks for, by its name there."""
+        found: Specification = self.facts[ask]
+        return found
+
     def during(self, phase: str) -> Run:
-        """Return one phase of the run, see :meth:`autograder.recording.Recording.phase`."""
-        return replace(self, recording=self.recording.phase(phase))
+        """Return one phase of the run with the graphs of all, which tell whose lines count."""
+        part, graphs = self.recording.phase(phase), self.recording.of('graph')
+        return replace(self, recording=Recording(part.header, (*graphs, *part.events)))
 
     @property
     def names(self) -> Names:
@@ -108,7 +106,7 @@ class Check:
 
     :param needs: names of checks that must have passed, else this one is NOT_RUN
     :param read: section of the lesson to read, empty for the exam's own
-    :param static: whether the files alone can answer it, so that nothing is run for its sake
+    :param static: whether the files alone decide it, so that it needs no run
     """
 
     name: str
@@ -120,6 +118,7 @@ class Check:
     static: bool = False
 
 
+@dataclass(eq=False)
 class Exam:
     """
     A scenario and its checks.
@@ -130,42 +129,37 @@ class Exam:
     :param part: its place in the lesson, from 1
     :param scenario: what the probe does
     :param cells: grade ids of the solution cells it judges, by default one of the exam's name
-    :param requires: files without which nothing can be said, by default the one that is run
+    :param requires: files that the exam needs, by default the file that is run
     :param read: section of the lesson that explains the exercise
     :param facts: what the checks need to know about the scenario, kept out of the probe
     :param asks: what it asks for as functions of its inputs, by name
     """
 
-    def __init__(
-        self,
-        name: str,
-        *,
-        title: str,
-        assignment: str,
-        part: int,
-        scenario: Scenario,
-        cells: Sequence[str] = (),
-        requires: Sequence[str] = (),
-        read: str = '',
-        facts: Mapping[str, Any] | None = None,
-        asks: Mapping[str, Specification] | None = None,
-    ) -> None:
-        """Start without checks; :meth:`check` adds them in order."""
-        for mistake in scenario.mistakes():
-            raise ExamInvalid(f'exam {name}, {mistake}.', 'Steps are described in scenario.py.')
-        self.name = name
-        self.hidden = False  # set by whoever loads it from the hidden ones
-        self.title = title
-        self.assignment = assignment
-        self.part = part
-        self.cells = tuple(cells) or (name,)
-        self.requires = tuple(requires) or ((scenario.file,) if scenario.file else ())
-        self.scenario = scenario
-        self.read = read
-        self.asks = dict(asks or {})
-        given = {**scenario.package_facts, **(facts or {}), **self.asks}
-        self.facts = {'exam_names': Names.of(scenario), **given}
-        self.checks: list[Check] = []
+    name: str
+    _: KW_ONLY
+    title: str
+    assignment: str
+    part: int
+    scenario: Scenario
+    cells: Sequence[str] = ()
+    requires: Sequence[str] = ()
+    read: str = ''
+    facts: dict[str, Any] = field(default_factory=dict)
+    asks: Mapping[str, Specification] = field(default_factory=dict)
+    hidden: bool = field(default=False, init=False)  # catalog.load() sets it for hidden exams
+    checks: list[Check] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        """Refuse a scenario with a mistake; fill in what follows from it."""
+        for mistake in self.scenario.mistakes():
+            raise ExamInvalid(
+                f'exam {self.name}, {mistake}.', 'Steps are described in scenario.py.'
+            )
+        file = self.scenario.file
+        self.cells = tuple(self.cells) or (self.name,)
+        self.requires = tuple(self.requires) or ((file,) if file else ())
+        given = {**self.scenario.package_facts, **self.facts, **self.asks}
+        self.facts = {'exam_names': Names.of(self.scenario), **given}
 
     def check(
         self, *, points: float, needs: Sequence[str] = (), read: str = '', static: bool = False
@@ -209,7 +203,7 @@ class Exam:
         for need in check.needs:
             if need not in names:
                 raise ExamInvalid(
-                    f'{where}: needs {need!r}, which is no earlier check.',
+                    f'{where}: needs {need!r}, which is not an earlier check.',
                     f'Earlier checks: {", ".join(names) or "none"}.',
                 )
         self.checks.append(check)

@@ -1,9 +1,9 @@
 """
-Inputs nobody can know beforehand, equal for the whole class, and repeatable.
+Draw secret inputs that are the same for the whole class and can be repeated.
 
 A value is HMAC-SHA256(course secret, exam name and purpose) turned into numbers, so a submission
 cannot contain its answers, two students get the same questions, and an appeal can be replayed.
-The secret is made once and kept beside the gradebook; ``COURSE_SECRET`` overrides it.
+The secret is created once and stored next to the gradebook; ``COURSE_SECRET`` overrides it.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def course_secret() -> bytes:
 
 
 def _not_empty(secret: bytes, where: str) -> bytes:
-    """Refuse the secret that everybody can guess: of it, all hidden inputs are known."""
+    """Refuse an empty secret: with it, everyone could compute all hidden inputs."""
     if not secret.strip():
         raise GraderError(
             f'{where}: expected the secret of the course, got an empty one.',
@@ -75,7 +75,7 @@ def generator(exam: str, purpose: str) -> random.Random:
 
 @contextmanager
 def another_secret(secret: str) -> Iterator[None]:
-    """Draw inputs as a course with another secret does, to look at them and not to grade."""
+    """Draw inputs with a different secret, for tests of exams and never for grading."""
     token = _other_secret.set(secret.encode())
     try:
         yield

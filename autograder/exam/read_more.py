@@ -1,5 +1,5 @@
 """
-Where to read about an exception: lesson 08 makes each of them happen and takes it apart.
+Find the section of lesson 08 that explains an exception.
 
 What a check asks for is explained in its own lesson; what Python says when a program dies, is not.
 """

@@ -48,7 +48,7 @@ class Qos:
 
 
 EVERYONE = Qos(durability='TRANSIENT_LOCAL')
-"""What satisfies a subscription of any reliability and durability."""
+"""The publisher profile that is compatible with every reliability and durability."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class RosClock:
 
 
 There = Mapping[str, set[str]]
-"""Names of our publishers and subscriptions at a moment, by what the program has for them."""
+"""Names of the grader's current publishers and subscriptions, by what the program has for them."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class Advance(Step):
     def mistakes(self, there: There) -> Iterator[str]:
         """Refuse a step in which no time passes."""
         if not self.seconds > 0:
-            yield f'expected time to pass, got {self.seconds} s'
+            yield f'the number of seconds must be above 0, got {self.seconds}'
 
 
 @dataclass(frozen=True)
@@ -163,12 +163,24 @@ class Feed(Step):
         if self.topic not in there['subscription']:
             yield _not_announced(self.topic, there['subscription'])
         if self.burst and len(self.messages) > MAX_BURST:
-            yield f'expected at most {MAX_BURST} messages a burst, got {len(self.messages)}'
+            yield f'expected at most {MAX_BURST} messages per burst, got {len(self.messages)}'
 
     def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
         """Yield the messages."""
         for which, message in enumerate(self.messages, 1):
             yield f': message {which}', self.topic, message
+
+
+def feeds(topic: str, messages: Sequence[Mapping[str, Any]], burst: int, **how: Any) -> list[Feed]:
+    """
+    Return the steps that send messages one by one, and the last of them at once.
+
+    :param burst: how many come at once; 0 for none
+    :param how: further fields of :class:`Feed`
+    """
+    singles = len(messages) - burst
+    last = [Feed(topic, messages[singles:], burst=True, **how)] if burst else []
+    return [Feed(topic, messages[:singles], **how), *last]
 
 
 @dataclass(frozen=True)
@@ -297,8 +309,8 @@ def _not_announced(name: str, there: set[str]) -> str:
     hint = f'; did you mean {close[0]!r}?' if close else ''
     known = ', '.join(sorted(map(repr, there))) or 'nothing'
     return (
-        f'expected what Scenario(feed=...), an Offer or a Join has announced, which is {known}, '
-        f'got {name!r}{hint}'
+        f'{name!r} was not announced by Scenario(feed=...), an Offer or a Join; '
+        f'announced: {known}{hint}'
     )
 
 

@@ -21,50 +21,58 @@ Compare = Callable[[float, float], bool]
 
 REPEATED = Cause(
     'repeated_warning',
-    'The same value is warned about more than once.',
+    'Your node warns more than once about the same value.',
     'One call of self.get_logger().warning(...) in the callback, one subscription, and no timer '
     'or thread for it.',
 )
 MISSED_WARNING = Cause(
     'missed_warning',
-    'Other values are warned about, this one is not.',
-    'Compare each value by itself, without int(), round(), once= and without memory.',
+    'Your node warns about other values above the limit, but not about this one.',
+    'Compare each value separately: no int(), no round(), no once=, and no stored state.',
 )
 FALSE_ALARM = Cause(
     'false_alarm',
-    'A value that is not above the limit is warned about.',
-    'Compare the value of this message with the limit, without abs() and without memory.',
+    'Your node warns about a value that is not above the limit.',
+    'Compare only the value of this message with the limit: no abs() and no stored state.',
 )
 NO_WARNING = Cause(
     'no_warning',
-    'No warning is ever logged.',
+    'Your node never logs a warning.',
     'In the callback, if the value is above the limit: self.get_logger().warning(...).',
 )
 NO_ANSWER = Cause(
     'no_answer',
-    'Nothing is published when a message arrives.',
+    'Your node publishes nothing when a message arrives.',
     'Publish in the callback of the subscription, for each message.',
 )
 LEAVES_OUT = Cause(
     'leaves_out',
-    'Some messages are answered, and this one is not.',
-    'Publish for each message that asks for it, whatever is in it and whatever came before.',
+    'Your node answers some messages, but not this one.',
+    'Publish for each message that needs an answer, whatever it contains and whatever arrived '
+    'before it.',
 )
 UNASKED = Cause(
     'speaks_unasked',
-    'A message is published although none has come.',
-    'Publish in the callback of the subscription, and from nowhere else.',
+    'Your node publishes a message although it has received none.',
+    'Publish only in the callback of the subscription.',
 )
 SEVERAL_ANSWERS = Cause(
     'several_answers',
-    'More is published for one message than it asks for.',
-    'Publish once in the callback, and from nowhere else.',
+    'Your node publishes too many messages for one input.',
+    'Publish once in the callback, and nowhere else.',
 )
 MISSES_SOME = Cause(
     'misses_some',
-    'Where several messages come at once, some of them are not answered.',
+    'If several messages arrive at once, your node does not answer each of them.',
     'Is the depth of your subscription 10? If it is, publish in its callback, once per message.',
 )
+
+
+CUTS: tuple[Callable[[float], float], ...] = (
+    *(math.trunc, round),
+    *(lambda value: round(value, 1), lambda value: round(value, 2)),
+)
+"""Ways to cut off or round the decimals of a value."""
 
 
 def _whole(cut: Callable[[float], float]) -> Compare:
@@ -76,10 +84,10 @@ def above_limit(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]
     Return the slips of a comparison: a warning is due strictly above a limit.
 
     :param rule: makes the rule that has this comparison in it; its answers count warnings
-    :param limit: as it stands in the learner's code, ``30.0`` or ``self.limit``
+    :param limit: as in the learner's code, ``30.0`` or ``self.limit``
     """
     strictly = f'Above means strictly greater: value > {limit}, not >=.'
-    each_itself = f'Compare each value as it came: value > {limit}'
+    each_itself = f'Compare each received value unchanged: value > {limit}'
     return (
         Slip(
             'warns_at_threshold',
@@ -89,31 +97,29 @@ def above_limit(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]
         ),
         Slip(
             'comparison_reversed',
-            'It warns below the limit and not above it.',
+            'Your node warns below the limit, but not above it.',
             f'Above the limit is value > {limit}.',
             rule(operator.lt),
         ),
         Slip(
             'sign_ignored',
-            'It warns of a value far below zero: its size is compared, not its value.',
+            'Your node warns about a value far below zero: it compares the absolute value.',
             f'{each_itself}, without abs().',
             rule(lambda value, limit: abs(value) > limit),
         ),
         Slip(
             'upper_bound',
-            'A value far above the limit is not warned about, as if it were a fault.',
+            'Your node does not warn about a value far above the limit, as if it were an invalid '
+            'reading.',
             f'Warn of each value with value > {limit}, however high.',
             rule(lambda value, limit: limit < value <= HIGHEST),
         ),
-        *(
-            Slip(
-                'cut_off',
-                'A value just above the limit is not warned about: its decimals are cut off or '
-                'rounded, or the limit is another number.',
-                f'{each_itself}, without int(), // and round().',
-                rule(_whole(cut)),
-            )
-            for cut in (math.trunc, round, lambda one: round(one, 1), lambda one: round(one, 2))
+        Slip(
+            'cut_off',
+            'Your node does not warn about a value just above the limit: it rounds the value or '
+            'cuts its decimals off, or it uses a different limit.',
+            f'{each_itself}, without int(), // and round().',
+            *(rule(_whole(cut)) for cut in CUTS),
         ),
     )
 
@@ -122,8 +128,8 @@ def of_nan(rule: Callable[[Compare], Rule], limit: str) -> Slip:
     """Return the slip that takes NaN for a value above the limit, see :func:`above_limit`."""
     return Slip(
         'nan',
-        'A WARN line comes for NaN, which is not above the limit: every comparison with it is '
-        'false.',
+        'Your node logs a WARN line for NaN, which is not above the limit: every comparison with '
+        'NaN is false.',
         f'Ask value > {limit}, not not (value <= {limit}). In a branch for math.isnan(value), log '
         'no warning.',
         rule(lambda value, limit: not value <= limit),
@@ -149,23 +155,23 @@ def with_memory(rule: Rule) -> tuple[Slip, ...]:
     def goes_on(due: Sequence[int]) -> list[int]:
         return [int(any(due[: place + 1])) for place in range(len(due))]
 
-    alone = 'Look at the value of this message alone'
+    alone = 'Use only the value of this message'
     return (
         Slip(
             'warns_once',
-            'The first value above the limit is warned about, and none after it.',
+            'Your node warns about the first value above the limit, but about no later one.',
             f'{alone}: no flag, no once= and no throttle.',
             changed(first_only),
         ),
         Slip(
             'warns_of_changes',
-            'A value above the limit is warned about only if the one before it was not above.',
+            'Your node warns only if the previous value was not above the limit.',
             f'{alone}, without a flag for the last state.',
             changed(changes_only),
         ),
         Slip(
             'warns_ever_after',
-            'Once a value was above the limit, every later one is warned about too.',
+            'After one value above the limit, your node warns about every later value too.',
             f'{alone}, without a flag that stays set and without a maximum.',
             changed(goes_on),
         ),
@@ -189,24 +195,24 @@ def leaving_out(rule: Rule, key: Callable[[Any], Any] = lambda one: one) -> tupl
 
         return slipped
 
-    each_one = 'Publish for each message, without a look at'
+    each_one = 'Publish for each message, and do not check'
     return (
         Slip.of(NO_ANSWER, unless(lambda one, before: True)),
         Slip(
             'skips_equal',
-            'A message that is equal to the one before it is not answered.',
+            'Your node does not answer a message that equals the previous one.',
             f'{each_one} the last one.',
             unless(lambda one, before: one in before[-1:]),
         ),
         Slip(
             'skips_known',
-            'A message that is equal to an earlier one is not answered.',
-            f'{each_one} earlier ones.',
+            'Your node does not answer a message that equals an earlier one.',
+            'Publish for each message, and do not check earlier ones.',
             unless(lambda one, before: one in before),
         ),
         Slip(
             'skips_empty',
-            'An empty text or a zero is not answered, and it is a message like any other.',
+            'Your node does not answer an empty string or a zero, but they are ordinary messages.',
             f'{each_one} what is in it.',
             unless(lambda one, before: not one),
         ),

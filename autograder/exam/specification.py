@@ -1,5 +1,5 @@
 """
-What an exercise asks for as a function of the inputs, and the same function with a mistake in it.
+Define the correct answers to the inputs of an exercise, and typical wrong answers.
 
 An exam knows what it sends.  So what a right program answers can be computed, and so can what a
 program with a known mistake answers: that is a :class:`Slip`.  The cause of a failed check is the
@@ -11,8 +11,8 @@ slip that gives the answers that came::
         slips=(Slip('sign_lost', 'The sign is lost.', 'Leave out abs().', each(half_of_abs)),),
     )
 
-Nothing here decides points.  An exam whose inputs do not tell a slip from what is due is refused
-(:meth:`Specification.mistakes`): a program with that slip would pass.
+Nothing here decides points.  An exam is refused if its inputs cannot distinguish a slip from the
+correct answers (:meth:`Specification.mistakes`): a program with that slip would pass.
 """
 
 from __future__ import annotations
@@ -63,20 +63,26 @@ class Cause:
     try_this: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Slip(Cause):
     """
     A specification with one mistake in it, which is the cause if a program answers so.
 
-    :param rule: what a program with this mistake answers
+    :param rules: what a program with this mistake answers; several if the mistake has several
+        forms, such as a number of digits
     """
 
-    rule: Rule
+    rules: tuple[Rule, ...]
+
+    def __init__(self, cause_id: str, text: str, try_this: str, *rules: Rule) -> None:
+        """Take the rules behind the texts."""
+        super().__init__(cause_id, text, try_this)
+        object.__setattr__(self, 'rules', rules)
 
     @classmethod
-    def of(cls, cause: Cause, rule: Rule) -> Slip:
+    def of(cls, cause: Cause, *rules: Rule) -> Slip:
         """Return the slip of a cause that is also named where no rule explains all answers."""
-        return cls(cause.cause_id, cause.text, cause.try_this, rule)
+        return cls(cause.cause_id, cause.text, cause.try_this, *rules)
 
 
 @dataclass(frozen=True)
@@ -86,7 +92,7 @@ class Specification:
 
     :param inputs: in the order in which they are sent
     :param due: what a right program answers
-    :param slips: the likelier first; two of one name differ in what no text tells
+    :param slips: the likelier first
     :param burst: how many of the last inputs come at once.  They count as one: several threads
         may answer them in any order
     :param like: tells whether two answers are the same
@@ -117,6 +123,11 @@ class Specification:
         """Return what is due."""
         return self.of(self.due)
 
+    @cached_property
+    def _slipped(self) -> list[tuple[Slip, list[Any]]]:
+        """Return each form of each slip with its answers."""
+        return [(slip, self.of(rule)) for slip in self.slips for rule in slip.rules]
+
     def wrong(self, came: Sequence[Any], part: Collection[int] | None = None) -> list[int]:
         """
         Return the places of the inputs that were not answered as they should be.
@@ -143,16 +154,15 @@ class Specification:
         """
         for part in (range(len(came)), *parts):
             seen = [one for one in part if came[one] is not None]
-            for slip in self.slips if place in seen else ():
-                slipped = self.of(slip.rule)
+            for slip, slipped in self._slipped if place in seen else ():
                 if all(self.like(slipped[one], came[one]) for one in seen):
                     return slip
         return None
 
     def mistakes(self) -> Iterator[str]:
-        """Yield which slips these inputs do not tell from what is due, or from one another."""
+        """Yield the slips that these inputs do not tell from the right answers or each other."""
         rules = [('what is due', self.answers)]
-        rules += [(slip.cause_id, self.of(slip.rule)) for slip in self.slips]
+        rules += [(slip.cause_id, answers) for slip, answers in self._slipped]
         for number, (name, answers) in enumerate(rules):
             for other, others in rules[:number]:
                 if other != name and all(map(self.like, answers, others)):

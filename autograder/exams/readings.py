@@ -1,23 +1,24 @@
 """
-Readings that an exam sends to a temperature monitor, and the log lines that followed each.
+The specification of a temperature monitor: readings, the warnings that are due, and its causes.
 
-Data and pairing only; what is right and why it is not is in the exam ``temperature_subscriber``.
+How a recording is compared with it is in the exam ``temperature_subscriber``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 import math
+import operator
 from typing import Any
 
-from autograder.exam.exam import Run
-from autograder.exam.specification import Specification
+from autograder.exam.exam import Cause
+from autograder.exam.slips import above_limit, Compare, NO_WARNING, of_nan, with_memory
+from autograder.exam.specification import each, Rule, Slip
 from autograder.judging.numbers import shows
-from autograder.judging.rows import Row, rows
-from autograder.recording import INFO, WARN
 
 THRESHOLD_C = 30.0
+UNITS = ('Celsius', 'Fahrenheit')
 
 
 @dataclass(frozen=True)
@@ -34,20 +35,27 @@ class Reading:
 
     @property
     def celsius(self) -> float | None:
-        """Return the value in degrees Celsius, None for a unit nobody has heard of."""
+        """Return the value in degrees Celsius, None for an unknown unit."""
         if self.unit == 'Celsius':
             return self.value
         return (self.value - 32.0) / 1.8 if self.unit == 'Fahrenheit' else None
 
     @property
     def hot(self) -> bool:
-        """Tell whether a warning is due: strictly above the threshold."""
+        """Return whether a warning is due: strictly above the threshold."""
         return self.celsius is not None and self.celsius > THRESHOLD_C
 
     @property
     def odd(self) -> bool:
-        """Tell whether it is no proper temperature."""
-        return self.celsius is None or math.isnan(self.celsius)
+        """Return whether it is not a proper temperature."""
+        return self.group in ('unknown', 'nan')
+
+    @property
+    def group(self) -> str:
+        """Return which check is about it: hot, cool, Fahrenheit, unknown or nan."""
+        if self.celsius is None or math.isnan(self.celsius):
+            return 'unknown' if self.celsius is None else 'nan'
+        return self.unit if self.unit == 'Fahrenheit' else 'hot' if self.hot else 'cool'
 
     def is_in(self, text: str) -> bool:
         """Return whether a text shows the value, raw or converted, however rounded."""
@@ -55,73 +63,130 @@ class Reading:
 
     def message(self, number: int) -> dict[str, Any]:
         """Return the fields that are sent."""
-        value: float | str = str(self.value) if math.isnan(self.value) else self.value
         # Two in a row have one stamp, and a node that takes equal stamps for repeats loses one.
-        stamp = {'sec': 100 + number // 2, 'nanosec': 250_000_000}
         return {
-            'temperature_value': value,
+            'temperature_value': str(self.value) if math.isnan(self.value) else self.value,
             'unit': self.unit,
-            'timestamp': stamp,
+            'timestamp': {'sec': 100 + number // 2, 'nanosec': 250_000_000},
             'sensor_id': 'temp_sensor_01',
         }
 
 
-@dataclass(frozen=True)
-class Sent:
+def warns(
+    hot: Compare = operator.gt,
+    celsius: Callable[[Reading], float | None] = lambda one: one.celsius,
+) -> Rule:
+    """Return how many warnings a monitor with these parts gives; by default those that are due."""
+
+    def warnings(reading: Reading) -> int:
+        value = celsius(reading)
+        return int(value is not None and hot(value, THRESHOLD_C))
+
+    return each(warnings)
+
+
+def takes_for(known: Callable[[str], str]) -> Rule:
     """
-    Readings that go together, and the log lines that followed them.
+    Return the rule of a monitor that takes some other units for known ones.
 
-    :param row: None if the run ended before
+    :param known: the unit that it takes a unit for
     """
-
-    readings: Sequence[Reading]
-    row: Row | None
-
-    @property
-    def logs(self) -> Row:
-        """Return the lines that followed."""
-        return self.row or []
-
-    def count(self, level: int) -> int:
-        """Return how many lines have a level."""
-        return sum(entry['level'] == level for entry in self.logs)
-
-    @property
-    def due(self) -> int:
-        """Return how many warnings are due."""
-        return sum(one.hot for one in self.readings)
-
-    def all_in(self, unit: str) -> bool:
-        """Return whether all are proper readings in a unit."""
-        return all(one.unit == unit and not one.odd for one in self.readings)
-
-    def showing(self, reading: Reading, level: int = INFO) -> int:
-        """Return how many lines of a level show a reading's value."""
-        return sum(reading.is_in(one['text']) for one in self.logs if one['level'] == level)
-
-    @property
-    def right(self) -> bool:
-        """
-        Return whether readings in known units are logged and warned about as they should be.
-
-        Where they are not, that is told, and an ERROR in its place is not told again.
-        """
-        shown = all(not one.odd and self.showing(one) for one in self.readings)
-        return shown and self.count(WARN) == self.due
+    return warns(celsius=lambda one: replace(one, unit=known(one.unit)).celsius)
 
 
-def sent(run: Run) -> list[Sent]:
-    """Pair every reading of the exam, sent or not, with what was logged after it."""
-    asked: Specification = run.facts['warnings']
-    found = rows(run, run.recording.logs(), len(asked.inputs), asked.burst)
-    return [Sent(asked.row(place), row) for place, row in enumerate(found)]
-
-
-def each_shown_twice(groups: Sequence[Sent]) -> bool:
-    """
-    Return whether every plain reading is in more than one INFO line.
-
-    Another line now and then, a highest value so far or a conversion, may show one again.
-    """
-    plain = [one for one in groups if len(one.readings) == 1 and one.all_in('Celsius')]
-    return bool(plain) and all(one.showing(one.readings[0]) > 1 for one in plain)
+NO_UNIT = Cause(
+    'unit_text',
+    'Your node logs an ERROR for readings in Celsius, as if their unit were unknown.',
+    "Compare with the whole words, letter by letter: msg.unit == 'Celsius', 'Fahrenheit'.",
+)
+ONE_LINE = Cause(
+    'several_errors',
+    'Your node logs more than one ERROR line for one reading in an unknown unit.',
+    'Put everything into one line, call self.get_logger().error(...) in one place, and subscribe '
+    'once.',
+)
+NEEDLESS_ERROR = Cause(
+    'needless_error',
+    'Your node handles a reading in a known unit correctly, but also logs an ERROR line.',
+    'Log an ERROR only for unknown units: remove that self.get_logger().error(...).',
+)
+LOGGED_TWICE = Cause(
+    'logged_twice',
+    'Your node logs more than one INFO line with the value of each reading.',
+    'Call self.get_logger().info(...) with the value once in the callback, and subscribe once.',
+)
+NOT_LOGGED = Cause(
+    'not_logged',
+    'Your node logs no INFO line for a reading.',
+    'Call self.get_logger().info(...) first in the callback: before any if and any return.',
+)
+NO_VALUE = Cause(
+    'no_value',
+    'Your INFO line does not contain the value of the reading, or lacks its decimals.',
+    "Put msg.temperature_value into the text: f'{msg.temperature_value:.2f}'.",
+)
+NO_ERROR = Cause(
+    'no_error',
+    'Your node logs no ERROR line for a reading in an unknown unit.',
+    'For any unit that you do not know: self.get_logger().error(...), return.',
+)
+BURST_IS_CUT = Cause(
+    'burst_is_cut',
+    'Your node handles single readings, but only some of several readings that arrive at once.',
+    'Is the depth of your subscription 10? If so, your callback stores only the newest reading: '
+    'log and compare in the callback itself.',
+)
+FAHRENHEIT_REFUSED = Cause(
+    'fahrenheit_refused',
+    'Your node logs an ERROR for readings in Fahrenheit, as if their unit were unknown.',
+    "Add a branch for the whole word, letter by letter: if msg.unit == 'Fahrenheit', celsius = "
+    '(value - 32) / 1.8.',
+)
+UNKNOWN_UNIT = Cause(
+    'unknown_unit',
+    f'A number without a known unit cannot be compared with {THRESHOLD_C:g} °C.',
+    'For any unit that you do not know: self.get_logger().error(...), return.',
+)
+SLIPS = (
+    *above_limit(warns, str(THRESHOLD_C)),
+    of_nan(warns, str(THRESHOLD_C)),
+    Slip(
+        'ignores_unit',
+        'The number is compared without conversion, or the conversion gives another number.',
+        'Look at msg.unit first: celsius = (value - 32) / 1.8 for Fahrenheit.',
+        warns(celsius=lambda one: None if one.celsius is None else one.value),
+        warns(celsius=lambda one: one.value),
+    ),
+    Slip(
+        'wrong_conversion',
+        'Your node warns about warm readings in Celsius, but not in Fahrenheit: it does not '
+        'compare them, or its conversion gives too small a number.',
+        'celsius = (value - 32) / 1.8, with / and not //. Try yours: 86 °F must give 30, and '
+        '86.9 °F 30.5.',
+        warns(celsius=lambda one: one.value if one.unit == 'Celsius' else None),
+    ),
+    Slip(
+        'first_letter',
+        'Your node accepts a unit that only begins like Celsius or Fahrenheit.',
+        "Compare the whole word: msg.unit == 'Celsius'.",
+        takes_for(lambda unit: next((one for one in UNITS if unit[:1] == one[0]), unit)),
+    ),
+    Slip(
+        'part_of_a_unit',
+        'Your node accepts a unit that is empty or only part of the word.',
+        "Compare with ==, not with in: msg.unit == 'Celsius'.",
+        takes_for(lambda unit: next((one for one in UNITS if unit in one), unit)),
+    ),
+    Slip(
+        'any_case',
+        'Your node accepts a unit with different capital letters, such as celsius.',
+        "Compare the received text, without lower() or upper(): msg.unit == 'Celsius'.",
+        takes_for(str.capitalize),
+    ),
+    Slip.of(
+        UNKNOWN_UNIT,
+        warns(celsius=lambda one: one.value if one.celsius is None else one.celsius),
+    ),
+    *with_memory(warns()),
+    Slip.of(NO_WARNING, each(lambda one: 0)),
+)

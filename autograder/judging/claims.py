@@ -15,12 +15,11 @@ for each input, or for a burst of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from itertools import zip_longest
 from typing import Any
 
 from autograder.exam.exam import Run
-from autograder.exam.specification import Specification
 from autograder.judging.checks import (
     field_of,
     own_logs,
@@ -32,13 +31,13 @@ from autograder.judging.checks import (
     require_qos,
     require_reached,
 )
+from autograder.judging.lines import require_warnings
 from autograder.judging.rhythm import require_period
 from autograder.judging.rows import (
     published,
     require_all_sent,
     require_one_for_one,
     require_values,
-    require_warnings,
     rows,
 )
 
@@ -115,6 +114,20 @@ def offers(topic: str, kind: str, check: str = '', sentence: str = '', **qos: An
     return judge
 
 
+def requests(topic: str, kind: str, check: str, sentence: str, **qos: Any) -> Judge:
+    """
+    Return the check for the quality of service that a subscription asks for.
+
+    :param qos: policies that it must have, see :func:`autograder.judging.checks.require_qos`
+    """
+
+    @claim(check, sentence)
+    def judge(run: Run) -> None:
+        require_qos(require_endpoint(run, 'subscription', topic, kind), **qos)
+
+    return judge
+
+
 def passes(
     source: tuple[str, str],
     target: tuple[str, str],
@@ -137,36 +150,53 @@ def passes(
     return judge
 
 
-def one_for_one(ask: str, topic: str, check: str = 'one_for_one', sentence: str = '') -> Judge:
+def one_for_one(
+    ask: str,
+    topic: str,
+    check: str = 'one_for_one',
+    sentence: str = '',
+    places: Collection[int] | None = None,
+) -> Judge:
     """
     Return the check that each input is answered by as many messages as are due.
 
     :param ask: name of the specification; its answers are tuples with a value for each message
     :param topic: full name of a topic that the scenario watches
+    :param places: of the inputs that the check is about, by default all
     """
 
     @claim(check, sentence or 'It publishes exactly what each input asks for, and nothing else.')
     def judge(run: Run) -> None:
-        require_one_for_one(run, run.facts[ask], topic, published(run, ask, topic))
+        require_one_for_one(run, run.asked(ask), topic, published(run, ask, topic), places)
 
     return judge
 
 
-def publishes(ask: str, topic: str, *fields: str, check: str = '', sentence: str = '') -> Judge:
+def publishes(
+    ask: str,
+    topic: str,
+    *fields: str,
+    check: str = '',
+    sentence: str = '',
+    places: Collection[int] | None = None,
+    what: str = 'what is due',
+) -> Judge:
     """
     Return the check that the messages after each input have the values that are due.
 
     :param ask: see :func:`one_for_one`
     :param fields: whose values they are, a tuple of values where there are several; dots lead
         into nested messages
+    :param places: of the inputs that the check is about, by default all
+    :param what: what is due, in words that may be told of hidden inputs
     """
     base = topic.rpartition('/')[2]
 
     @claim(check or f'publishes_{base}', sentence or f'What it publishes on {base} is right.')
     def judge(run: Run) -> None:
-        asked, found = run.facts[ask], published(run, ask, topic, *fields)
-        require_values(run, asked, found)
-        require_all_sent(run, found)
+        asked, found = run.asked(ask), published(run, ask, topic, *fields)
+        require_values(run, asked, found, places, what)
+        require_all_sent(run, found if places is None else [found[one] for one in places])
 
     return judge
 
@@ -203,8 +233,7 @@ def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Ju
 
     @claim(check, sentence or 'It logs exactly the warnings that each input asks for.')
     def judge(run: Run) -> None:
-        asked: Specification = run.facts[ask]
-        found = rows(run, own_logs(run, logger), len(asked.inputs), asked.burst)
+        asked, found = run.asked(ask), rows(run, ask, own_logs(run, logger))
         require_warnings(run, asked, found, range(len(found)))
 
     return judge
@@ -221,7 +250,7 @@ def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judg
 
     @claim(check or f'answers_{base}', sentence or f'It answers each call of {base}.')
     def judge(run: Run) -> None:
-        asked: Specification = run.facts[ask]
+        asked = run.asked(ask)
         nothing: dict[str, Any] = {}
         calls = zip_longest(asked.answers, run.recording.answers(service), fillvalue=nothing)
         came = [

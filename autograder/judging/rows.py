@@ -7,38 +7,34 @@ What is due, and which slip explains something else, is a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.slips import (
-    FALSE_ALARM,
     LEAVES_OUT,
-    MISSED_WARNING,
     MISSES_SOME,
     NO_ANSWER,
-    REPEATED,
     SEVERAL_ANSWERS,
     UNASKED,
 )
 from autograder.exam.specification import in_order, Specification
 from autograder.judging.causes.ended import why_silent
-from autograder.judging.causes.missing_logs import why_not_logged
-from autograder.judging.checks import count_of, field_of, require_endpoint
-from autograder.recording import Event, WARN
+from autograder.judging.checks import count_of, field_of, require_endpoint, SECOND
+from autograder.recording import Event
 
 Row = list[Event]
 
 
-def rows(run: Run, events: Iterable[Event], count: int, burst: int = 0) -> list[Row | None]:
+def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
     """
-    Return the events that followed each input.
+    Return the events that followed each input of a specification, those of a burst in one row.
 
+    :param ask: name of the specification
     :param events: of the run, each with the number of the input that it follows
-    :param count: how many inputs the exam has
-    :param burst: how many of the last ones come at once: they have one row
     :returns: None in place of a row whose input was not sent, or not all of the burst
     """
+    count, burst = len(run.asked(ask).inputs), run.asked(ask).burst
     found: list[Row] = [[] for _ in range(count)]
     for event in events:
         if event['after_input'] is not None:
@@ -61,15 +57,31 @@ def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, .
     :returns: None in place of an input that was not sent; a value is None if its message was too
         large to be recorded
     """
-    asked: Specification = run.facts[ask]
-    messages = run.recording.messages(topic)
     found = [
         None if row is None else tuple(_value(one, fields) for one in row)
-        for row in rows(run, messages, len(asked.inputs), asked.burst)
+        for row in rows(run, ask, run.recording.messages(topic))
     ]
-    if asked.burst and found[-1]:  # which several threads may answer in any order
+    if run.asked(ask).burst and found[-1]:  # which several threads may answer in any order
         found[-1] = in_order(found[-1])
     return found
+
+
+def endpoints_at(run: Run, when: str, kind: str, topic: str) -> list[Event]:
+    """
+    Return the endpoints on a topic at one look at the graph.
+
+    :param when: name of a :class:`autograder.exam.scenario.Look`, ``start`` or ``end``
+    :param kind: ``'publisher'`` or ``'subscription'``
+    """
+    ends = (end for graph in run.recording.of('graph', when=when) for end in graph['endpoints'])
+    return [end for end in ends if (end['kind'], end['topic']) == (kind, topic)]
+
+
+def seconds_after_join(run: Run, topic: str, listener: str) -> float:
+    """Return how long after a listener has joined its first message came [s]."""
+    joined = run.recording.of('joined', listener=listener)[0]
+    first = run.recording.messages(topic, listener)[0]
+    return float(first['clock_ns'] - joined['clock_ns']) / SECOND
 
 
 def _value(message: Event, fields: Sequence[str]) -> Any:
@@ -157,73 +169,10 @@ def shown_values(run: Run, values: Sequence[Any] | None, secret: str = 'somethin
 
 
 def require_all_sent(run: Run, found: Sequence[object]) -> None:
-    """Fail if a run ended before all inputs were sent: what was right until then is no proof."""
+    """Fail if a run ended before all inputs were sent."""
     if found and found[-1] is None:
         raise Failed(
             expected='a node that goes on to the last input',
             observed='a run that ended before',
             why=why_silent(run),
         )
-
-
-def require_warnings(
-    run: Run,
-    asked: Specification,
-    followed: Sequence[Row | None],
-    places: Collection[int],
-    part: Collection[int] = (),
-    why_missing: Callable[[int], Cause | None] | None = None,
-    shared: bool = False,
-) -> None:
-    """
-    Fail unless inputs are followed by as many WARN lines as are due.
-
-    :param asked: what is due; its inputs have ``kind``, words for what they try
-    :param followed: log lines after each input, see :func:`rows`
-    :param places: of the inputs that the check is about
-    :param part: places on which one mistake may explain all, see ``Specification.cause``
-    :param why_missing: explains a warning that did not come, by default by where else it is
-    :param shared: see :func:`share`
-    """
-    came = warnings_after(followed)
-    wrong = [place for place in places if (came[place] or 0) != asked.answers[place]]
-    if not wrong:
-        return
-    place = wrong[0]
-    due, count = asked.answers[place], came[place] or 0
-    short = count < due
-    repeats = any((one or 0) > len(asked.row(row)) for row, one in enumerate(came))
-    other = MISSED_WARNING if short else REPEATED if repeats else FALSE_ALARM
-    elsewhere = why_missing or (lambda one: why_not_logged(run, followed[one] or [], WARN))
-    due_lines = f'{count_of(due)} WARN line{"" if due == 1 else "s"}'
-    raise Failed(
-        expected=f'{due_lines} after {_what(asked.row(place))}',
-        observed='the run ended before it was sent'
-        if came[place] is None
-        else f'{count_of(count)} WARN line{"" if count == 1 else "s"}',
-        why=why_silent(run)
-        or (elsewhere(place) if short else None)
-        or asked.cause(came, place, part)
-        or other,
-        share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
-    )
-
-
-def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> float:
-    """
-    Return the part of the points for what was right before a program ended in mid-run.
-
-    How far a program came until the limit of processor time is the machine's doing: no part of it.
-    """
-    if None not in followed or run.recording.end_reason == 'cpu_limit' or not due:
-        return 0.0
-    return round(right / due, 2)
-
-
-def _what(inputs: Sequence[Any]) -> str:
-    return f'a burst of {len(inputs)} readings' if len(inputs) > 1 else str(inputs[0].kind)
-
-
-def warnings_after(followed: Iterable[Row | None]) -> list[int | None]:
-    """Return how many WARN lines came after each input, None where it was not sent."""
-    return [row if row is None else sum(line['level'] == WARN for line in row) for row in followed]

@@ -75,7 +75,7 @@ def _in_file(path: Path) -> Iterator[Written]:
         if not isinstance(node, ast.Call):
             continue
         named = {one.arg: one.value for one in node.keywords}
-        if getattr(node.func, 'id', '') in ('Cause', 'Slip') and len(node.args) in (3, 4):
+        if getattr(node.func, 'id', '') in ('Cause', 'Slip') and len(node.args) > 2:
             parts = node.args[:3]
         elif 'cause_id' in named:
             parts = [named[name] for name in ('cause_id', 'cause', 'try_this')]

@@ -221,3 +221,15 @@ class TestAnswers:
             checks.require_answers(run, self.SERVICE, [{}], 'the transition configure')
 
         assert failed.value.why.cause_id == 'no_service'
+
+
+def test_lines_of_the_only_node_count_in_each_phase_whatever_its_name():
+    """The graph was seen before the phase; it tells that there is one node only."""
+    events = (
+        {'event': 'graph', 'when': 'start', 'nodes': ['/mine'], 'endpoints': []},
+        {'event': 'mark', 'name': 'silence', 'clock_ns': 0},
+        {'event': 'log', 'name': 'mine', 'level': WARN, 'text': 'missed', 'after_input': None},
+    )
+    run = Run({}, Recording({}, events))
+
+    assert checks.own_logs(run.during('silence'), '/sensor_watch', WARN) == [events[2]]

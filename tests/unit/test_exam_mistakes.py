@@ -50,20 +50,20 @@ class TestWhenItIsMade:
         [
             (
                 {'feed': {'/chatter': STRING}, 'steps': (Advance(1), feed('/chater'))},
-                'exam sample, step 2 (Feed): expected what Scenario(feed=...), an Offer or a '
-                "Join has announced, which is '/chatter', got '/chater'; did you mean '/chatter'?",
+                "exam sample, step 2 (Feed): '/chater' was not announced by Scenario(feed=...), "
+                "an Offer or a Join; announced: '/chatter'; did you mean '/chatter'?",
             ),
-            ({'steps': (feed('/chatter'),)}, 'step 1 (Feed): expected what '),
+            ({'steps': (feed('/chatter'),)}, "step 1 (Feed): '/chatter' was not announced"),
             (
                 {'steps': (Offer('one', '/t', STRING), Leave('one'), feed('one'))},
-                'step 3 (Feed): expected what ',
+                "step 3 (Feed): 'one' was not announced",
             ),
-            ({'steps': (Leave('late'),)}, 'step 1 (Leave): expected what '),
+            ({'steps': (Leave('late'),)}, "step 1 (Leave): 'late' was not announced"),
             (
                 {'feed': {'/t': STRING}, 'steps': (feed('/t', *[{}] * 11, burst=True),)},
-                'step 1 (Feed): expected at most 10 messages a burst, got 11',
+                'step 1 (Feed): expected at most 10 messages per burst, got 11',
             ),
-            ({'steps': (Advance(0),)}, 'step 1 (Advance): expected time to pass'),
+            ({'steps': (Advance(0),)}, 'step 1 (Advance): the number of seconds'),
             (
                 {'watch': {'/t': 'std_msgs/String'}},
                 "watch '/t': expected a type such as std_msgs/msg/String, got 'std_msgs/String'",

@@ -14,6 +14,11 @@ WATCHED = {'event': 'mark', 'name': harbour.WATCH, 'clock_ns': 550_000_000}
 RUNS = [{'event': 'end', 'reason': 'complete'}, {'event': 'process'}]
 
 
+def judge_of(module, check):
+    """Return the function that judges a check of an exam."""
+    return next(one.judge for one in module.exam.checks if one.name == check)
+
+
 def log(clock_s, text, level=INFO, name='n.night_watch'):
     """Return a log line."""
     clock_ns = round(clock_s * 1e9)
@@ -416,7 +421,7 @@ class TestRunningMean:
         ]
         run = Run({}, Recording({}, (*events, *RUNS)), running_mean.exam.facts)
 
-        assert cause_of(running_mean.publishes_the_mean, run) == cause_id
+        assert cause_of(judge_of(running_mean, 'publishes_the_mean'), run) == cause_id
 
     def test_two_topics_that_changed_places_are_named_together(self):
         """The name of neither is wrong."""
@@ -428,13 +433,13 @@ class TestRunningMean:
 
         run = Run({}, Recording({}, (graph, *RUNS)), running_mean.exam.facts)
 
-        check = next(one for one in running_mean.exam.checks if one.name == 'reads_and_writes')
+        check = judge_of(running_mean, 'reads_and_writes')
 
-        assert cause_of(check.judge, run) == 'wrong_direction'
+        assert cause_of(check, run) == 'wrong_direction'
 
     def test_message_before_the_first_number_is_no_answer(self):
         """It comes from somewhere other than the callback."""
         early = {'event': 'message', 'topic': '/mean', 'after_input': None, 'data': {'data': 0.0}}
         run = Run({}, Recording({}, (early, *RUNS)), running_mean.exam.facts)
 
-        assert cause_of(running_mean.answers_every_number, run) == 'speaks_unasked'
+        assert cause_of(judge_of(running_mean, 'answers_every_number'), run) == 'speaks_unasked'

@@ -6,14 +6,16 @@ import pytest
 
 from autograder.exam.exam import Failed, Run
 from autograder.exams.visible.milli_reader import (
-    answers_one_for_one,
     build,
     divides_by_a_thousand,
+    exam,
     stamps_with_its_own_clock,
     TARGET,
     TARGET_TYPE,
 )
 from autograder.recording import Recording
+
+answers_one_for_one = next(one.judge for one in exam.checks if one.name == 'answers_one_for_one')
 
 
 def run_of(events) -> Run:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from autograder.exam.exam import Failed, Run
-from autograder.exams.readings import Reading, Sent
+from autograder.exams.readings import Reading
 from autograder.exams.visible import managed_beacon as beacon
 from autograder.exams.visible import (
     map_server,
@@ -16,6 +16,7 @@ from autograder.exams.visible import (
     temperature_subscriber,
 )
 from autograder.judging.causes import ended, lifecycle
+from autograder.judging.lines import Followed
 from autograder.recording import ERROR, INFO, Recording, WARN
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stdout': ''})
@@ -26,7 +27,7 @@ WATCHED = {
     'kind': 'subscription',
     'node': sensor_watch.NODE,
     'type': sensor_watch.TYPE,
-    'qos': {},
+    'qos': {'deadline_ns': sensor_watch.DEADLINE_NS},
 }
 
 
@@ -66,7 +67,7 @@ def test_burst_of_which_a_part_is_lost_is_told_apart():
     line = {'event': 'log', 'name': 'temperature_subscriber', 'level': 20, 'text': '31.0'}
     run = Run({}, Recording({}, (graph(['/n']), line, *ENDS)), {})
 
-    found = temperature_subscriber._why_not_logged(run, burst[1], Sent(burst, [line]))
+    found = temperature_subscriber._why_not_logged(run, burst[1], Followed(burst, [line]))
 
     assert found is not None
     assert found.cause_id == 'burst_is_cut'

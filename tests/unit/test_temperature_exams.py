@@ -9,10 +9,10 @@ import pytest
 from autograder.exam.exam import Failed, Run
 from autograder.exam.scenario import RosClock
 from autograder.exam.specification import Specification
-from autograder.exams.readings import Reading
+from autograder.exams.readings import Reading, SLIPS, warns
 from autograder.exams.visible import temperature_publisher as publisher
 from autograder.exams.visible import temperature_subscriber as subscriber
-from autograder.judging.rows import share
+from autograder.judging.lines import share
 from autograder.recording import ERROR, INFO, Recording, WARN
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})
@@ -210,7 +210,7 @@ def heard(readings, answer, code='', secret=False, printed=''):
             }
             for level, text in answer(reading)
         ]
-    asked = Specification(readings, subscriber.warns(), subscriber.SLIPS)
+    asked = Specification(readings, warns(), SLIPS)
     facts = {'secret': secret, 'warnings': asked}
     ends = (ENDS[0], {**ENDS[1], 'stdout': printed})
     return Run({'temp_subscriber.py': code}, Recording({}, (*events, *ends)), facts)
@@ -315,8 +315,8 @@ class TestErrors:
             ),
             ("unsupported operand type(s) for -: 'str'", 'logged_error', 'unsupported operand'),
             ('nicht lesbar', 'logged_error', "'nicht lesbar'"),
-            ('unknown unit Celsius', 'unit_text', 'as if nobody knew their unit'),
-            ('Celsius ist unbekannt', 'unit_text', 'as if nobody knew their unit'),
+            ('unknown unit Celsius', 'unit_text', 'as if their unit were unknown'),
+            ('Celsius ist unbekannt', 'unit_text', 'as if their unit were unknown'),
         ],
     )
     def test_text_of_the_error_is_told_and_no_unit_invented(self, check, text, cause_id, words):

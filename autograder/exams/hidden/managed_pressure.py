@@ -1,4 +1,4 @@
-"""Lesson 06, part 3, as it is graded: zero is refused too, and the numbers are secret."""
+"""Hidden exam of lesson 06, part 3: secret limits and pressures; it also tests a limit of zero."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _edges = [
 ]
 _draw.shuffle(_edges)
 _again = _high()
-# Rounded, it is another number.
+# Rounding would change this pressure.
 _refused = round(-_draw.randint(0, 4) - _draw.choice((0.35, 0.45, 0.55, 0.65)), 2)
 exam = build(
     refused=(-1.0, 0.0, _refused),

@@ -14,8 +14,8 @@ def surveys(draw: random.Random) -> list[str]:
     """
     Return the texts.
 
-    One has outer spaces and a capital letter, another comes twice in a row; the first one comes
-    again, one is long, and one is empty.
+    One survey has outer spaces and a capital letter, one is sent twice in a row, the first one is
+    sent again, one is long, and one is empty.
     """
     texts = [f'{room} {draw.randrange(100, 1000)}' for room in draw.sample(_ROOMS, k=5)]
     spaced, twice = draw.sample(range(4), k=2)

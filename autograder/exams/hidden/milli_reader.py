@@ -19,7 +19,7 @@ def _name() -> str:
 
 _same = _number(457), _name()
 exam = build(
-    # The same again, at once and later, zero, and no name: each is a number like any other.
+    # A repeated number, zero, and a number without a description are ordinary numbers.
     [
         _number(7),
         _same[0],

@@ -16,8 +16,11 @@ def _numbers(count: int) -> list[float]:
 
 _first = _numbers(4)
 exam = build(
-    # Where the same number comes first twice, the mean does not change.
-    [_first[0], *_first, math.nan, *_numbers(2), 0.0, _first[0], math.nan, *_numbers(4)],
-    burst=_numbers(4),
+    # If the same number comes first twice, the mean does not change.
+    [
+        *(_first[0], *_first, math.nan, *_numbers(2), 0.0),
+        *(_first[0], math.nan, *_numbers(4), *_numbers(4)),
+    ],
+    burst=4,
     pause=3,
 )

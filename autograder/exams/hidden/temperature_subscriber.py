@@ -39,7 +39,7 @@ def fahrenheit(draw: random.Random) -> list[Reading]:
 
 
 def odd(draw: random.Random) -> list[Reading]:
-    """Return what a program may die of: last, so that what it loses by that is no luck."""
+    """Return readings that may end a program: last, so that it loses only what comes after."""
     rest = ''.join(draw.choices('bdghjlqrtvwxz', k=5))
     units = [
         (f'C{rest}', UNKNOWN),
@@ -73,17 +73,17 @@ _draw.shuffle(_burst)
 exam = build(
     [
         cool(_draw),
-        # The same value again, and another one: each is above by itself.
+        # The same value again, and a different one: each needs its own warning.
         *(_again, _again, hot(_draw)),
         Reading(round(_draw.uniform(200.0, 900.0), 1), f'a reading far above {THRESHOLD_C:g} °C'),
         *(cool(_draw), cool(_draw)),
         *edges(_draw),
-        # After a cool one: who warns of changes only has no other mistake with Fahrenheit.
+        # After a cool reading, so that a node that warns only on changes shows no second mistake.
         cool(_draw),
         *fahrenheit(_draw),
         *odd(_draw),
         hot(_draw),
-        cool(_draw),
+        *(cool(_draw), hot(_draw), *_burst),
     ],
-    burst=[hot(_draw), *_burst],
+    burst=1 + len(_burst),
 )

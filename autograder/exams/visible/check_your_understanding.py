@@ -20,32 +20,35 @@ NOT_ANSWERED = Cause(
     "Write 'a', 'b', 'c' or 'd' in place of None, and run the cell.",
 )
 CAUSES = {
-    'no_quotes': ('The letter stands there without quotes.', 'Put the letter in quotes.'),
+    'no_quotes': ('The letter has no quotes.', 'Put the letter in quotes.'),
     'no_literal': (
         'The answer cannot be read as a letter.',
         'Write one letter in quotes, and nothing that has to be calculated.',
     ),
-    'no_letter': ('The answer is no single letter of the four.', 'Write one letter in quotes.'),
+    'no_letter': ('The answer is not one of the four letters.', 'Write one letter in quotes.'),
     'too_long': (
         'The answer cannot be read as a letter.',
         'Write one letter in quotes. Keep long notes in a text cell of your own.',
     ),
     'curly_quotes': (
-        'Curly quotes and backquotes are no quotes for Python; word processors put them in.',
-        "Type the quote of the keyboard: '",
+        'Python does not accept curly quotes or backquotes, which word processors insert.',
+        "Type the straight quote of the keyboard: '",
     ),
-    'assigned': ('The letter is given to a name.', 'Write the letter alone, without name and =.'),
+    'assigned': (
+        'Your cell assigns the letter to a variable.',
+        'Write only the letter, without a variable and =.',
+    ),
     'open_quote': (
-        'The quotes before and behind the letter are no pair.',
-        'Write the same quote once before the letter and once behind it.',
+        'The quotes before and after the letter do not match.',
+        'Write the same quote before and after the letter.',
     ),
     'several_letters': (
         'There is more than one letter.',
-        'Decide for one; what else you thought of may stand behind a #.',
+        'Choose one letter; write other thoughts after a #.',
     ),
-    'number': ('The options have letters and no numbers.', 'Write the letter: a for the first.'),
+    'number': ('The options are letters, not numbers.', 'Write the letter: a for the first.'),
     'other_alphabet': (
-        'This letter only looks like one of the four: it is of another alphabet.',
+        'This letter belongs to a different alphabet and only looks like one of the four.',
         'Type it again on a keyboard with Latin letters.',
     ),
 }

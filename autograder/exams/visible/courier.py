@@ -16,6 +16,7 @@ from autograder.exam.scenario import Advance, Join, Leave, Look, Mark, Scenario,
 from autograder.judging.causes.ended import why_no_message, why_silent
 from autograder.judging.checks import require_field, SECOND
 from autograder.judging.claims import node, offers
+from autograder.judging.rows import endpoints_at, seconds_after_join
 from autograder.recording import Event
 from autograder.submission.code.learners_code import Code
 
@@ -28,71 +29,109 @@ QUIET_S = 6.0  # nothing is due, and a node that repeats itself is heard [s]
 ALONE_S = 2.0  # for a node that notices that everybody has left [s]
 LATEST_S = 2.05  # a node that looks around every two seconds is not late yet [s]
 EXERCISE = 'Exercise 2: the courier who waits'
+GONE = 'a node that has ended'
+REMEMBER = 'Deliver only once: cancel the timer after the delivery, or set a flag and check it.'
+PUBLISH_IF = 'Publish when get_subscription_count() is above 0'
 LATE = Cause(
     'delivers_late',
-    'A subscription is connected, and the parcel comes seconds later: your node does not look '
-    'often enough, or waits for something else.',
-    'Look every tenth of a second: self.create_timer(0.1, ...).',
+    'The parcel arrives seconds after a subscription has connected: your node checks too rarely, '
+    'or waits for something else.',
+    'Check every tenth of a second: self.create_timer(0.1, ...).',
 )
-REMEMBER = 'Remember that it was delivered: cancel the timer, or set a flag and look at it.'
+WAITS_FOR_TWO = Cause(
+    'waits_for_two',
+    'Your node delivers nothing until a second subscription connects.',
+    'Deliver as soon as get_subscription_count() is above 0.',
+)
+CHECKS_ONCE = Cause(
+    'published_too_early',
+    'Your program checks for subscriptions only at its start, before any has connected.',
+    'Check in a timer: publish when get_subscription_count() is above 0.',
+)
+LOOKS_WRONG = Cause(
+    'looks_wrong',
+    'Your program checks for subscriptions, but delivers nothing when one connects: it stops '
+    'checking too early, checks too rarely, or its condition is wrong.',
+    'Check every tenth of a second, deliver when get_subscription_count() > 0, and cancel the '
+    'timer only after the delivery.',
+)
+TOO_EARLY = Cause(
+    'published_too_early',
+    'No message arrived after a subscription had connected. Your node probably published the '
+    'parcel before that, and a message without a subscription is lost.',
+    f'{PUBLISH_IF}, or in a callback for matched.',
+)
+ALSO_EARLY = Cause(
+    'published_too_early',
+    'Your program also publishes while no subscription is connected, and those messages are lost.',
+    f'{PUBLISH_IF}, and only then.',
+)
+KEEPS_OLD = Cause(
+    'qos_durability',
+    'With this durability, every later subscription that requests old messages gets the parcel '
+    'again.',
+    'Pass the depth 10 as quality of service.',
+)
+DELIVERS_AGAIN = Cause(
+    'delivers_again',
+    'Your node delivers a parcel again after a subscription has left. The current number of '
+    'subscriptions does not show whether you have delivered before.',
+    REMEMBER,
+)
 
 
 def parcels(run: Run, listener: str) -> list[Event]:
-    """Return what one of our subscriptions received, in order."""
+    """Return the messages that one of the grader's subscriptions received, in order."""
     return run.recording.messages(TOPIC, listener)
-
-
-def _ends(run: Run) -> list[Event]:
-    """Return the publishers on the topic."""
-    return run.recording.endpoints('publisher', TOPIC)
 
 
 def _lives(run: Run, when: str) -> bool:
     """Return whether the graph of a moment, ``delivered`` or ``end``, has its publisher."""
-    ends = [end for graph in run.recording.of('graph', when=when) for end in graph['endpoints']]
-    return any(end['topic'] == TOPIC and end['kind'] == 'publisher' for end in ends)
+    return bool(endpoints_at(run, when, 'publisher', TOPIC))
 
 
 def _why_gone(run: Run, text: str) -> Cause | None:
     """
-    Explain a node that does not live on.
+    Explain a node that ends.
 
-    :param text: when it went, if nothing has gone wrong
+    :param text: when it ended, if nothing has gone wrong
     """
     recording = run.recording
     if recording.process.get('exit') or recording.end_reason not in ('complete', 'student_exited'):
         return why_silent(run)
-    advice = 'Let the node live on until it is stopped: self.timer.cancel() ends the search.'
-    return Cause('exited_early', text, advice)
+    advice = 'Keep the node running until it is stopped; self.timer.cancel() is enough to stop '
+    return Cause('exited_early', text, f'{advice}checking.')
 
 
 def delivers_to_who_comes_late(run: Run) -> None:
-    """It waits: a subscription that comes late receives the parcel, and at once."""
+    """It waits: a late subscription receives the parcel at once."""
     found = run.recording.phase('first').messages(TOPIC, 'first')
     # What is sent by a program that ends at once arrives, or not, by chance.
     lives = _lives(run, 'delivered')
-    if found and lives:
-        _require_soon(run, found[0])
-        return
+    if not (found and lives):
+        raise Failed(
+            expected='one message for a subscription that comes after some seconds',
+            observed='a subscription that receives nothing' if lives else GONE,
+            why=_why_nothing_first(run, lives),
+        )
+    late_s = seconds_after_join(run, TOPIC, 'first')
+    if late_s > LATEST_S:  # no usual timer explains it
+        when = 'seconds' if run.secret else f'{late_s:.2g} s'
+        raise Failed(
+            expected='the parcel as soon as a subscription is connected',
+            observed=f'a parcel that arrives {when} later',
+            why=LATE,
+        )
+
+
+def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
+    """Explain that nothing comes while the first subscription is alone, or that a node ends."""
     if run.recording.of('joined', listener='first') and not lives:
-        why = _why_gone(
-            run, 'The node was gone as soon as somebody was connected, and its message with it.'
-        )
-    elif parcels(run, 'first') and not _came_with_the_second(run):
-        why = LATE
-    elif parcels(run, 'first'):
-        why = Cause(
-            'waits_for_two',
-            'Nothing is delivered until a second subscription is there.',
-            'Deliver as soon as get_subscription_count() is above 0.',
-        )
-    else:
-        why = why_silent(run) or _why_nothing(run)
-    raise Failed(
-        expected='one message for a subscription that comes after some seconds',
-        observed='a subscription that receives nothing' if lives else 'a node that is gone',
-        why=why,
-    )
+        slip = 'Your node ended as soon as a subscription had connected, so its message was lost.'
+        return _why_gone(run, slip)
+    if parcels(run, 'first'):
+        return WAITS_FOR_TWO if _came_with_the_second(run) else LATE
+    return why_silent(run) or _why_nothing(run)
 
 
 def _came_with_the_second(run: Run) -> bool:
@@ -103,47 +142,15 @@ def _came_with_the_second(run: Run) -> bool:
     return 0 <= waited_ns <= LATEST_S * SECOND
 
 
-def _require_soon(run: Run, parcel: Event) -> None:
-    """Fail if the parcel came so late that no usual timer explains it."""
-    joined = run.recording.of('joined', listener='first')[0]
-    late_s = (parcel['clock_ns'] - joined['clock_ns']) / SECOND
-    if late_s > LATEST_S:
-        raise Failed(
-            expected='the parcel as soon as a subscription is connected',
-            observed='a parcel that comes seconds later'
-            if run.secret
-            else f'a parcel that comes {late_s:.2g} s later',
-            why=LATE,
-        )
-
-
 def _why_nothing(run: Run) -> Cause:
     """Explain a courier that is connected and lives, and from whom nothing comes."""
     code = Code(run.files)
     if 'publish' not in code.calls:
         return why_no_message(run)
-    looks = {'create_timer', 'PublisherEventCallbacks'} & code.names or code.loops
-    if not looks:
-        return Cause(
-            'published_too_early',
-            'What your program does at its start, it does before anybody is connected, and '
-            'nothing looks again later.',
-            'Let a timer look: publish when get_subscription_count() is above 0.',
-        )
-    if {'get_subscription_count', 'PublisherEventCallbacks'} & code.names:
-        return Cause(
-            'looks_wrong',
-            'Your program looks who is connected, and yet delivers nothing when somebody is: it '
-            'stops looking too early, looks too seldom, or its condition is not true then.',
-            'Look every tenth of a second, deliver when get_subscription_count() > 0, and cancel '
-            'the timer after the delivery and not before.',
-        )
-    return Cause(
-        'published_too_early',
-        'Nothing came once somebody was connected. Most likely the parcel was published '
-        'before, and what nobody receives is lost.',
-        'Publish when get_subscription_count() is above 0, or in a callback for matched.',
-    )
+    if not ({'create_timer', 'PublisherEventCallbacks'} & code.names or code.loops):
+        return CHECKS_ONCE
+    looks = {'get_subscription_count', 'PublisherEventCallbacks'} & code.names
+    return LOOKS_WRONG if looks else TOO_EARLY
 
 
 def addresses_the_parcel(run: Run) -> None:
@@ -152,62 +159,47 @@ def addresses_the_parcel(run: Run) -> None:
 
 
 def delivers_once(run: Run) -> None:
-    """It delivers exactly once: no second message, whoever else comes."""
-    if any(end['qos']['durability'] != 'VOLATILE' for end in _ends(run)):
+    """It delivers exactly once: no later subscription gets a second message."""
+    ends = run.recording.endpoints('publisher', TOPIC)
+    if any(end['qos']['durability'] != 'VOLATILE' for end in ends):
         raise Failed(
-            expected='a publisher that keeps nothing for those who come later',
+            expected='a publisher that keeps no messages for late subscriptions',
             observed='durability TRANSIENT_LOCAL',
-            why=Cause(
-                'qos_durability',
-                'With this durability everybody who comes later and asks for old messages gets '
-                'the parcel again.',
-                'Pass the depth 10 as quality of service.',
-            ),
+            why=KEEPS_OLD,
         )
     early = sum(one['number'] - 1 for one in parcels(run, 'first')[:1])
     if early:
         raise Failed(
-            expected='nothing before somebody is connected',
+            expected='nothing before a subscription is connected',
             observed=f'{early} before',
-            why=Cause(
-                'published_too_early',
-                'Your program also publishes while nobody is connected, and what nobody receives '
-                'is lost.',
-                'Publish only when get_subscription_count() is above 0.',
-            ),
+            why=ALSO_EARLY,
         )
-    listeners = ('first', 'second', 'third')
-    first, second, third = (len(parcels(run, listener)) for listener in listeners)
+    counts = [len(parcels(run, listener)) for listener in ('first', 'second', 'third')]
+    first, second, third = counts
     lives = run.recording.end_reason == 'complete' and _lives(run, 'end')
-    if (first, second, third) == (1, 0, 0) and lives:
+    if counts == [1, 0, 0] and lives:
         return
-    expected = '1 message for who comes first, none for those who come later'
+    expected = '1 message for the first subscription, none for later ones'
     observed = f'{first} for the first, {second or "none"} for the second'
     if third and not second:
-        expected, observed = 'none for who comes after the others have left', str(third)
-    elif (first, second, third) == (1, 0, 0):
-        expected, observed = 'a node that lives on after the delivery', 'a node that is gone'
-    raise Failed(expected=expected, observed=observed, why=_why_again(run, first, second, third))
+        expected = 'none for a subscription that connects after the others have left'
+        observed = str(third)
+    elif counts == [1, 0, 0]:
+        expected, observed = 'a node that keeps running after the delivery', GONE
+    ended = 'Your node delivered the parcel, and ended some time later.'
+    why = _why_again(run, *counts) if lives else _why_gone(run, ended)
+    raise Failed(expected=expected, observed=observed, why=why)
 
 
 def _why_again(run: Run, first: int, second: int, third: int) -> Cause | None:
-    """Explain more than one delivery, or a node that does not live on."""
-    if run.recording.end_reason != 'complete' or not _lives(run, 'end'):
-        return _why_gone(run, 'The parcel was delivered, and some time later the node was gone.')
+    """Explain more than one delivery."""
     if why := why_silent(run):
         return why
     if first > 2 or (first > 1 and not second):
         return Cause('repeats', 'The parcel is published again and again.', REMEMBER)
     if run.recording.phase('second').messages(TOPIC, 'second'):
-        return Cause('repeats', 'Who comes second receives a parcel too.', REMEMBER)
-    if second or third:
-        return Cause(
-            'delivers_again',
-            'When somebody leaves, a parcel is delivered again. How many are connected now does '
-            'not tell who was there before.',
-            REMEMBER,
-        )
-    return None
+        return Cause('repeats', 'The second subscription receives a parcel too.', REMEMBER)
+    return DELIVERS_AGAIN if second or third else None
 
 
 def build(alone_s: float, between_s: float = 1.0) -> Exam:
@@ -250,11 +242,9 @@ def build(alone_s: float, between_s: float = 1.0) -> Exam:
         offers(TOPIC, TYPE, 'offers_parcels', 'It has a publisher of String messages on parcels.')
     )
     exam.check(points=4, needs=['offers_parcels'])(delivers_to_who_comes_late)
-    for points, judge, read in (
-        (1, addresses_the_parcel, EXERCISE),
-        (3, delivers_once, ''),
-    ):
-        exam.check(points=points, needs=['delivers_to_who_comes_late'], read=read)(judge)
+    needs = ['delivers_to_who_comes_late']
+    exam.check(points=1, needs=needs, read=EXERCISE)(addresses_the_parcel)
+    exam.check(points=3, needs=needs)(delivers_once)
     return exam
 
 

@@ -79,21 +79,21 @@ def _why_missing(run: Run, node: str) -> Cause:
     if run.recording.nodes and not others:
         return why_silent(run) or Cause(
             'one_node',
-            f'The other node is there, and {base} is not: either it is created below '
-            'rclpy.spin(), which does not come back, or both nodes got the same name.',
-            'Create both nodes first, each with its own name; then let one executor spin both.',
+            f'The other node exists, but {base} does not: your code creates it below '
+            'rclpy.spin(), which never returns, or gives both nodes the same name.',
+            'Create both nodes first, each with its own name; then spin both with one executor.',
         )
     return why_no_node(run, node)
 
 
 def both_are_served(run: Run) -> None:
-    """Somebody spins both nodes: each answers when it is asked."""
+    """Your program spins both nodes: each answers a request."""
     answered = {event['service'].rpartition('/')[0] for event in run.recording.of('answer')}
     answered |= {event['node'] for event in run.recording.of('asked', answered=True)}
     silent = [node for node in (LOOKOUT, KEEPER) if node not in answered]
     if silent:
         raise Failed(
-            expected='both nodes answer a question about their parameters',
+            expected='both nodes answer a request about their parameters',
             observed=f'no answer from {" and ".join(silent)}',
             why=why_silent(run),
         )
@@ -160,14 +160,11 @@ def build(seconds: int) -> Exam:
         read='Part 3: Names and worlds',
         facts={'seconds': seconds},
     )
+    needs = ['both_nodes_exist']
     exam.check(points=2)(both_nodes_exist)
-    exam.check(points=2, needs=['both_nodes_exist'], read='lesson 02, Part 1: Who spins')(
-        both_are_served
-    )
-    exam.check(points=2, needs=['both_nodes_exist'], read=EXERCISE)(lookout_reports_every_second)
-    exam.check(points=2, needs=['both_nodes_exist'], read=EXERCISE)(
-        keeper_reports_every_two_seconds
-    )
+    exam.check(points=2, needs=needs, read='lesson 02, Part 1: Who spins')(both_are_served)
+    exam.check(points=2, needs=needs, read=EXERCISE)(lookout_reports_every_second)
+    exam.check(points=2, needs=needs, read=EXERCISE)(keeper_reports_every_two_seconds)
     return exam
 
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Call, Feed, Scenario, set_parameter, Step
+from autograder.exam.scenario import Call, feeds, Scenario, set_parameter
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import field_of
@@ -162,7 +162,7 @@ def _why_other_value(run: Run, kind: int, value: float | None) -> Cause | None:
 
 
 def _require_speeds(run: Run, first: bool) -> None:
-    asked, number = run.facts['speeds'], run.facts['before']
+    asked, number = run.asked('speeds'), run.facts['before']
     _, value = parameter(run)
     if value is not None:  # whether it is that of the file is another check's question
         changed = [
@@ -200,15 +200,12 @@ def build(
     """
     name, source, target = (f'{space}/{base}' for base in (NODE, 'wanted_speed', 'speed'))
     request = {'names': ['max_speed']}
-    messages = [{'data': speed} for speed in after]
-    steps: list[Step] = [
+    steps = (
         Call(name, 'get_parameters', 'rcl_interfaces/srv/GetParameters', request),
-        Feed(source, [{'data': speed} for speed in before]),
+        *feeds(source, [{'data': speed} for speed in before], 0),
         set_parameter(name, 'max_speed', most),
-        Feed(source, messages[: len(messages) - burst]),
-    ]
-    if burst:
-        steps.append(Feed(source, messages[-burst:], burst=True))
+        *feeds(source, [{'data': speed} for speed in after], burst),
+    )
     wanted = [Wanted(one, IN_FILE) for one in before] + [Wanted(one, most) for one in after]
     exam = Exam(
         'limiter',

@@ -19,7 +19,6 @@ import operator
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import (
     Advance,
-    Call,
     Feed,
     FeedTopic,
     Mark,
@@ -27,26 +26,18 @@ from autograder.exam.scenario import (
     Scenario,
     set_parameter,
     state,
-    Step,
     transition,
 )
 from autograder.exam.slips import above_limit, Compare, with_memory
 from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.judging.causes import lifecycle
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
-from autograder.judging.causes.lifecycle import (
-    ERROR_NOT_FAILURE,
-    NO_PARAMETER,
-    READ_ONCE,
-    SILENT_REFUSAL,
-    why_accepted,
-    why_refused,
-    WRONG_DEFAULT,
-)
 from autograder.judging.causes.missing_logs import why_not_logged
-from autograder.judging.checks import field_of, own_logs, require_answers
+from autograder.judging.checks import field_of, lines, own_logs, require_answers
 from autograder.judging.claims import node
+from autograder.judging.lines import require_warnings, warnings_after
 from autograder.judging.numbers import numbers_in, shows
-from autograder.judging.rows import require_warnings, Row, warnings_after
+from autograder.judging.rows import Row
 from autograder.recording import ERROR, WARN
 
 NODE, TOPIC = '/pressure_monitor', '/pressure'
@@ -58,20 +49,28 @@ CHANGE, SETTING = f'{NODE}/change_state', f'{NODE}/set_parameters'
 ANSWER_S = 3.0  # after each input: a thread may look every two seconds for what has come
 
 
+INACTIVE = ('accepted', 'paused')
+"""The phases with pressures in which the node is not active."""
+SET_AGAIN = ('still', 'again')
+"""The phases with pressures in which the parameter has its second value."""
+
+
 @dataclass(frozen=True)
 class Pressure:
     """
     One pressure that is sent.
 
-    :param limit: the one that counts; ``parameter`` is what the parameter says then, and ``first``
-        the limit of the first configuration
+    :param limits: those of the first and of the second configuration
     """
 
     value: float
     phase: str
-    limit: float
-    parameter: float
-    first: float
+    limits: tuple[float, float]
+
+    @property
+    def limit(self) -> float:
+        """Return the limit that counts."""
+        return self.limits[self.phase == 'again']
 
     @property
     def active(self) -> bool:
@@ -86,24 +85,6 @@ class Pressure:
         return f'a pressure {"above" if self.value > self.limit else "below"} the limit'
 
 
-INACTIVE = ('accepted', 'paused')
-"""The phases with pressures in which the node is not active."""
-SET_AGAIN = ('still', 'again')
-"""The phases with pressures in which the parameter has its second value."""
-
-
-def pressures_of(
-    pressures: Mapping[str, Sequence[float]], limits: tuple[float, float]
-) -> list[Pressure]:
-    """Return all pressures in the order in which they are sent, see :func:`build`."""
-    first = limits[0]
-    return [
-        Pressure(value, phase, limits[phase == 'again'], limits[phase in SET_AGAIN], first)
-        for phase, values in pressures.items()
-        for value in values
-    ]
-
-
 def warns(
     hot: Compare = operator.gt,
     limit: Callable[[Pressure], float] = lambda one: one.limit,
@@ -116,78 +97,76 @@ def warns(
 
 NOT_MANAGED = Cause(
     'subscription_not_managed',
-    'A subscription hears messages in every state; rclpy manages publishers only.',
-    'Remember in on_activate() and on_deactivate() whether you are active, and look at it in the '
-    'callback.',
+    'A subscription receives messages in every state; rclpy manages only publishers.',
+    'Set a flag in on_activate(), clear it in on_deactivate(), and check it in the callback.',
 )
 JUDGED_LATER = Cause(
     'judged_later',
-    'What arrives while the node is inactive is kept, and warned about when it is active again.',
+    'Your node keeps what arrives while it is inactive, and warns when it is active again.',
     'Return from the callback at once while the node is not active, and keep nothing.',
 )
 STILL_REFUSES = Cause(
     'still_refuses',
     'on_configure() returns FAILURE for a limit above zero as well.',
-    "FAILURE only unless self.get_parameter('limit').value > 0.0, and no except around it that "
-    'hides another mistake.',
+    "Return FAILURE only if self.get_parameter('limit').value is not above 0.0, and remove an "
+    'except that hides other errors.',
 )
 TOLD_AGAIN = Cause(
     'repeated_log',
     'One refusal gives more than one ERROR line.',
-    'Say it once, in one line with the limit in it.',
+    'Log one line that contains the limit.',
 )
 NO_LIMIT = Cause(
     'no_value',
-    'There is an ERROR line, but the limit is not in it.',
+    'Your ERROR line does not contain the limit.',
     "Put it into the text: f'limit {limit} is not above zero'.",
 )
 SLIPS = (
     Slip(
         'never_warns',
-        'The pressure arrives while the node is active, and no warning follows.',
-        'Does on_activate() remember it, with self. in front? Is it value > self.limit?',
+        'The pressure arrives while the node is active, but your node logs no warning.',
+        'Does on_activate() set the flag with self. in front? Is the condition value > '
+        'self.limit?',
         warns(active=lambda one: False),
     ),
     Slip(
         'early_limit',
-        'A new value of the parameter counts before the node is configured again.',
-        'Compare with self.limit, and set that in on_configure() alone: neither judge() nor '
-        'on_activate() reads the parameter.',
-        warns(limit=lambda one: one.parameter),
+        'Your node uses the new value of the parameter before it is configured again.',
+        'Compare with self.limit, and set it only in on_configure(); do not read the parameter in '
+        'judge() or on_activate().',
+        warns(limit=lambda one: one.limits[one.phase in SET_AGAIN]),
     ),
     Slip(
         'stale_limit',
-        'The limit of the first configuration is still in use.',
+        'Your node still uses the limit of the first configuration.',
         'Read the parameter in on_configure(), each time.',
-        warns(limit=lambda one: one.first),
+        warns(limit=lambda one: one.limits[0]),
     ),
     Slip(
         'subscribed_twice',
-        'After the second configuration each warning comes twice.',
+        'After the second configuration, your node logs each warning twice.',
         'Create the subscription once, or destroy it in on_cleanup().',
         warns(times=lambda one: 2 if one.phase == 'again' else 1),
     ),
     Slip.of(NOT_MANAGED, warns(active=lambda one: True)),
     Slip(
         'active_too_early',
-        'It warns as soon as it is configured, before it is activated.',
+        'Your node warns after configure, before it is activated.',
         'Set the flag in on_activate(), and not in on_configure().',
         warns(active=lambda one: one.phase != 'paused'),
     ),
     Slip(
         'stays_active',
-        'It goes on warning after it was deactivated.',
+        'Your node still warns after it was deactivated.',
         'In on_deactivate(), set the flag to False.',
         warns(active=lambda one: one.phase != 'accepted'),
     ),
-    *(
-        Slip(
-            'limit_cut',
-            'The limit in use is not the one that was set: its decimals are cut off or rounded.',
-            "Take it as it is: self.limit = self.get_parameter('limit').value.",
-            warns(limit=lambda one, cut=cut: cut(one.limit)),  # type: ignore[misc]
-        )
-        for cut in (math.trunc, round)
+    Slip(
+        'limit_cut',
+        'Your node does not use the exact limit: it cuts off or rounds the decimals.',
+        "Use it unchanged: self.limit = self.get_parameter('limit').value.",
+        warns(limit=lambda one: math.trunc(one.limit)),
+        warns(limit=lambda one: round(one.limit)),
     ),
     *above_limit(warns, 'self.limit'),
     *with_memory(warns()),
@@ -198,13 +177,15 @@ def refuses_a_senseless_limit(run: Run) -> None:
     """Configuring fails, with FAILURE, while the limit is not above zero."""
     wanted = [{'success': False}] * len(run.facts['refused'])
     what = 'configure with a limit that is not above zero'
-    require_answers(run, CHANGE, wanted, what, 'refused', lambda place: why_accepted(run))
+    require_answers(
+        run, CHANGE, wanted, what, 'refused', lambda place: lifecycle.why_accepted(run)
+    )
     for event in run.recording.phase('refused').messages(EVENTS):
         if field_of(event, 'goal_state.label') == 'errorprocessing':
             raise Failed(
                 expected='FAILURE: back to unconfigured, ready for another try',
                 observed='an error: the node went to errorprocessing',
-                why=ERROR_NOT_FAILURE,
+                why=lifecycle.ERROR_NOT_FAILURE,
             )
     states = [{'current_state.label': 'unconfigured'}]
     require_answers(run, f'{NODE}/get_state', states, 'the question for its state', 'refused')
@@ -217,7 +198,7 @@ def tells_why(run: Run) -> None:
     if len(found) != len(refused) or not all(map(shows, found, refused)):
         raise Failed(
             expected=f'{len(refused)} refused, each with one ERROR line that shows the limit',
-            observed=f'{len(found) or "no"} ERROR line{"" if len(found) == 1 else "s"}',
+            observed=lines(len(found), ERROR),
             why=_why_untold(run, found, refused),
         )
 
@@ -225,23 +206,23 @@ def tells_why(run: Run) -> None:
 def _why_untold(run: Run, found: Sequence[str], refused: Sequence[float]) -> Cause | None:
     part = run.recording.phase('refused')
     if not all(field_of(one, 'results.0.successful') for one in part.answers(SETTING)):
-        return NO_PARAMETER
+        return lifecycle.NO_PARAMETER
     if not found:
-        return why_not_logged(run, part.logs(), ERROR) or SILENT_REFUSAL
+        return why_not_logged(run, part.logs(), ERROR) or lifecycle.SILENT_REFUSAL
     if len(found) != len(refused):
-        return SILENT_REFUSAL if len(found) < len(refused) else TOLD_AGAIN
+        return lifecycle.SILENT_REFUSAL if len(found) < len(refused) else TOLD_AGAIN
     if all(shows(text, refused[0]) for text in found):
-        return READ_ONCE
+        return lifecycle.READ_ONCE
     if all(map(shows, found[1:], refused[1:])) and numbers_in(found[0]):
-        return WRONG_DEFAULT
+        return lifecycle.WRONG_DEFAULT
     return NO_LIMIT
 
 
 def recovers(run: Run) -> None:
-    """With a sensible limit it configures and activates after all."""
+    """With a valid limit, it configures and activates."""
     taken, done = {'results.0.successful': True}, {'success': True}
     what = 'setting the parameter limit'
-    require_answers(run, SETTING, [taken], what, 'accepted', lambda place: NO_PARAMETER)
+    require_answers(run, SETTING, [taken], what, 'accepted', lambda place: lifecycle.NO_PARAMETER)
     why = _why_still_refused
     require_answers(run, CHANGE, [done], 'configure', 'accepted', lambda place: why(run))
     require_answers(run, CHANGE, [done], 'activate', 'active')
@@ -252,10 +233,10 @@ def _why_still_refused(run: Run) -> Cause:
     part = run.during('accepted')
     states = part.recording.messages(EVENTS)
     if any(field_of(one, 'goal_state.label') == 'errorprocessing' for one in states):
-        return why_refused(run, 'configure')
+        return lifecycle.why_refused(run, 'configure')
     told = own_logs(part, NODE, ERROR)
     again = any(shows(line['text'], *run.facts['refused']) for line in told)
-    return READ_ONCE if again else STILL_REFUSES
+    return lifecycle.READ_ONCE if again else STILL_REFUSES
 
 
 def warns_above_the_limit(run: Run) -> None:
@@ -264,10 +245,10 @@ def warns_above_the_limit(run: Run) -> None:
 
 
 def ignores_while_not_active(run: Run) -> None:
-    """Inactive, it warns of nothing, however high the pressure."""
+    """While inactive, it logs no warning, however high the pressure."""
     found = [line for phase in INACTIVE for line in own_logs(run.during(phase), NODE, WARN)]
     if found:
-        asked, came = run.facts['warnings'], warnings_after(_followed(run))
+        asked, came = run.asked('warnings'), warnings_after(_followed(run))
         quiet = [place for place, one in enumerate(asked.inputs) if not one.active]
         causes = (asked.cause(came, place, quiet) for place in asked.wrong(came, quiet)[:1])
         raise Failed(
@@ -286,7 +267,7 @@ def ignores_while_not_active(run: Run) -> None:
 
 
 def takes_the_new_limit(run: Run) -> None:
-    """Configured again, it watches the new limit, and not before."""
+    """It uses a new limit after it is configured again, and not earlier."""
     done = [{'success': True}] * 3
     require_answers(run, CHANGE, done[:2], 'activate and deactivate', 'still')
     _require_warnings(run, 'still')
@@ -305,7 +286,7 @@ def _require_warnings(run: Run, phase: str) -> None:
             observed='nobody listens',
             why=why_silent(run) or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
         )
-    asked, found = run.facts['warnings'], _followed(run)
+    asked, found = run.asked('warnings'), _followed(run)
     places = [place for place, one in enumerate(asked.inputs) if one.phase == phase]
     require_warnings(run, asked, found, places, places)
 
@@ -313,7 +294,7 @@ def _require_warnings(run: Run, phase: str) -> None:
 def _followed(run: Run) -> list[Row | None]:
     """Return the node's lines after each pressure, None where it was not sent."""
     found: list[Row | None] = []
-    for phase, pressures in groupby(run.facts['warnings'].inputs, lambda one: one.phase):
+    for phase, pressures in groupby(run.asked('warnings').inputs, lambda one: one.phase):
         part = run.during(phase)
         lines = own_logs(part, NODE)
         for _, sent in zip_longest(pressures, part.recording.of('input')):
@@ -338,24 +319,35 @@ def build(
         ``active`` under the first limit, ``still`` after the parameter was set, and ``again``
         under the second limit [bar]
     """
-    configure = transition(NODE, 'configure')
-    activate, deactivate = transition(NODE, 'activate'), transition(NODE, 'deactivate')
-    first, second = limits
-    feeds = {phase: _feed(values) for phase, values in pressures.items()}
-    steps: list[Step] = [Mark('refused')]
-    for number, limit in enumerate(refused):
-        if number:
-            steps.append(_limit(limit))
-        steps += [configure, Advance(ANSWER_S)]
-    steps += [state(NODE), Mark('accepted'), _limit(first), configure]
-    steps += [feeds['accepted']]
-    steps += [Mark('active'), activate, feeds['active']]
-    steps += [Mark('paused'), deactivate, feeds['paused']]
-    # A node may refuse to be set before the cleanup; then it is set after it.
-    steps += [Mark('still'), _limit(second), activate, feeds['still'], deactivate]
-    steps += [Mark('again'), transition(NODE, 'cleanup'), _limit(second), configure, activate]
-    steps += [feeds['again'], Mark('highest'), deactivate, transition(NODE, 'cleanup')]
-    steps += [_limit(highest), configure]
+    configure, activate = transition(NODE, 'configure'), transition(NODE, 'activate')
+    deactivate, cleanup = transition(NODE, 'deactivate'), transition(NODE, 'cleanup')
+    first, second, third, *others = (
+        set_parameter(NODE, 'limit', limit) for limit in (*limits, highest, *refused[1:])
+    )
+    feeds = {
+        phase: Feed(
+            TOPIC,
+            [{'data': value} for value in values],
+            optional=True,
+            every_s=ANSWER_S,
+            rest_s=0.0,
+        )
+        for phase, values in pressures.items()
+    }
+    refusals = [step for other in others for step in (other, configure, Advance(ANSWER_S))]
+    steps = (
+        *(Mark('refused'), configure, Advance(ANSWER_S), *refusals, state(NODE)),
+        *(Mark('accepted'), first, configure, feeds['accepted']),
+        *(Mark('active'), activate, feeds['active']),
+        *(Mark('paused'), deactivate, feeds['paused']),
+        # A node may refuse to be set before the cleanup; then it is set after it.
+        *(Mark('still'), second, activate, feeds['still'], deactivate),
+        *(Mark('again'), cleanup, second, configure, activate, feeds['again']),
+        *(Mark('highest'), deactivate, cleanup, third, configure),
+    )
+    inputs = [
+        Pressure(value, phase, limits) for phase, values in pressures.items() for value in values
+    ]
     exam = Exam(
         'managed_pressure',
         title='The managed pressure monitor',
@@ -370,25 +362,17 @@ def build(
         ),
         read='Part 3: When a transition goes wrong',
         facts={'refused': refused},
-        asks={'warnings': Specification(pressures_of(pressures, limits), warns(), SLIPS)},
+        asks={'warnings': Specification(inputs, warns(), SLIPS)},
     )
-    exam.check(points=1, read=EXERCISE)(node(NODE))
+    exam.check(points=1, read=EXERCISE)(node(NODE, only_named=True))
     exam.check(points=2, needs=['starts_its_node'])(refuses_a_senseless_limit)
     exam.check(points=1, needs=['refuses_a_senseless_limit'])(tells_why)
     exam.check(points=2, needs=['refuses_a_senseless_limit'])(recovers)
     exam.check(points=2, needs=['recovers'], read=EXERCISE)(warns_above_the_limit)
-    for judge in (ignores_while_not_active, takes_the_new_limit):
-        exam.check(points=1, needs=['warns_above_the_limit'], read=EXERCISE)(judge)
+    needs = ['warns_above_the_limit']
+    exam.check(points=1, needs=needs, read=EXERCISE)(ignores_while_not_active)
+    exam.check(points=1, needs=needs, read=EXERCISE)(takes_the_new_limit)
     return exam
-
-
-def _limit(value: float) -> Call:
-    return set_parameter(NODE, 'limit', value)
-
-
-def _feed(pressures: Sequence[float]) -> Feed:
-    messages = [{'data': value} for value in pressures]
-    return Feed(TOPIC, messages, optional=True, every_s=ANSWER_S, rest_s=0.0)
 
 
 exam = build(

@@ -20,7 +20,7 @@ from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import SECOND
 from autograder.judging.claims import node, offers
-from autograder.judging.rows import Row, rows
+from autograder.judging.rows import endpoints_at, rows, seconds_after_join
 from autograder.recording import Event
 from autograder.submission.code.learners_code import Code
 
@@ -30,14 +30,15 @@ HISTORY = Qos(durability='TRANSIENT_LOCAL', depth=50)
 LISTEN_S = 2.0  # for each listener, in which a timer would publish again
 FIRST_S = 0.2  # the first map is there before anybody comes, and arrives at once [s]
 REST_S = 5.0  # after the last survey, likewise
+EXERCISE = 'Exercise 1: a map server'
 LATCH = Cause(
     'not_latched',
-    'The publisher keeps nothing for those who come later.',
+    'The publisher keeps no map for late subscriptions.',
     'Give its profile durability=DurabilityPolicy.TRANSIENT_LOCAL.',
 )
 BEST_EFFORT = Cause(
     'best_effort',
-    'The publisher offers best effort, so nobody who needs every map is connected to it.',
+    'The publisher offers best effort, so reliable subscriptions do not connect to it.',
     'Give its profile reliability=ReliabilityPolicy.RELIABLE.',
 )
 ASKS_TOO_MUCH = Cause(
@@ -51,17 +52,44 @@ PUBLISHER_GONE = Cause(
     'Your program destroys a publisher, and what it keeps for late subscriptions goes with it.',
     'Create one publisher in __init__, and publish every map with it.',
 )
-REPEATS = Cause('repeats', 'Maps are published more than once.', 'Publish once per survey.')
+FIRST_LATE = Cause(
+    'first_map_late',
+    'The first map is published some time after the start.',
+    'Publish it at the end of __init__, and not in a timer.',
+)
+FIRST_AGAIN = Cause(
+    'repeats',
+    'The first map is published again after the surveys, so it is the newest one.',
+    'Publish it once, at the end of __init__, and not in a timer.',
+)
+FIRST_REPEATS = Cause(
+    'repeats',
+    'The first map is published again and again.',
+    'Publish it once, at the end of __init__; transient local does the rest.',
+)
+NO_FIRST = Cause(
+    'no_first_map',
+    'No map was published before the first survey.',
+    f'Publish String(data={FIRST!r}) at the end of __init__.',
+)
+LIFESPAN = Cause(
+    'lifespan',
+    'The profile has a lifespan, after which the map expires.',
+    'Leave lifespan out.',
+)
+REPEATS = Cause(
+    'repeats', 'Your node publishes each map more than once.', 'Publish once a survey.'
+)
 TEXT_CHANGED = Cause(
     'text_changed',
-    'A text comes with other letters or spaces than its survey, and both count.',
+    'Your map differs from its survey in upper and lower case or in spaces, and both matter.',
     'Publish String(data=survey.data) as it is, without strip(), lower() or upper().',
 )
 Maps = tuple[str, ...]
 """What is published after one survey."""
 
 
-def passed_on(change: Callable[[str], str] = lambda text: text, times: int = 1) -> Rule:
+def passed_on(change: Callable[[str], str] = str, times: int = 1) -> Rule:
     """Return the rule of a server that publishes each survey, by default once and unchanged."""
     return each(lambda text: (change(text),) * times)
 
@@ -71,37 +99,30 @@ SLIPS = (
     Slip.of(REPEATS, passed_on(times=2)),
     Slip(
         'one_behind',
-        'Each survey is published only when the next one comes.',
-        'Publish the survey that has come: String(data=survey.data).',
+        'Your node publishes each survey only when the next one arrives.',
+        'Publish the survey that has just arrived: String(data=survey.data).',
         lambda texts: [(), *((text,) for text in texts[:-1])],
     ),
     Slip(
         'text_cut',
-        'A long text is cut off.',
+        'Your node cuts off a long text.',
         'Publish String(data=survey.data) as it is, however long.',
         passed_on(lambda text: text[:100]),
     ),
-    *(
-        Slip.of(TEXT_CHANGED, passed_on(change))
-        for change in (str.strip, str.lower, str.upper, str.title)
+    Slip.of(
+        TEXT_CHANGED, *(passed_on(one) for one in (str.strip, str.lower, str.upper, str.title))
     ),
 )
-AGAIN = 'again and again'
-FIRST_AGAIN = Cause(
-    'repeats',
-    'The first map is published again after the surveys, so it is the newest one.',
-    'Publish it once, at the end of __init__, and not in a timer.',
-)
-EXERCISE = 'Exercise 1: a map server'
 
 
-def maps_of(run: Run, listener: str | None = None) -> list[str]:
-    """Return the maps that one listener heard, in order; None is content with any offer."""
-    return [
-        str(event['data']['data'])
-        for event in run.recording.messages('/map', listener)
-        if 'data' in event
-    ]
+def texts_of(events: Sequence[Event]) -> Maps:
+    """Return the texts of messages that were recorded, in order."""
+    return tuple(str(event['data']['data']) for event in events if 'data' in event)
+
+
+def maps_of(run: Run, listener: str) -> Maps:
+    """Return the maps that one listener heard, in order."""
+    return texts_of(run.recording.messages('/map', listener))
 
 
 def new_maps(run: Run) -> list[Maps | None]:
@@ -109,89 +130,61 @@ def new_maps(run: Run) -> list[Maps | None]:
     Return the maps that came after each survey, without the first one.
 
     A publisher that was made a moment ago is not yet connected to our volatile listener, and the
-    early one, for which it keeps its map, hears it all the same.
+    early one, for which it keeps its map, receives it.
     """
-    count, burst = len(asked(run).inputs), asked(run).burst
     heard = [
-        rows(run, run.recording.messages('/map', one), count, burst) for one in (None, 'early')
+        [
+            row if row is None else tuple(text for text in texts_of(row) if text != FIRST)
+            for row in rows(run, 'maps', run.recording.messages('/map', listener))
+        ]
+        for listener in (None, 'early')
     ]
-    return [row if row is None else _texts(row) for row in max(heard, key=_how_many)]
+    return max(heard, key=lambda found: sum(len(row or ()) for row in found))
 
 
 def compared(run: Run) -> list[Maps | None]:
     """Return the same in the order of a specification: threads may answer a burst in any order."""
     *singles, last = new_maps(run)
-    return [*singles, in_order(last) if last and asked(run).burst else last]
-
-
-def _how_many(found: Sequence[Row | None]) -> int:
-    return sum(len(_texts(row or ())) for row in found)
-
-
-def _texts(row: Sequence[Event]) -> Maps:
-    texts = (str(event['data']['data']) for event in row if 'data' in event)
-    return tuple(text for text in texts if text != FIRST)
-
-
-def asked(run: Run) -> Specification:
-    """Return what is due after each survey."""
-    found: Specification = run.facts['maps']
-    return found
-
-
-def publishers_of_maps(run: Run) -> int:
-    """Return how many publishers on map there were at a time."""
-    counts = [
-        sum((end['kind'], end['topic']) == ('publisher', '/map') for end in graph['endpoints'])
-        for graph in run.recording.of('graph')
-    ]
-    return max(counts, default=0)
+    return [*singles, in_order(last) if last and run.asked('maps').burst else last]
 
 
 def has_a_map_from_the_start(run: Run) -> None:
-    """Who comes before the first survey gets the map unknown, once and at once."""
+    """A subscription before the first survey gets the map unknown, once and at once."""
     found = maps_of(run, 'early')
-    if found[:1] != [FIRST] or found.count(FIRST) != 1:
+    before = [text for text in found if text not in run.asked('maps').inputs]
+    if found[:1] != (FIRST,) or found.count(FIRST) != 1:
         raise Failed(
             expected=f'one map, {FIRST!r}, before any survey',
-            observed=_shown(run, [text for text in found if text not in asked(run).inputs]),
-            why=_why_no_first_map(run, found),
+            observed=_shown(run, before),
+            why=_why_no_first_map(run, found, before),
         )
-    joined = run.recording.of('joined', listener='early')[0]
-    late_s = (run.recording.messages('/map', 'early')[0]['clock_ns'] - joined['clock_ns']) / SECOND
+    late_s = seconds_after_join(run, '/map', 'early')
     if late_s > FIRST_S:
         raise Failed(
             expected=f'the map {FIRST!r} as soon as the node exists',
-            observed=f'it comes {late_s:.2g} s after a listener',
-            why=Cause(
-                'first_map_late',
-                'The first map is published some time after the start.',
-                'Publish it at the end of __init__, and not in a timer.',
-            ),
+            observed=f'it arrives {late_s:.2g} s after a subscription has connected',
+            why=FIRST_LATE,
         )
 
 
-def _why_no_first_map(run: Run, found: Sequence[str]) -> Cause | None:
+def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> Cause | None:
+    """
+    Explain what comes first.
+
+    :param before: what was found and is not the text of a survey
+    """
     if why := why_silent(run) or _why_unmatched(run, 'early'):
         return why
     if found.count(FIRST) > 1:
-        return Cause(
-            'repeats',
-            'The first map is published again and again.',
-            'Publish it once, at the end of __init__; transient local does the rest.',
-        )
+        return FIRST_REPEATS
     if FIRST not in found and 'destroy_publisher' in Code(run.files).calls:
         return PUBLISHER_GONE
-    before = [text for text in found if text not in asked(run).inputs]
-    if before and before[0].strip().lower() == FIRST:
-        return Cause('wrong_text', 'Upper and lower case and spaces count.', f'Write {FIRST!r}.')
-    if before:
-        return Cause('wrong_text', 'The first map has another text.', f'Write {FIRST!r}.')
-    return Cause(
-        'no_first_map',
-        'No map was published before the first survey.',
-        f'Publish String(data={FIRST!r}) at the end of __init__.',
-    )
+    if not before:
+        return NO_FIRST
+    near = before[0].strip().lower() == FIRST
+    matters = 'Upper and lower case and spaces matter.'
+    slip = matters if near else 'The first map has a different text.'
+    return Cause('wrong_text', slip, f'Write {FIRST!r}.')
 
 
 def _why_unmatched(run: Run, listener: str) -> Cause | None:
@@ -209,12 +202,12 @@ def _why_unmatched(run: Run, listener: str) -> Cause | None:
 
 def publishes_each_survey(run: Run) -> None:
     """Each survey becomes the new map, unchanged and once."""
-    surveys, found = asked(run).inputs, compared(run)
-    if None in found or asked(run).wrong(found):
+    asked, found = run.asked('maps'), compared(run)
+    if None in found or asked.wrong(found):
         raise Failed(
             expected='a map for each survey, in their order'
             if run.secret
-            else f'the maps {_shown(run, surveys)} after the surveys of the same texts',
+            else f'the maps {_shown(run, asked.inputs)} after the surveys of the same texts',
             observed=_shown(run, _in_order(run)),
             why=_why_other_maps(run),
         )
@@ -226,25 +219,21 @@ def _in_order(run: Run) -> list[str]:
 
 
 def _why_other_maps(run: Run) -> Cause | None:
-    if why := why_silent(run):
+    asked, found = run.asked('maps'), compared(run)
+    if why := why_silent(run) or _why_unconnected(run, any(found)):
         return why
-    if run.recording.of('not_connected'):
-        return _why_unreached(run)
-    found = compared(run)
-    if not any(found) and not run.recording.endpoints('publisher', '/map'):
-        return why_no_endpoint(run, 'publisher', '/map', TYPE)
-    surveys = asked(run).inputs
-    if slip := next((asked(run).cause(found, place) for place in asked(run).wrong(found)), None):
+    if slip := next((asked.cause(found, place) for place in asked.wrong(found)), None):
         return slip
-    others = [text for text in _in_order(run) if text not in surveys]
-    if others and _bare(others[0]) in map(_bare, surveys):
+    others = [text for text in _in_order(run) if text not in asked.inputs]
+    if others and _bare(others[0]) in map(_bare, asked.inputs):
         return TEXT_CHANGED
     if others:
-        text = f'{own_words(run, others[0][:40], "What is published")} is no text of a survey.'
+        said = own_words(run, others[0][:40], 'What is published')
+        text = f'{said} is not the text of a survey.'
         return Cause('wrong_text', text, 'Publish String(data=survey.data), unchanged.')
-    if any(len(row or ()) > len(asked(run).row(place)) for place, row in enumerate(found)):
+    if any(len(row or ()) > len(asked.row(place)) for place, row in enumerate(found)):
         return REPEATS
-    return MISSES_SOME if len(found[-1] or ()) < asked(run).burst else None
+    return MISSES_SOME if len(found[-1] or ()) < asked.burst else None
 
 
 def _bare(text: str) -> str:
@@ -252,80 +241,81 @@ def _bare(text: str) -> str:
     return ''.join(text.split()).lower()
 
 
-def _why_unreached(run: Run) -> Cause:
-    ends = run.recording.endpoints('subscription', '/survey')
-    if any(end['type'] == TYPE for end in ends):
-        return ASKS_TOO_MUCH
-    return why_no_endpoint(run, 'subscription', '/survey', TYPE)
+def _why_unconnected(run: Run, answered: bool) -> Cause | None:
+    """Explain a subscription that no survey reaches, or maps that have no publisher."""
+    if run.recording.of('not_connected'):
+        ends = run.recording.endpoints('subscription', '/survey')
+        if any(end['type'] == TYPE for end in ends):
+            return ASKS_TOO_MUCH
+        return why_no_endpoint(run, 'subscription', '/survey', TYPE)
+    if answered or run.recording.endpoints('publisher', '/map'):
+        return None
+    return why_no_endpoint(run, 'publisher', '/map', TYPE)
 
 
 def keeps_only_the_newest(run: Run) -> None:
-    """Who comes after the surveys gets the newest map at once, and no older one."""
-    ends = run.recording.endpoints('publisher', '/map')
-    expiring = [end['qos']['lifespan_ns'] for end in ends if end['qos']['lifespan_ns']]
-    if expiring:
+    """A subscription after the surveys gets the newest map at once, and no older one."""
+    lifespans = [end['qos']['lifespan_ns'] for end in run.recording.endpoints('publisher', '/map')]
+    if any(lifespans):
         raise Failed(
-            expected='a newest map for who comes late, however late',
-            observed=f'maps that expire after {expiring[0] / SECOND:g} s',
-            why=Cause(
-                'lifespan',
-                'The profile has a lifespan: later than that, nothing is kept for anybody.',
-                'Leave lifespan out.',
-            ),
+            expected='the newest map for a late subscription, however late',
+            observed=f'maps that expire after {next(filter(None, lifespans)) / SECOND:g} s',
+            why=LIFESPAN,
         )
-    # Of its own maps: what they say is another check's business.
-    newest = [*asked(run).inputs, *_in_order(run)][-1]
+    # Look only at the student's own maps; a different check tests their text.
+    surveys, own = run.asked('maps').inputs, _in_order(run)
+    newest = [*surveys, *own][-1]
     # What several publishers keep arrives in any order.
-    order = {text: place for place, text in enumerate((FIRST, *asked(run).inputs))}
+    order = {text: place for place, text in enumerate((FIRST, *surveys))}
     found = sorted(maps_of(run, 'late'), key=lambda text: (order.get(text, len(order)), text))
     if set(found) != {newest}:
         raise Failed(
-            expected=f'the newest map, {_named(run, newest)}, and nothing else, '
-            'for who comes late',
+            expected=f'the newest map, {_named(run, newest)}, and nothing else, for a late '
+            'subscription',
             observed=_shown(run, found),
             why=why_silent(run)
             or _why_unmatched(run, 'late')
-            or _why_many(run, found)
-            or (FIRST_AGAIN if set(found) == {FIRST} and _in_order(run) else None)
+            or _why_many(run, len(set(found)))
+            or (FIRST_AGAIN if set(found) == {FIRST} and own else None)
             or _why_other_maps(run),
         )
 
 
-def _why_many(run: Run, found: Sequence[str]) -> Cause | None:
-    """Explain more than one map for who comes late."""
-    kept = len(set(found))
+def _why_many(run: Run, kept: int) -> Cause | None:
+    """Explain why a late subscription gets more than one map."""
     if kept < 2:
         return None
-    publishers = publishers_of_maps(run)
+    looks = (graph['when'] for graph in run.recording.of('graph'))
+    publishers = max(len(endpoints_at(run, when, 'publisher', '/map')) for when in looks)
     if publishers > 1:
         return Cause(
             'several_publishers',
-            f'There are {publishers} publishers on map, and each keeps a map of its own.',
+            f'There are {publishers} publishers on map, and each keeps its own map.',
             'Create one publisher in __init__, and publish with it in the callback.',
         )
     return Cause(
         'keeps_too_many',
-        f'The publisher keeps {kept} maps or more for those who come late.',
+        f'The publisher keeps {kept} maps or more for late subscriptions.',
         'Give its profile depth=1: keep the last one.',
     )
 
 
 def _named(run: Run, text: str) -> str:
     """Name a map: by its text, or where the surveys are secret by the number of its survey."""
-    surveys = asked(run).inputs
+    surveys = run.asked('maps').inputs
     if run.secret and text in surveys:
         return f'survey {list(dict.fromkeys(surveys)).index(text) + 1}'
     return repr(text) if text == FIRST else own_words(run, text[:40], 'another text')
 
 
 def _shown(run: Run, texts: Sequence[str]) -> str:
-    surveys = asked(run).inputs
+    """Return maps for a sentence; which survey comes twice is secret."""
+    surveys = run.asked('maps').inputs
     shown = []
     for text, same in groupby(texts):
         count = len(list(same))
-        # Which survey comes twice is secret.
         many = count > 2 or text not in surveys or len(texts) > len(surveys)
-        often = AGAIN if many else '' if run.secret else 'twice'
+        often = 'again and again' if many else '' if run.secret else 'twice'
         shown.append(f'{_named(run, text)} {often if count > 1 else ""}'.rstrip())
     return ', '.join(shown[:6]) or 'no map'
 
@@ -361,6 +351,7 @@ def build(surveys: Sequence[str], burst: int = 0) -> Exam:
         read='Part 4: Those who come late',
         asks={'maps': Specification(surveys, passed_on(), SLIPS, burst)},
     )
+    needs = ['starts_its_node']
     exam.check(points=1, read=EXERCISE)(node('/map_server', only_named=True))
     exam.check(points=2)(
         offers(
@@ -372,12 +363,9 @@ def build(surveys: Sequence[str], burst: int = 0) -> Exam:
             durability='TRANSIENT_LOCAL',
         )
     )
-    for points, judge, read in (
-        (2, has_a_map_from_the_start, ''),
-        (2, publishes_each_survey, EXERCISE),
-        (3, keeps_only_the_newest, ''),
-    ):
-        exam.check(points=points, needs=['starts_its_node'], read=read)(judge)
+    exam.check(points=2, needs=needs)(has_a_map_from_the_start)
+    exam.check(points=2, needs=needs, read=EXERCISE)(publishes_each_survey)
+    exam.check(points=3, needs=needs)(keeps_only_the_newest)
     return exam
 
 

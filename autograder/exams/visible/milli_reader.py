@@ -15,13 +15,13 @@ import math
 from typing import Any
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Feed, RosClock, Scenario, Step
+from autograder.exam.scenario import Advance, feeds, RosClock, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import require_field
-from autograder.judging.claims import node, passes
-from autograder.judging.rows import published, require_one_for_one, rows, shown_values
+from autograder.judging.claims import node, one_for_one, passes
+from autograder.judging.rows import published, rows, shown_values
 from autograder.judging.stamps import require_stamps
 
 NODE = '/milli_reader'
@@ -35,13 +35,8 @@ EXERCISE = 'Exercise 4.2: from one type to another'
 
 ROUNDED = Cause(
     'rounded',
-    'The fraction is not right: the value is rounded, or put together from digits.',
-    'Divide, and neither round nor format: number.num / 1000.0.',
-)
-WHOLE = Cause(
-    'whole_numbers',
-    'The fraction is lost: //, int() and round() give whole numbers.',
-    'Divide with / and a float, and leave it so: number.num / 1000.0.',
+    'The fraction is wrong: your code rounds the value, or assembles it from digits.',
+    'Divide without rounding or formatting: number.num / 1000.0.',
 )
 
 
@@ -63,7 +58,7 @@ SLIPS = (
     *leaving_out(converting(), lambda one: one.num),
     Slip(
         'out_of_range',
-        'A number that is no usual temperature is not answered.',
+        'Your node does not answer a number that is not a usual temperature.',
         'Publish for each number, however large or small it is.',
         each(lambda one: (one.num / 1000,) if -40 <= one.num / 1000 <= 125 else ()),
     ),
@@ -73,12 +68,17 @@ SLIPS = (
         'Leave out abs().',
         converting(lambda number: abs(number) / 1000),
     ),
-    Slip.of(WHOLE, converting(lambda number: float(number // 1000))),
-    Slip.of(WHOLE, converting(lambda number: float(int(number / 1000)))),
-    Slip.of(WHOLE, converting(lambda number: float(round(number / 1000)))),
+    Slip(
+        'whole_numbers',
+        'The fraction is lost: //, int() and round() give whole numbers.',
+        'Divide by a float with /, and do not convert the result: number.num / 1000.0.',
+        converting(lambda number: float(number // 1000)),
+        converting(lambda number: float(int(number / 1000))),
+        converting(lambda number: float(round(number / 1000))),
+    ),
     Slip(
         'not_divided',
-        'The number is passed on as it came.',
+        'Your node passes the number on unchanged.',
         'Divide it by 1000.0.',
         converting(float),
     ),
@@ -95,21 +95,22 @@ SLIPS = (
         'Assign a float: number.num / 1000.0.',
         converting(lambda number: math.nan if number < 0 else 0.0),
     ),
-    *(
-        Slip.of(ROUNDED, converting(lambda number, digits=digits: round(number / 1000, digits)))  # type: ignore[misc]
-        for digits in (1, 2)
+    Slip.of(
+        ROUNDED,
+        converting(lambda number: round(number / 1000, 1)),
+        converting(lambda number: round(number / 1000, 2)),
     ),
 )
 
 
 OTHER_NAME = Cause(
     'sensor_id',
-    'sensor_id is something else than the description that arrived.',
+    'sensor_id differs from the received description.',
     'Set reading.sensor_id = number.description.',
 )
 FILLS_EMPTY = Cause(
     'fills_empty',
-    'An empty description becomes another text, and it should stay empty.',
+    'Your code replaces an empty description, which should stay empty.',
     'Set reading.sensor_id = number.description, whatever is in it.',
 )
 NAME_SLIPS = (
@@ -122,15 +123,9 @@ NAME_SLIPS = (
 )
 
 
-def answers_one_for_one(run: Run) -> None:
-    """For each number it publishes exactly one reading."""
-    found = published(run, 'values', TARGET, 'temperature_value')
-    require_one_for_one(run, run.facts['values'], TARGET, found)
-
-
 def divides_by_a_thousand(run: Run) -> None:
     """temperature_value is the number divided by 1000, as a float."""
-    asked: Specification = run.facts['values']
+    asked = run.asked('values')
     came = published(run, 'values', TARGET, 'temperature_value')
     for place in asked.wrong(came)[:1]:
         raise Failed(
@@ -153,13 +148,14 @@ def _why_near(asked: Specification, came: Sequence[tuple[Any, ...] | None]) -> C
         return Cause(
             'wrong_factor',
             f'The number is divided by {factors.pop()}.',
-            'A thousand thousandths are one: divide by 1000.0.',
+            'Divide by 1000.0.',
         )
     if all(abs(value - due) < 1e-9 for value, due in pairs if due >= 0):
         return Cause(
             'wrong_below_zero',
-            'Numbers above zero are right, and those below zero are not.',
-            'Divide as a whole: number.num / 1000.0. int(), // and % do not fit together there.',
+            'Results are right for numbers above zero, but wrong below zero.',
+            'Divide as a whole: number.num / 1000.0. int(), // and % treat negative numbers '
+            'differently.',
         )
     return ROUNDED if all(abs(value - due) < 2 for value, due in pairs) else None
 
@@ -167,7 +163,7 @@ def _why_near(asked: Specification, came: Sequence[tuple[Any, ...] | None]) -> C
 def names_unit_and_sensor(run: Run) -> None:
     """The unit is Celsius, and the sensor is the description of the number."""
     require_field(run, run.recording.messages(TARGET), 'unit', 'Celsius')
-    asked: Specification = run.facts['names']
+    asked = run.asked('names')
     came = published(run, 'names', TARGET, 'sensor_id')
     wrong = asked.wrong(came)
     for place in wrong[:1]:
@@ -182,8 +178,7 @@ def names_unit_and_sensor(run: Run) -> None:
 
 def stamps_with_its_own_clock(run: Run) -> None:
     """The timestamp is the time of the node's own clock when the number arrives."""
-    asked: Specification = run.facts['values']
-    found = rows(run, run.recording.messages(TARGET), len(asked.inputs), asked.burst)
+    found = rows(run, 'values', run.recording.messages(TARGET))
     sent = [one['clock_ns'] for one in run.recording.of('input')]
     pairs = ((one, at) for row, at in zip(found, sent) for one in row or () if 'data' in one)
     require_stamps(run, pairs, CLOCK)
@@ -202,10 +197,7 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
         Num(number, name, [1.5] * (place % 3))
         for place, (number, name) in enumerate(zip(numbers, names, strict=True))
     ]
-    sent, singles = [asdict(one) for one in inputs], len(inputs) - burst
-    steps: list[Step] = [Advance(2.0), Feed(SOURCE, sent[:singles], every_s=EVERY_S)]
-    if burst:
-        steps.append(Feed(SOURCE, sent[singles:], burst=True, every_s=EVERY_S))
+    sent = [asdict(one) for one in inputs]
     naming = each(lambda one: (one.description,))
     exam = Exam(
         'milli_reader',
@@ -216,7 +208,7 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
             file='milli_reader.py',
             watch={TARGET: TARGET_TYPE},
             feed={SOURCE: SOURCE_TYPE},
-            steps=tuple(steps),
+            steps=(Advance(2.0), *feeds(SOURCE, sent, burst, every_s=EVERY_S)),
             ros_clock=CLOCK,
         ),
         read='Part 5: The choice',
@@ -229,13 +221,18 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
     exam.check(
         points=1, needs=['starts_its_node'], read='lesson 03, Part 1: Speaking and listening'
     )(passes((SOURCE, SOURCE_TYPE), (TARGET, TARGET_TYPE), 'hears_and_publishes'))
-    exam.check(points=2, needs=['hears_and_publishes'], read=EXERCISE)(answers_one_for_one)
-    for points, judge, read in (
-        (2, divides_by_a_thousand, EXERCISE),
-        (2, names_unit_and_sensor, EXERCISE),
-        (2, stamps_with_its_own_clock, 'Part 4: Time'),
-    ):
-        exam.check(points=points, needs=['answers_one_for_one'], read=read)(judge)
+    exam.check(points=2, needs=['hears_and_publishes'], read=EXERCISE)(
+        one_for_one(
+            'values',
+            TARGET,
+            'answers_one_for_one',
+            'For each number it publishes exactly one reading.',
+        )
+    )
+    needs = ['answers_one_for_one']
+    exam.check(points=2, needs=needs, read=EXERCISE)(divides_by_a_thousand)
+    exam.check(points=2, needs=needs, read=EXERCISE)(names_unit_and_sensor)
+    exam.check(points=2, needs=needs, read='Part 4: Time')(stamps_with_its_own_clock)
     return exam
 
 

@@ -15,7 +15,8 @@ from autograder.exam.scenario import Advance, Mark, Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.exams.visible.harbour import WATCH, watched_lines
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
-from autograder.judging.checks import own_logs, require_node, SECOND
+from autograder.judging.checks import own_logs, SECOND
+from autograder.judging.claims import node
 from autograder.judging.numbers import whole_numbers_in, why_not_numbered
 from autograder.judging.rhythm import GRAIN_S, require_period
 from autograder.recording import Event, INFO, LEVELS, WARN
@@ -23,6 +24,8 @@ from autograder.results import shortened
 
 EVERY = 5
 EXERCISE = 'Exercise 2: the night watch'
+WARN_IF = 'Warn if number % 5 == 0'
+COUNT_FIRST = 'Increase the number first, then check it.'
 Levels = tuple[int, ...]
 """Levels of the lines of one watch; one line is due."""
 
@@ -34,11 +37,6 @@ def fifths(
     return each(lambda number: warned if number % every == rest else other)
 
 
-def once(numbers: Sequence[int]) -> list[Levels]:
-    """Warn of the fifth watch, and of none after it."""
-    return [(WARN,) if number == EVERY else (INFO,) for number in numbers]
-
-
 def late(numbers: Sequence[int]) -> list[Levels]:
     """Warn one watch late, but not in the first one."""
     return [(WARN,) if number % EVERY == 1 < number else (INFO,) for number in numbers]
@@ -46,39 +44,29 @@ def late(numbers: Sequence[int]) -> list[Levels]:
 
 ONLY_FIFTHS = Slip(
     'only_fifths',
-    'Every fifth watch is logged, and the others are not.',
+    'Your node logs every fifth watch, but not the others.',
     'Use if and else: a WARN for the fifth, self.get_logger().info(...) for the others.',
     # The first line is where the watch begins, so it is in the first second.
     fifths(rest=1, other=()),
 )
 FIFTH_MISSING = Slip(
     'fifth_missing',
-    'A fifth watch is not logged at all.',
-    'Use if and else: one line a watch, also for the fifth.',
+    'Your node does not log every fifth watch.',
+    'Use if and else: one line per watch, including every fifth.',
     fifths(warned=()),
-)
-ONE_LATE = Cause(
-    'warns_one_late',
-    'The warning comes one watch late: number % 5 is looked at with a number that is one behind.',
-    'Count first, then decide.',
-)
-WARNINGS_STOP = Cause(
-    'warnings_stop',
-    'The first warnings are right, and a later one is missing.',
-    'Warn if number % 5 == 0, and do not list the numbers.',
 )
 SLIPS = (
     ONLY_FIFTHS,
     FIFTH_MISSING,
     Slip(
         'both_levels',
-        'A fifth watch is logged twice.',
-        'Use if and else: one line a watch, either INFO or WARN.',
+        'Your node logs every fifth watch twice.',
+        'Use if and else: one line per watch, either INFO or WARN.',
         fifths(warned=(INFO, WARN)),
     ),
     Slip(
         'no_warning',
-        'A fifth watch is logged like any other.',
+        'Your node logs every fifth watch at the same level as the others.',
         'If number % 5 == 0, use self.get_logger().warning(...).',
         fifths(warned=(INFO,)),
     ),
@@ -86,41 +74,61 @@ SLIPS = (
         'inverted',
         'INFO and WARN have changed places: number % 5 is 0 for every fifth, and 0 counts as '
         'false.',
-        'Warn if number % 5 == 0.',
+        f'{WARN_IF}.',
         fifths(warned=(INFO,), other=(WARN,)),
     ),
     Slip(
         'warns_one_early',
-        'The warning comes one watch early: the number is looked at before it is counted, or '
-        'one is added for the text alone.',
-        'Count first, then decide.',
+        'The warning is one watch early: your code checks the number before it increases it, or '
+        'adds one only in the text.',
+        COUNT_FIRST,
         fifths(rest=EVERY - 1),
     ),
-    Slip.of(ONE_LATE, fifths(rest=1)),
-    Slip.of(ONE_LATE, late),
+    Slip(
+        'warns_one_late',
+        'The warning is one watch late: number % 5 uses the number before it is increased.',
+        COUNT_FIRST,
+        fifths(rest=1),
+        late,
+    ),
     Slip(
         'warns_once',
-        'The fifth watch is a warning, the tenth is not.',
-        'Warn if number % 5 == 0: that holds for 5, 10, 15 and so on.',
-        once,
+        'Your node warns at watch 5, but not at watch 10.',
+        f'{WARN_IF}: that holds for 5, 10, 15 and so on.',
+        each(lambda number: (WARN,) if number == EVERY else (INFO,)),
     ),
     *(
         Slip(
             'warns_otherwise',
             f'Watch {every} is a warning, and so is each of its multiples.'
             if every > 1
-            else 'Every watch is a warning.',
-            'Warn if number % 5 == 0, and log an INFO line below else.',
+            else 'Your node logs every watch as a warning.',
+            f'{WARN_IF}, and log an INFO line below else.',
             fifths(every),
         )
         for every in (1, 2, 3, 4, 6, 10)
     ),
     Slip(
         'ends_in_five',
-        '5 and 15 are warnings, 10 and 20 are not: the last digit is compared.',
-        'Warn if number % 5 == 0: that holds for 5, 10, 15 and so on.',
+        'Your node warns at 5 and 15, but not at 10 and 20: it compares the last digit.',
+        f'{WARN_IF}: that holds for 5, 10, 15 and so on.',
         fifths(10, rest=5),
     ),
+)
+WARNINGS_STOP = Cause(
+    'warnings_stop',
+    'The first warnings are right, and a later one is missing.',
+    f'{WARN_IF}, and do not list the numbers.',
+)
+FOLLOWS_NUMBER = Cause(
+    'follows_number',
+    'The level fits the number in the line, but the number is not that of the watch.',
+    'Fix the count first.',
+)
+WRONG_LEVEL = Cause(
+    'wrong_level',
+    'Your node logs a watch at a level other than INFO or WARN.',
+    'Use self.get_logger().warning(...) for every fifth, info(...) for the others.',
 )
 
 
@@ -155,11 +163,6 @@ def levels_by_second(found: Sequence[Event]) -> list[Levels]:
     return [tuple(sorted(rows.get(place, ()))) for place in range(max(rows, default=-1) + 1)]
 
 
-def starts_in_the_namespace(run: Run) -> None:
-    """Your node is called night_watch, and its namespace is the one chosen at its start."""
-    require_node(run, node_of(run), only_named=True)
-
-
 def reports_every_second(run: Run) -> None:
     """It logs one line a second, with its own logger."""
     found = reports(run)
@@ -179,7 +182,7 @@ def _why_not_every_second(run: Run, found: Sequence[Event]) -> Cause | None:
 
 def _why_other_lines(run: Run) -> Cause | None:
     """Explain seconds with the wrong line, with several lines, or with none."""
-    asked: Specification = run.facts['levels']
+    asked = run.asked('levels')
     rows = levels_by_second(watches(run))[: len(asked.inputs)]
     slip = next((asked.cause(rows, place) for place in asked.wrong(rows)[:1]), None)
     if slip is ONLY_FIFTHS:
@@ -211,14 +214,13 @@ def lines_are_numbered(run: Run) -> None:
 
 def _why_shifted(run: Run) -> Cause | None:
     """Explain watches with two lines or with none, which shift all that follow."""
-    why = _why_other_lines(run)
     one_line = all(len(row) == 1 for row in levels_by_second(watches(run)))
-    return None if one_line else why
+    return None if one_line else _why_other_lines(run)
 
 
 def every_fifth_is_a_warning(run: Run) -> None:
     """Every fifth line is a WARN, all others are INFO."""
-    found, asked = _enough(run), run.facts['levels']
+    found, asked = _enough(run), run.asked('levels')
     came = [(entry['level'],) for entry in found[: len(asked.inputs)]]
     for place in asked.wrong(came)[:1]:
         level = found[place]['level']
@@ -233,29 +235,22 @@ def _why_level(
     asked: Specification, found: Sequence[Event], came: Sequence[Levels], place: int
 ) -> Cause | None:
     numbers = [whole_numbers_in(entry['text']) for entry in found]
-    if any(place + 1 not in one for place, one in enumerate(numbers)) and all(
+    miscounted = any(place + 1 not in one for place, one in enumerate(numbers))
+    if miscounted and all(
         (entry['level'] == WARN) == any(number % EVERY == 0 for number in seen)
         for entry, seen in zip(found, numbers)
     ):
-        return Cause(
-            'follows_number',
-            'The level fits the number in the line, but the number is not that of the watch.',
-            'Mend the count first.',
-        )
+        return FOLLOWS_NUMBER
     if came[place][0] not in (INFO, WARN):
-        return Cause(
-            'wrong_level',
-            'A watch is neither INFO nor WARN.',
-            'Use self.get_logger().warning(...) for every fifth, info(...) for the others.',
-        )
+        return WRONG_LEVEL
     if slip := asked.cause(came, place):
         return slip
     if came[place] == (INFO,):
         return WARNINGS_STOP if (WARN,) in came[:place] else None
     return Cause(
         'warns_too_often',
-        f'{place + 1} cannot be divided by {EVERY}, and yet watch {place + 1} is a warning.',
-        'Warn if number % 5 == 0, with the number in the line.',
+        f'{place + 1} is not divisible by {EVERY}, but watch {place + 1} is a warning.',
+        f'{WARN_IF}, with the number in the line.',
     )
 
 
@@ -288,10 +283,18 @@ def build(seconds: int, namespace: str) -> Exam:
         facts={'seconds': seconds, 'namespace': namespace},
         asks={'levels': Specification(range(1, seconds + 1), fifths(), SLIPS)},
     )
-    exam.check(points=2, read='Part 3: Names and worlds')(starts_in_the_namespace)
-    exam.check(points=3, needs=['starts_in_the_namespace'], read=EXERCISE)(reports_every_second)
-    exam.check(points=2, needs=['starts_in_the_namespace'], read=EXERCISE)(lines_are_numbered)
-    exam.check(points=3, needs=['starts_in_the_namespace'])(every_fifth_is_a_warning)
+    needs = ['starts_in_the_namespace']
+    exam.check(points=2, read='Part 3: Names and worlds')(
+        node(
+            f'{namespace}/night_watch',
+            'starts_in_the_namespace',
+            'Your node is called night_watch, and its namespace is the one chosen at its start.',
+            only_named=True,
+        )
+    )
+    exam.check(points=3, needs=needs, read=EXERCISE)(reports_every_second)
+    exam.check(points=2, needs=needs, read=EXERCISE)(lines_are_numbered)
+    exam.check(points=3, needs=needs)(every_fifth_is_a_warning)
     return exam
 
 

@@ -9,22 +9,17 @@ numbers so far; NaN is ignored, neither counted nor answered.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import reduce
+from functools import partial, reduce
 from itertools import accumulate
 import math
 from statistics import fmean
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Feed, Scenario, Step
+from autograder.exam.scenario import Advance, Feed, feeds, Scenario
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.judging.causes.ended import why_silent
-from autograder.judging.claims import node, passes
-from autograder.judging.rows import (
-    published,
-    require_one_for_one,
-    require_values,
-    why_other_answer,
-)
+from autograder.judging.claims import node, one_for_one, passes, publishes
+from autograder.judging.rows import published, why_other_answer
 
 NODE = '/running_mean'
 SOURCE, TARGET = '/readings', '/mean'
@@ -40,11 +35,7 @@ def averaging(
     answer: Callable[[list[float]], float] = fmean,
     counts: Callable[[float], bool] = lambda number: not math.isnan(number),
 ) -> Rule:
-    """
-    Return the rule of a program that answers each number that counts by those so far.
-
-    By default, it is the right one.
-    """
+    """Return the rule of a program that answers each number that counts by those so far."""
 
     def rule(numbers: Sequence[float]) -> list[Means]:
         so_far = accumulate([one] if counts(one) else [] for one in numbers)
@@ -53,35 +44,35 @@ def averaging(
     return rule
 
 
+DUE = averaging()
+
+
 def stops(numbers: Sequence[float]) -> list[Means]:
     """Answer until the first NaN."""
     first = first_nan(numbers)
-    return [*averaging()(numbers[:first]), *(() for _ in numbers[first:])]
+    return [*DUE(numbers[:first]), *(() for _ in numbers[first:])]
 
 
 def starts_over(place: int) -> Rule:
     """Return the rule of a program that begins again at a number."""
-    rule = averaging()
-    return lambda numbers: [*rule(numbers[:place]), *rule(numbers[place:])]
+    return lambda numbers: [*DUE(numbers[:place]), *DUE(numbers[place:])]
 
 
 def changes_only(numbers: Sequence[float]) -> list[Means]:
     """Answer where the mean differs from the last one."""
     found: list[Means] = []
     last: Means = ()
-    for mean in averaging()(numbers):
+    for mean in DUE(numbers):
         found.append(() if mean == last else mean)
         last = mean or last
     return found
 
 
 def skips_equal(numbers: Sequence[float]) -> list[Means]:
-    """Take a number that equals the one before for no news."""
-    kept = [one for place, one in enumerate(numbers) if one not in numbers[:place][-1:]]
-    means = iter(averaging()(kept))
-    return [
-        () if one in numbers[:place][-1:] else next(means) for place, one in enumerate(numbers)
-    ]
+    """Ignore a number that equals the previous one."""
+    equal = [one in numbers[:place][-1:] for place, one in enumerate(numbers)]
+    means = iter(DUE([one for one, skipped in zip(numbers, equal) if not skipped]))
+    return [() if skipped else next(means) for skipped in equal]
 
 
 def forgets(numbers: Sequence[float]) -> list[Means]:
@@ -94,32 +85,25 @@ def forgets(numbers: Sequence[float]) -> list[Means]:
     return found
 
 
-def counts_nan(numbers: Sequence[float]) -> list[Means]:
-    """Divide by how many numbers there were, NaN included."""
-    totals = accumulate(0.0 if math.isnan(one) else one for one in numbers)
-    means = [(total / count,) for count, total in enumerate(totals, 1)]
-    return [() if math.isnan(one) else mean for one, mean in zip(numbers, means)]
+def dividing(add: Callable[[float], float]) -> Rule:
+    """Return the rule of a program that counts NaN, and adds to its sum what ``add`` returns."""
+
+    def rule(numbers: Sequence[float]) -> list[Means]:
+        totals = enumerate(accumulate(map(add, numbers)), 1)
+        return [() if math.isnan(one) else (sum_ / n,) for one, (n, sum_) in zip(numbers, totals)]
+
+    return rule
 
 
-def spoils(numbers: Sequence[float]) -> list[Means]:
-    """Add NaN to the sum, but do not answer it."""
-    totals = [(total / count,) for count, total in enumerate(accumulate(numbers), 1)]
-    return [() if math.isnan(one) else mean for one, mean in zip(numbers, totals)]
+def forms(answer: Callable[[int, list[float]], float], *numbers: int) -> list[Rule]:
+    """Return the rules of one mistake with some numbers in it, such as digits."""
+    return [averaging(partial(answer, number)) for number in numbers]
 
 
 ANSWERS_NAN = Cause(
     'answers_nan',
-    'A message comes for NaN, and none is due.',
-    'Return from the callback before anything else if math.isnan(message.data).',
-)
-CUT_OFF = Cause(
-    'cut_off', 'The decimals are cut off.', 'Divide with /, not with //, and leave out int().'
-)
-ROUNDED = Cause('rounded', 'The mean is rounded.', 'Publish it as it is, without round().')
-WRONG_COUNT = Cause(
-    'wrong_count',
-    'The sum is divided by something else than how many numbers there were.',
-    'Begin with self.count = 0, and add 1 for each number, before you divide.',
+    'Your node publishes a message for NaN, but should ignore NaN.',
+    'Begin the callback with: if math.isnan(message.data): return.',
 )
 STARTS_OVER = Cause(
     'starts_over',
@@ -129,14 +113,19 @@ STARTS_OVER = Cause(
 SLIPS = (
     Slip(
         'passes_on',
-        'Each number is passed on as it came.',
+        'Your node publishes each number unchanged.',
         'Keep a sum and a count.',
         averaging(lambda seen: seen[-1]),
     ),
-    Slip('sum', 'That is the sum.', 'Divide by how many numbers there were.', averaging(sum)),
+    Slip(
+        'sum',
+        'Your node publishes the sum.',
+        'Divide the sum by the count of numbers.',
+        averaging(sum),
+    ),
     Slip(
         'half_and_half',
-        'The newest number has as much weight as all before it together.',
+        'The newest number has the same weight as all earlier numbers together.',
         'Keep a sum and a count, and divide: (mean + number) / 2 is right for two numbers only.',
         averaging(lambda seen: reduce(lambda mean, one: (mean + one) / 2, seen)),
     ),
@@ -145,66 +134,70 @@ SLIPS = (
         'The newest number is missing in the mean.',
         'Add it up first.',
         averaging(lambda seen: fmean(seen[:-1] or seen)),
-    ),
-    Slip(
-        'one_behind',
-        'The newest number is missing in the mean.',
-        'Add it up first.',
         averaging(lambda seen: fmean(seen[:-1] or [0.0])),
     ),
-    Slip.of(CUT_OFF, averaging(lambda seen: float(math.floor(fmean(seen))))),
-    Slip.of(CUT_OFF, averaging(lambda seen: float(math.trunc(fmean(seen))))),
-    *(
-        Slip.of(ROUNDED, averaging(lambda seen, digits=digits: round(fmean(seen), digits)))  # type: ignore[misc]
-        for digits in range(6)
+    Slip(
+        'cut_off',
+        'Your code cuts off the decimals.',
+        'Divide with /, not with //, and leave out int().',
+        averaging(lambda seen: float(math.floor(fmean(seen)))),
+        averaging(lambda seen: float(math.trunc(fmean(seen)))),
     ),
-    Slip.of(WRONG_COUNT, averaging(lambda seen: sum(seen) / (len(seen) + 1))),
-    Slip.of(WRONG_COUNT, averaging(lambda seen: sum(seen) / (len(seen) - 1 or 1))),
-    Slip.of(WRONG_COUNT, averaging(lambda seen: sum(seen) / (2 * len(seen)))),
+    Slip(
+        'rounded',
+        'The mean is rounded.',
+        'Publish it as it is, without round().',
+        *forms(lambda digits, seen: round(fmean(seen), digits), *range(6)),
+    ),
+    Slip(
+        'wrong_count',
+        'Your code does not divide the sum by the count of numbers.',
+        'Begin with self.count = 0, and add 1 for each number, before you divide.',
+        averaging(lambda seen: sum(seen) / (len(seen) + 1)),
+        averaging(lambda seen: sum(seen) / (len(seen) - 1 or 1)),
+        averaging(lambda seen: sum(seen) / (2 * len(seen))),
+    ),
     Slip(
         'never_adds',
         'The mean is 0.0 each time: nothing is added up.',
         'Add each number to self.total before you divide.',
         averaging(lambda seen: 0.0),
     ),
-    *(
-        Slip(
-            'last_few',
-            'That is the mean of the last numbers only.',
-            'Keep a sum of all, and how many there were.',
-            averaging(lambda seen, few=few: fmean(seen[-few:])),  # type: ignore[misc]
-        )
-        for few in (2, 3, 5, 10)
+    Slip(
+        'last_few',
+        'Your node publishes the mean of only the last numbers.',
+        'Keep the sum and the count of all numbers.',
+        *forms(lambda few, seen: fmean(seen[-few:]), 2, 3, 5, 10),
     ),
     Slip(
         'each_once',
-        'A number that came before is not counted again.',
+        'Your code counts a repeated number only once.',
         'Keep a sum and a count instead of a set.',
         averaging(lambda seen: fmean(set(seen))),
     ),
     Slip(
         'changes_only',
-        'No answer comes where the mean is the same as the one before.',
+        'Your node publishes nothing if the mean has not changed.',
         'Publish for each number that is not NaN, whatever the mean was before.',
         changes_only,
     ),
     Slip(
         'skips_equal',
-        'A number that equals the one before is neither counted nor answered.',
+        'Your node ignores a number that equals the previous one.',
         'Count each number that is not NaN, whatever came before.',
         skips_equal,
     ),
     Slip(
         'stops_at_nan',
-        'Numbers are answered until NaN comes, and then no more.',
-        'Leave the callback when NaN comes, and keep nothing of it.',
+        'Your node stops answering after the first NaN.',
+        'Return from the callback if the number is NaN, and store nothing.',
         stops,
     ),
     Slip(
         'counts_nan',
-        'NaN is not added up, and yet it is counted: the sum is divided by too much.',
+        'Your code does not add NaN but counts it, so it divides by too large a count.',
         'Return before you count: if math.isnan(message.data).',
-        counts_nan,
+        dividing(lambda one: 0.0 if math.isnan(one) else one),
     ),
     Slip(
         'forgets_at_nan',
@@ -214,15 +207,15 @@ SLIPS = (
     ),
     Slip(
         'skips_zero',
-        'A 0.0 is left out like NaN, and it is a number like any other.',
-        'Ask with math.isnan(message.data): a bare if not message.data is true for 0.0, too.',
+        'Your node ignores 0.0 like NaN, but 0.0 is an ordinary number.',
+        'Test with math.isnan(message.data): if not message.data is also true for 0.0.',
         averaging(counts=lambda one: bool(one) and not math.isnan(one)),
     ),
     Slip(
         'sum_spoiled',
-        'One NaN in a sum makes the sum NaN for ever.',
+        'After one NaN, the sum is NaN forever.',
         'Return before you add: if math.isnan(message.data).',
-        spoils,
+        dividing(lambda one: one),
     ),
 )
 
@@ -232,27 +225,9 @@ def first_nan(numbers: Sequence[float]) -> int:
     return next(index for index, number in enumerate(numbers) if math.isnan(number))
 
 
-def came(run: Run) -> tuple[Specification, list[Means | None]]:
-    """Return what is due in this exam, and the means that came after each number."""
-    return run.facts['means'], published(run, 'means', TARGET)
-
-
-def answers_every_number(run: Run) -> None:
-    """For each number it publishes exactly one message."""
-    asked, found = came(run)
-    require_one_for_one(run, asked, TARGET, found, range(first_nan(asked.inputs)))
-
-
-def publishes_the_mean(run: Run) -> None:
-    """Each message is the mean of all numbers so far, the newest included."""
-    asked, found = came(run)
-    before = range(first_nan(asked.inputs))
-    require_values(run, asked, found, before, 'the mean of all numbers so far')
-
-
 def ignores_nan(run: Run) -> None:
     """NaN is ignored: nothing is published for it, and later means are right."""
-    asked, found = came(run)
+    asked, found = run.asked('means'), published(run, 'means', TARGET)
     wrong, first = asked.wrong(found), first_nan(asked.inputs)
     if not wrong and found[-1] is not None:
         return
@@ -260,31 +235,25 @@ def ignores_nan(run: Run) -> None:
         raise Failed(expected='nothing after NaN', observed='a message', why=ANSWERS_NAN)
     due = sum(map(len, asked.answers[first:]))
     count = sum(len(one or ()) for one in found[first:])
-    how_many = (
-        f'{count or "no"} means' if count != due else f'{count} means, not all of them right'
-    )
+    how_many = f'{count or "no"} means' + (', not all of them right' if count == due else '')
     raise Failed(
         expected=f'{due} right means after the first NaN',
-        observed=how_many if found[-1] is not None else 'a node that does not go on',
+        observed=how_many if found[-1] is not None else 'a node that stops answering',
         why=why_silent(run) or (why_other_answer(asked, found, wrong[0]) if wrong else None),
     )
 
 
-def build(singles: Sequence[float], burst: Sequence[float] = (), pause: int = 0) -> Exam:
+def build(numbers: Sequence[float], burst: int = 0, pause: int = 0) -> Exam:
     """
     Return the exam for some numbers.
 
-    :param singles: sent one by one; the first three are no NaN, a later one is, the last is not
-    :param burst: sent at once at the end, at most five, none of them NaN
+    :param numbers: the first three are no NaN, a later one is, the last is not
+    :param burst: how many of them are sent at once at the end, at most five, none of them NaN
     :param pause: how many numbers come before a long pause, before the first NaN; 0 for none
     """
-    numbers = [{'data': 'nan' if math.isnan(one) else one} for one in (*singles, *burst)]
-    steps: list[Step] = [Advance(EVERY_S)]
-    if pause:
-        steps += [Feed(SOURCE, numbers[:pause], every_s=EVERY_S), Advance(PAUSE_S)]
-    steps.append(Feed(SOURCE, numbers[pause : len(singles)], every_s=EVERY_S))
-    if burst:
-        steps.append(Feed(SOURCE, numbers[len(singles) :], burst=True, every_s=EVERY_S))
+    sent = [{'data': 'nan' if math.isnan(one) else one} for one in numbers]
+    begins = [Feed(SOURCE, sent[:pause], every_s=EVERY_S), Advance(PAUSE_S)] if pause else []
+    rest = feeds(SOURCE, sent[pause:], burst, every_s=EVERY_S)
     slips = (*SLIPS, Slip.of(STARTS_OVER, starts_over(pause))) if pause else SLIPS
     exam = Exam(
         'running_mean',
@@ -295,22 +264,33 @@ def build(singles: Sequence[float], burst: Sequence[float] = (), pause: int = 0)
             file='running_mean.py',
             watch={TARGET: TYPE},
             feed={SOURCE: TYPE},
-            steps=tuple(steps),
+            steps=(Advance(EVERY_S), *begins, *rest),
         ),
         read='Part 4: One topic, one type',
-        asks={'means': Specification((*singles, *burst), averaging(), slips, len(burst))},
+        asks={'means': Specification(numbers, DUE, slips, burst)},
     )
+    before = range(first_nan(numbers))
     exam.check(points=1, read=EXERCISE)(node(NODE))
-    exam.check(points=2)(
-        passes(
-            (SOURCE, TYPE),
-            (TARGET, TYPE),
+    exam.check(points=2)(passes((SOURCE, TYPE), (TARGET, TYPE)))
+    exam.check(points=2, needs=['reads_and_writes'], read='Part 1: Speaking and listening')(
+        one_for_one(
+            'means',
+            TARGET,
+            'answers_every_number',
+            'For each number it publishes exactly one message.',
+            places=before,
         )
     )
-    exam.check(points=2, needs=['reads_and_writes'], read='Part 1: Speaking and listening')(
-        answers_every_number
+    exam.check(points=3, needs=['answers_every_number'], read=EXERCISE)(
+        publishes(
+            'means',
+            TARGET,
+            check='publishes_the_mean',
+            sentence='Each message is the mean of all numbers so far, the newest included.',
+            places=before,
+            what='the mean of all numbers so far',
+        )
     )
-    exam.check(points=3, needs=['answers_every_number'], read=EXERCISE)(publishes_the_mean)
     exam.check(points=2, needs=['publishes_the_mean'], read=EXERCISE)(ignores_nan)
     return exam
 

@@ -22,25 +22,21 @@ from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Sce
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
 from autograder.judging.causes.redaction import quoted
-from autograder.judging.checks import (
-    count_of,
-    own_logs,
-    require_endpoint,
-    require_qos,
-    SECOND,
-)
-from autograder.judging.claims import node
+from autograder.judging.checks import lines, own_logs, SECOND
+from autograder.judging.claims import node, requests
 from autograder.judging.numbers import numbers_in
 from autograder.recording import ERROR, Event, INFO, Recording, WARN
 from autograder.results import shortened
 
 TYPE = 'std_msgs/msg/Float64'
 NODE = '/sensor_watch'
+TOPIC = '/distance'
 DEADLINE_NS = 300_000_000
 EVERY_S = 0.2  # from one distance to the next
 SILENCE_S = 1.45  # from the last distance to the end: four deadlines, and time to log the last
 BY_RCLPY = 'New publisher discovered on topic'
-"""How the line of rclpy's own callback for refused publishers begins."""
+"""The beginning of the line that rclpy's own callback logs for a refused publisher."""
+DEADLINE = 'Give its profile deadline=Duration(seconds=0.3).'
 REQUEST = {
     'RELIABILITY': 'Request reliability=ReliabilityPolicy.BEST_EFFORT.',
     'DURABILITY': 'Leave durability out: the sensor keeps nothing for latecomers.',
@@ -52,30 +48,59 @@ TWICE = Cause(
     'More than one INFO line shows the same distance.',
     'Log once in the callback, and subscribe once.',
 )
+NOT_LOGGED = Cause(
+    'not_logged',
+    'Your node logs no INFO line for a distance.',
+    'Is hear() called? Log the number in it: self.get_logger().info(...), before any return.',
+)
 WARNS_ONCE = Cause(
     'first_miss_only',
-    'The sensor misses several deadlines, and not each of them gives a WARN line.',
+    'The sensor misses several deadlines, but your node does not log a WARN line for each.',
     'Log in every call of the callback for deadline, without a flag, once= or throttle.',
 )
 WARNS_TWICE = Cause(
     'warned_twice',
-    'More WARN lines come than deadlines are missed.',
+    'Your node logs more WARN lines than there are missed deadlines.',
     'Log one line in each call of the callback for deadline, however many were missed before.',
 )
 NOT_A_MISS = Cause(
     'warns_of_something_else',
-    'WARN is for missed deadlines, and your node logs it when none is missed.',
+    'Your node logs a WARN line although no deadline is missed.',
     'Log a refused publisher as ERROR, and everything else as INFO.',
+)
+NO_MISS = Cause(
+    'no_deadline_callback',
+    'A deadline is missed, but your node logs nothing: the event has no callback, or the callback '
+    'does not log.',
+    'SubscriptionEventCallbacks(deadline=self.miss, ...), and a warning in miss().',
 )
 FIRST_ONLY = Cause(
     'first_refusal_only',
-    'One refused publisher is logged, and another one is not.',
-    'Log in every call of the callback for incompatible_qos, without a flag and once=.',
+    'Your node logs one refused publisher, but not the other.',
+    'Log in every call of the callback for incompatible_qos, without a flag or once=.',
 )
 ONE_LINE = Cause(
     'several_errors',
     'One refused publisher gives more than one ERROR line.',
-    'Put all there is to say into one line.',
+    'Put everything into one line.',
+)
+NO_REFUSAL = Cause(
+    'no_incompatible_callback',
+    'A publisher is refused, but your node logs nothing: the event has no callback, or the '
+    'callback does not log.',
+    'SubscriptionEventCallbacks(incompatible_qos=self.refuse, ...), and an error in refuse().',
+)
+NOT_NAMED = Cause(
+    'policy_not_named',
+    'The line does not say which policy failed.',
+    'qos_policy_name_from_kind(event.last_policy_kind) is its name.',
+)
+DEFAULT_CALLBACK = Cause(
+    'default_callback',
+    'The WARN line about the refused publisher is from rclpy: your subscription has no callback '
+    'of its own for incompatible_qos.',
+    'Give incompatible_qos a callback that logs an error, and pass the callbacks on: '
+    'create_subscription(..., event_callbacks=events).',
 )
 LAZY = {'weak': 'a', 'weak again': 'another'}
 """Publishers that offer too little, each in a phase of its name."""
@@ -90,43 +115,35 @@ def warnings_before_silence(run: Run) -> list[Event]:
     return own_logs(replace(run, recording=before), NODE, WARN)
 
 
+def deadlines_ns(run: Run) -> list[int | None]:
+    """Return the deadline that each subscription requests [ns], None without one."""
+    ends = run.recording.endpoints('subscription', TOPIC)
+    return [end['qos']['deadline_ns'] for end in ends if end['type'] == TYPE]
+
+
 def missed_deadlines(run: Run) -> int:
     """Return how many deadlines, as the subscription requests them, are missed in the silence."""
-    asked = [end['qos']['deadline_ns'] for end in _ends(run) if end['qos']['deadline_ns']]
+    asked = [one for one in deadlines_ns(run) if one]
     return int(SILENCE_S * SECOND // min(asked)) if asked else 0
-
-
-def asks_for_no_more_than_is_offered(run: Run) -> None:
-    """It subscribes to distance, so that it hears a best-effort sensor."""
-    require_qos(
-        require_endpoint(run, 'subscription', '/distance', TYPE),
-        reliability='BEST_EFFORT',
-        durability='VOLATILE',
-        liveliness='AUTOMATIC',
-    )
-
-
-def requests_the_deadline(run: Run) -> None:
-    """It requests a deadline of 0.3 s."""
-    ends = require_endpoint(run, 'subscription', '/distance', TYPE)
-    require_qos(ends, deadline_ns=DEADLINE_NS)
 
 
 def logs_each_distance(run: Run) -> None:
     """Each distance gives one INFO line that contains the number."""
-    lines = own_logs(run, NODE, INFO)
-    for index, distance in enumerate(run.facts['distances']):
-        found = [line for line in lines if distance in numbers_in(str(line['text']))]
+    distances = run.facts['distances']
+    for index, distance in enumerate(distances):
+        found = [
+            line for line in own_logs(run, NODE, INFO) if distance in numbers_in(str(line['text']))
+        ]
         # A later line may show it again, as the nearest distance so far.
         at_once = [line for line in found if line['after_input'] == index]
-        if len(found) != run.facts['distances'].count(distance) and len(at_once) != 1:
+        due = distances.count(distance)
+        if len(found) != due and len(at_once) != 1:
             shown = f'the number of distance {index + 1}' if run.secret else f'{distance:g}'
+            missing = why_silent(run) or (None if found else _why_not_shown(run, index))
             raise Failed(
                 expected=f'one INFO line with {shown}',
                 observed=f'{len(found) or "no"} such line{"" if len(found) == 1 else "s"}',
-                why=TWICE
-                if len(found) > run.facts['distances'].count(distance)
-                else why_silent(run) or (None if found else _why_not_shown(run, index)),
+                why=TWICE if len(found) > due else missing,
             )
 
 
@@ -138,24 +155,19 @@ def _why_not_shown(run: Run, index: int) -> Cause | None:
     if other:
         return Cause(
             'number_not_shown',
-            f"The INFO line is '{quoted(run, other)}': the number is not in it, or it is rounded.",
+            f"Your INFO line '{quoted(run, other)}' does not contain the number, or rounds it.",
             "Log the number as it came: self.get_logger().info(f'{message.data} m').",
         )
     distance = run.facts['distances'][index]
-    # A deadline may be missed after any distance: that WARN line does not come instead.
-    return why_not_logged(run, then, INFO, lambda text: distance in numbers_in(text)) or Cause(
-        'not_logged',
-        'A distance is sent to your node, and no INFO line follows it.',
-        'Is hear() called? Log the number in it: self.get_logger().info(...), before any return.',
-    )
+    # A missed deadline may cause a WARN line after any distance: it does not replace the INFO.
+    return why_not_logged(run, then, INFO, lambda text: distance in numbers_in(text)) or NOT_LOGGED
 
 
 def _why_unheard(run: Run) -> Cause | None:
     if why := why_silent(run):
         return why
-    ends = run.recording.endpoints('subscription', '/distance')
-    if not any(end['type'] == TYPE for end in ends):
-        return why_no_endpoint(run, 'subscription', '/distance', TYPE)
+    if not deadlines_ns(run):
+        return why_no_endpoint(run, 'subscription', TOPIC, TYPE)
     offered = run.recording.of('offered', publisher='sensor')
     if offered and offered[0]['refused']:
         policy = offered[0]['refused'][0]
@@ -168,7 +180,7 @@ def _why_unheard(run: Run) -> Cause | None:
 
 
 def warns_of_silence(run: Run) -> None:
-    """A missed deadline gives a WARN line, and nothing else does."""
+    """Each missed deadline causes a WARN line, and nothing else does."""
     early = warnings_before_silence(run)
     if early:
         raise Failed(
@@ -178,13 +190,12 @@ def warns_of_silence(run: Run) -> None:
         )
     silence = own_logs(run.during('silence'), NODE)
     found, due = sum(line['level'] == WARN for line in silence), missed_deadlines(run)
-    if found == due > 0:
-        return
-    raise Failed(
-        expected=f'one WARN line for each deadline missed in {SILENCE_S:g} s of silence',
-        observed=f'{count_of(found)} WARN line{"" if found == 1 else "s"}',
-        why=_why_other_count(run, found, due) if found else _why_no_warning(run, silence),
-    )
+    if found != due or not due:
+        raise Failed(
+            expected=f'one WARN line for each deadline missed in {SILENCE_S:g} s of silence',
+            observed=lines(found, WARN),
+            why=_why_other_count(run, found, due) if found else _why_no_warning(run, silence),
+        )
 
 
 def _why_other_count(run: Run, found: int, due: int) -> Cause:
@@ -195,101 +206,64 @@ def _why_other_count(run: Run, found: int, due: int) -> Cause:
 
 def _why_default(lines: Sequence[Event]) -> Cause | None:
     """Explain a WARN line that rclpy itself has written."""
-    if not any(str(line['text']).startswith(BY_RCLPY) for line in lines):
-        return None
-    return Cause(
-        'default_callback',
-        'The WARN line about the refused publisher is from rclpy: your subscription has no '
-        'callback of its own for incompatible_qos.',
-        'Give incompatible_qos a callback that logs an error, and pass the callbacks on: '
-        'create_subscription(..., event_callbacks=events).',
-    )
+    by_rclpy = any(str(line['text']).startswith(BY_RCLPY) for line in lines)
+    return DEFAULT_CALLBACK if by_rclpy else None
 
 
 def _why_no_warning(run: Run, silence: Sequence[Event]) -> Cause | None:
     if why := _why_unheard(run):
         return why
-    asked = [end['qos']['deadline_ns'] for end in _ends(run)]
-    if None in asked:
-        return Cause(
-            'no_deadline',
-            'Your subscription requests no deadline, so none can be missed.',
-            'Give its profile deadline=Duration(seconds=0.3).',
-        )
-    if asked and not missed_deadlines(run):
+    asked = [one for one in deadlines_ns(run) if one]
+    if len(asked) < len(deadlines_ns(run)):
+        slip = 'Your subscription requests no deadline, so none can be missed.'
+        return Cause('no_deadline', slip, DEADLINE)
+    if not missed_deadlines(run):
         return Cause(
             'long_deadline',
             f'Your subscription requests a deadline of {min(asked) / SECOND:g} s, and the '
             'silence is too short to miss it.',
-            'Give its profile deadline=Duration(seconds=0.3).',
+            DEADLINE,
         )
-    return why_not_logged(run, silence, WARN) or Cause(
-        'no_deadline_callback',
-        'A deadline is missed, and nothing is logged: its event has no callback, or the callback '
-        'logs nothing.',
-        'SubscriptionEventCallbacks(deadline=self.miss, ...), and a warning in miss().',
-    )
-
-
-def _ends(run: Run) -> list[Event]:
-    ends = run.recording.endpoints('subscription', '/distance')
-    return [end for end in ends if end['type'] == TYPE]
+    return why_not_logged(run, silence, WARN) or NO_MISS
 
 
 def names_the_policy(run: Run) -> None:
     """A publisher that offers too little gives one ERROR line with the name of the policy."""
-    for lazy in LAZY:
-        _require_refusal(run, lazy)
+    for publisher in LAZY:
+        lazy = run.recording.of('offered', publisher=publisher)
+        if lazy and lazy[0]['matched']:
+            slip = 'Your subscription requests no deadline, so no publisher offers too little.'
+            raise Failed(
+                expected='a publisher without a deadline is refused',
+                observed='your subscription accepts it',
+                why=Cause('nothing_refused', slip, DEADLINE),
+            )
+        found = own_logs(run.during(publisher), NODE)
+        errors = [str(line['text']) for line in found if line['level'] == ERROR]
+        if len(errors) != 1:
+            raise Failed(
+                expected=f'1 ERROR line after {LAZY[publisher]} publisher that promises no '
+                'deadline',
+                observed=f'{len(errors) or "no"} ERROR lines',
+                why=ONE_LINE if errors else _why_no_error(run, found),
+            )
+        policies = lazy[0]['refused'] if lazy else ['DEADLINE']
+        if not any(policy in errors[0].upper() for policy in policies):
+            raise Failed(
+                expected=f'the name {" or ".join(policies)} in the ERROR line',
+                observed=repr(shortened(errors[0], 80)),
+                why=NOT_NAMED,
+            )
 
 
-def _require_refusal(run: Run, publisher: str) -> None:
-    """Fail unless one publisher that offers too little gives one ERROR line."""
-    lazy = run.recording.of('offered', publisher=publisher)
-    if lazy and lazy[0]['matched']:
-        raise Failed(
-            expected='a publisher without a deadline is refused',
-            observed='your subscription takes it',
-            why=Cause(
-                'nothing_refused',
-                'Your subscription requests no deadline, so no publisher offers too little.',
-                'Give its profile deadline=Duration(seconds=0.3).',
-            ),
-        )
-    lines = own_logs(run.during(publisher), NODE)
-    errors = [str(line['text']) for line in lines if line['level'] == ERROR]
-    if len(errors) != 1:
-        raise Failed(
-            expected=f'1 ERROR line after {LAZY[publisher]} publisher that promises no deadline',
-            observed=f'{len(errors) or "no"} ERROR lines',
-            why=ONE_LINE if errors else _why_no_error(run, lines),
-        )
-    policies = lazy[0]['refused'] if lazy else ['DEADLINE']
-    if not any(policy in errors[0].upper() for policy in policies):
-        raise Failed(
-            expected=f'the name {" or ".join(policies)} in the ERROR line',
-            observed=repr(shortened(errors[0], 80)),
-            why=Cause(
-                'policy_not_named',
-                'The line does not say which policy failed.',
-                'qos_policy_name_from_kind(event.last_policy_kind) is its name.',
-            ),
-        )
-
-
-def _why_no_error(run: Run, lines: Sequence[Event]) -> Cause | None:
-    if why := why_silent(run) or _why_default(lines):
+def _why_no_error(run: Run, found: Sequence[Event]) -> Cause | None:
+    if why := why_silent(run) or _why_default(found):
         return why
-    if not _ends(run):
-        return why_no_endpoint(run, 'subscription', '/distance', TYPE)
-    first = own_logs(run.during(next(iter(LAZY))), NODE, ERROR)
-    if first:
+    if not deadlines_ns(run):
+        return why_no_endpoint(run, 'subscription', TOPIC, TYPE)
+    if first := own_logs(run.during(next(iter(LAZY))), NODE, ERROR):
         return why_left_out(run, ERROR, first) or FIRST_ONLY
-    return why_not_logged(run, lines, ERROR) or Cause(
-        'no_incompatible_callback',
-        'A publisher is refused, and nothing is logged: the event has no callback, or the '
-        'callback logs nothing.',
-        'SubscriptionEventCallbacks(incompatible_qos=self.refuse, ...), and an error in refuse().',
-    )
+    return why_not_logged(run, found, ERROR) or NO_REFUSAL
 
 
 def build(distances: Sequence[float]) -> Exam:
@@ -298,16 +272,13 @@ def build(distances: Sequence[float]) -> Exam:
 
     :param distances: numbers with decimals [m]; the first one is not sent again
     """
+    weak, strong = Qos('BEST_EFFORT'), Qos('BEST_EFFORT', deadline_s=0.3)
     lazy = [
         step
         for name in LAZY
-        for step in (
-            Mark(name),
-            Offer(name, '/distance', TYPE, Qos('BEST_EFFORT')),
-            Advance(1.0),
-            Leave(name),
-        )
+        for step in (Mark(name), Offer(name, TOPIC, TYPE, weak), Advance(1.0), Leave(name))
     ]
+    sent = [{'data': distance} for distance in distances]
     exam = Exam(
         'sensor_watch',
         title='A listener that notices silence',
@@ -318,36 +289,35 @@ def build(distances: Sequence[float]) -> Exam:
             steps=(
                 *lazy,
                 # It promises enough, sends nothing and leaves: no deadline is missed.
-                Mark('guest'),
-                Offer('guest', '/distance', TYPE, Qos('BEST_EFFORT', deadline_s=0.3)),
-                Leave('guest'),
-                Advance(0.5),
-                Mark('speaking'),
-                Offer('sensor', '/distance', TYPE, Qos('BEST_EFFORT', deadline_s=0.3)),
-                Feed(
-                    'sensor',
-                    [{'data': distance} for distance in distances],
-                    optional=True,
-                    every_s=EVERY_S,
-                    rest_s=0.0,
-                ),
-                Mark('silence'),
-                Advance(SILENCE_S - EVERY_S),
-                Mark('over'),
+                *(Mark('guest'), Offer('guest', TOPIC, TYPE, strong), Leave('guest')),
+                *(Advance(0.5), Mark('speaking'), Offer('sensor', TOPIC, TYPE, strong)),
+                Feed('sensor', sent, optional=True, every_s=EVERY_S, rest_s=0.0),
+                *(Mark('silence'), Advance(SILENCE_S - EVERY_S), Mark('over')),
             ),
         ),
         read='Part 5: Promises over time',
         facts={'distances': list(distances)},
     )
+    needs, part_3 = ['starts_its_node'], 'Part 3: Offer and request'
     exam.check(points=1, read=EXERCISE)(node(NODE, only_named=True))
-    for points, judge, read in (
-        (2, asks_for_no_more_than_is_offered, 'Part 3: Offer and request'),
-        (2, requests_the_deadline, ''),
-        (2, logs_each_distance, EXERCISE),
-        (3, warns_of_silence, ''),
-        (2, names_the_policy, 'Part 3: Offer and request'),
-    ):
-        exam.check(points=points, needs=['starts_its_node'], read=read)(judge)
+    exam.check(points=2, needs=needs, read=part_3)(
+        requests(
+            TOPIC,
+            TYPE,
+            'asks_for_no_more_than_is_offered',
+            'It subscribes to distance, so that it hears a best-effort sensor.',
+            reliability='BEST_EFFORT',
+            durability='VOLATILE',
+            liveliness='AUTOMATIC',
+        )
+    )
+    sentence = 'It requests a deadline of 0.3 s.'
+    exam.check(points=2, needs=needs)(
+        requests(TOPIC, TYPE, 'requests_the_deadline', sentence, deadline_ns=DEADLINE_NS)
+    )
+    exam.check(points=2, needs=needs, read=EXERCISE)(logs_each_distance)
+    exam.check(points=3, needs=needs)(warns_of_silence)
+    exam.check(points=2, needs=needs, read=part_3)(names_the_policy)
     return exam
 
 

@@ -1,7 +1,7 @@
 """
 Lesson 04, part 1: the message of a weather station, and its package.
 
-Constants and defaults are no part of a type's hash, and a build alone needs less of package.xml
+A type's hash does not include constants and defaults, and a build alone needs less of package.xml
 than users of the package do; so the files answer for these.  If the fields are right, the package
 is built, and the hash of the built type is read from the graph.
 """
@@ -107,7 +107,7 @@ def _why_constant(name: str, found: Mapping[str, tuple[str, str]], text: str) ->
     line = next((one for one in _lines(text) if re.search(rf'(?i)\b{name}\b', one)), '')
     if line:
         advice = f'A constant is a type, a name in capitals, = and a value: {right}'
-        return Cause('constant_line', f'This line makes no constant: {line[:60]}', advice)
+        return Cause('constant_line', f'This line does not define a constant: {line[:60]}', advice)
     return Cause('constant_missing', f'{name} is missing.', f'Add the line: {right}')
 
 
@@ -119,9 +119,9 @@ def _lines(text: str) -> list[str]:
 def _why_other(name: str) -> Cause:
     """Explain a constant that is not asked for."""
     if name in [field for _, field in FIELDS]:
-        slip = f'An = makes a constant of {name}, and a constant is no field.'
+        slip = f'The = makes {name} a constant, which is not a field.'
         return Cause('constant_for_default', slip, 'A default has no = sign: type, name, value.')
-    return Cause('constant_extra', f'The constant {name[:40]} is not asked for.', 'Remove it.')
+    return Cause('constant_extra', f'The table has no constant {name[:40]}.', 'Remove it.')
 
 
 def starts_at_the_lowest(run: Run) -> None:
@@ -153,17 +153,17 @@ def _why_default(defaults: Mapping[str, str], lines: Sequence[str]) -> Cause:
     right = 'Write: float64 temperature -40.0'
     for line in lines:
         if re.search(r'\btemperature\b', line) and '=' in line:
-            slip = f'An = makes a constant, no default: {line[:60]}'
+            slip = f'An = defines a constant, not a default: {line[:60]}'
             return Cause('default_with_equals', slip, right)
     others = [name for name in defaults if name != 'temperature']
     if others:
-        slip = f'{others[0][:40]} has something behind its name, which is read as a default: '
+        slip = f'{others[0][:40]} has text after its name, which the parser reads as a default: '
         advice = f'Only temperature has a default. {right}'
         return Cause('other_default', f'{slip}{defaults[others[0]][:40]}', advice)
     if value := defaults.get('temperature', ''):
         more = '' if number(value) is not None else ', which is not a number'
         return Cause('default_value', f'The default of temperature is {value[:40]}{more}.', right)
-    slip = 'temperature has no default, so a new message says 0.0.'
+    slip = 'temperature has no default, so its value in a new message is 0.0.'
     return Cause('no_default', slip, f'A default comes after the name, without =. {right}')
 
 
@@ -181,7 +181,7 @@ def builds_the_type(run: Run) -> None:
     if ends:
         raise Failed(
             expected=f'{TYPE} with the fields of the table',
-            observed='a type of the same name that other programs do not understand',
+            observed='a type of the same name with a different definition',
         )
     raise Failed(
         expected='a package that builds', observed='no built message', why=why_no_build(run)

@@ -62,7 +62,7 @@ def moves_with_its_namespace(run: Run) -> None:
         observed=f'the topic {ABSOLUTE}, in no namespace',
         why=Cause(
             'absolute_name',
-            'A name that begins with a slash is absolute: it ignores the namespace.',
+            'Your topic name begins with a slash, so it ignores the namespace.',
             "Write 'chatter', without the slash.",
         ),
     )
@@ -79,14 +79,14 @@ def speaks_twice_a_second(run: Run) -> None:
 
 
 def counts_its_greetings(run: Run) -> None:
-    """The texts are hello 1, hello 2 and so on, one more each time."""
+    """The texts are hello 1, hello 2 and so on, without gaps."""
     found, least = greetings(run), int(run.facts['seconds']) // 2
     if len(found) < least:
         raise Failed(
             expected=f'at least {least} messages, to see how it counts',
             observed=f'{len(found)}',
             why=why_silent(run)
-            or Cause('wrong_rate', 'Too few messages come.', 'Fix the rate first.'),
+            or Cause('wrong_rate', 'Your node sends too few messages.', 'Fix the rate first.'),
         )
     texts = [str(event['data']['data']) for event in found]
     # A greeting that was sent before anybody could be connected is lost, and counts.
@@ -109,7 +109,8 @@ def _why_text(texts: list[str], place: int, first: int) -> Cause | None:
     if written or '{' in texts[place]:
         return why_not_numbered(texts, place, first)
     near = GREETING.fullmatch(' '.join(re.findall(r'[a-z]+|\d+', texts[place].lower())))
-    slip = 'Capitals, spaces and punctuation count.' if near else 'It has another form.'
+    matters = 'Upper and lower case, spaces and punctuation matter.'
+    slip = matters if near else 'The text has a different form.'
     return Cause('wrong_text', slip, "Publish String(data=f'hello {self.count}').")
 
 
@@ -150,13 +151,11 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
         )
     )
     exam.check(points=2, read='Part 1: Speaking and listening')(publishes_greetings)
-    for points, judge, read in (
-        (3, moves_with_its_namespace, ''),
-        (2, speaks_twice_a_second, 'lesson 02, When a timer ticks'),
-        (1, counts_its_greetings, EXERCISE),
-        (1, offers_reliable_qos, 'lesson 05, Part 1: A profile'),
-    ):
-        exam.check(points=points, needs=['publishes_greetings'], read=read)(judge)
+    needs, part_2 = ['publishes_greetings'], 'lesson 02, When a timer ticks'
+    exam.check(points=3, needs=needs)(moves_with_its_namespace)
+    exam.check(points=2, needs=needs, read=part_2)(speaks_twice_a_second)
+    exam.check(points=1, needs=needs, read=EXERCISE)(counts_its_greetings)
+    exam.check(points=1, needs=needs, read='lesson 05, Part 1: A profile')(offers_reliable_qos)
     return exam
 
 

@@ -53,8 +53,8 @@ def _require_required(found: Sequence[tuple[str, list[str]]]) -> None:
                 share=0.5,
                 why=Cause(
                     'not_required',
-                    'Without REQUIRED, CMake goes on where the package is missing, and stops '
-                    'later with an error that does not name it.',
+                    'Without REQUIRED, CMake continues if the package is missing, and stops later'
+                    ' with an error that does not name the package.',
                     f'Write find_package({words[0]} REQUIRED).',
                 ),
             )
@@ -84,14 +84,15 @@ def generates_the_interface(run: Run) -> None:
     missing = [text for text, there in wanted if not there]
     if missing:
         raise Failed(
-            expected='the commands of the lesson, all of them',
+            expected='all commands of the lesson',
             observed='missing: ' + ', '.join(missing),
             share=round(0.5 * (1 - len(missing) / len(wanted)), 2) if len(missing) < 3 else 0,
             why=why_no_build(run)
             if CMAKE in mistake_in_build(run).where
             else Cause(
                 'cmake',
-                'CMake generates only what it is told to, from packages that it has found.',
+                'CMake generates only the messages that you list, with packages that it has '
+                'found.',
                 f'Add {missing[0]}.',
             ),
         )
@@ -102,7 +103,7 @@ def _after(word: str, words: list[str]) -> list[str]:
 
 
 def travelled(run: Run) -> bool:
-    """Tell whether all messages came back unchanged in the type that was built."""
+    """Return whether all messages came back unchanged in the type that was built."""
     inputs = [event['data'] for event in run.recording.of('input')]
     echoed = [event.get('data') for event in run.recording.messages('/echo_out')]
     return bool(inputs == run.facts['sent'] and echoed == inputs)

@@ -21,8 +21,8 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, RosClock, Scenario
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
-from autograder.judging.checks import require_field, require_messages, require_qos, SECOND
-from autograder.judging.claims import node
+from autograder.judging.checks import require_field, require_messages, SECOND
+from autograder.judging.claims import node, offers
 from autograder.judging.rhythm import GRAIN_S, is_flood, why_other_rhythm
 from autograder.judging.stamps import require_stamps
 from autograder.recording import Event
@@ -38,23 +38,23 @@ STEP_S = 0.1  # of the ROS clock, so that a timer of 0.1 s can count to ten
 BEGINS_S = 2.0  # how late the rhythm may begin, in ROS time
 OTHER_CLOCK = Cause(
     'other_clock',
-    "Your messages do not come in the rhythm of the node's own clock.",
+    "Your messages do not follow the node's own clock.",
     'Use self.create_timer(1.0, ...), and leave use_sim_time as the command line sets it.',
 )
 PACED_BY_SPIN_ONCE = Cause(
     'paced_by_spin_once',
-    'spin_once() returns as soon as anything has happened, such as a step of the ROS clock, so it '
-    'paces nothing.',
+    'spin_once() returns after any event, such as a step of the ROS clock, so it cannot keep a '
+    'rhythm.',
     'Use self.create_timer() with the period in seconds, and rclpy.spin(node).',
 )
 IMPLAUSIBLE = Cause(
     'implausible',
-    f'No common sensor reads that: {COLDEST_C:g} to {HOTTEST_C:g} °C is usual.',
-    'Check your formula: does the value grow without an end?',
+    f'No common sensor gives this value: {COLDEST_C:g} to {HOTTEST_C:g} °C is usual.',
+    'Check your formula: does the value grow without limit?',
 )
 NOT_FINITE = Cause(
     'not_finite',
-    'NaN and infinity are floats, and no temperatures.',
+    'NaN and infinity are floats, but not temperatures.',
     'Publish a finite number each time.',
 )
 EXERCISE = 'Exercise 2: the publisher node'
@@ -74,7 +74,7 @@ def enough_readings(run: Run) -> list[Event]:
     found, due = readings(run), int(run.facts['seconds'])
     if len(found) < due // 4:
         raise Failed(
-            expected=f'{due} readings, of which this looks at every one',
+            expected=f'{due} readings, because this check needs every reading',
             observed=f'only {len(found)}',
             why=why_silent(run),
         )
@@ -161,7 +161,7 @@ def names_the_sensor(run: Run) -> None:
 
 
 def stamps_follow_the_clock(run: Run) -> None:
-    """The timestamp of every reading is the node's own clock at that moment."""
+    """The timestamp of every reading is the time of the node's own clock at that moment."""
     clock: RosClock = run.facts['clock']
     # A thread may read the clock before the step that wakes it is told.
     step_ns = round(clock.step_s / clock.rate * SECOND)
@@ -202,9 +202,9 @@ def _why_constant(run: Run) -> Cause:
     if seed := seed_in_callback(run.files):
         return Cause(
             'seeded_each_time',
-            f'{seed[:60]}() begins the random numbers anew with the same seed, so the first one '
-            'of them comes each time.',
-            'Seed once, in __init__() or above the class, and only draw in the callback.',
+            f'{seed[:60]}() restarts the random numbers with the same seed, so every reading is '
+            'the first random number.',
+            'Seed once, in __init__() or above the class; in the callback, only draw numbers.',
         )
     return Cause(
         'constant',
@@ -212,12 +212,6 @@ def _why_constant(run: Run) -> Cause:
         'Compute it in the callback, not once in __init__(), and from something that changes '
         'from call to call, such as self.elapsed.',
     )
-
-
-def offers_reliable_qos(run: Run) -> None:
-    """Its quality of service is reliable and volatile, as depth 10 gives."""
-    ends = run.recording.endpoints('publisher', TOPIC)
-    require_qos(ends, reliability='RELIABLE', durability='VOLATILE')
 
 
 def build(seconds: int, begins_s: float, rate: float) -> Exam:
@@ -247,15 +241,22 @@ def build(seconds: int, begins_s: float, rate: float) -> Exam:
     )
     exam.check(points=2, read=EXERCISE)(node(NODE))
     exam.check(points=2)(publishes_readings)
-    for points, judge, read in (
-        (3, publishes_once_per_second, 'lesson 02, When a timer ticks'),
-        (1, names_the_unit, EXERCISE),
-        (1, names_the_sensor, EXERCISE),
-        (3, stamps_follow_the_clock, 'lesson 04, Part 4: Time'),
-        (2, readings_are_plausible, ''),
-        (1, offers_reliable_qos, 'lesson 05, Part 1: A profile'),
-    ):
-        exam.check(points=points, needs=['publishes_readings'], read=read)(judge)
+    needs, part_2 = ['publishes_readings'], 'lesson 02, When a timer ticks'
+    exam.check(points=3, needs=needs, read=part_2)(publishes_once_per_second)
+    exam.check(points=1, needs=needs, read=EXERCISE)(names_the_unit)
+    exam.check(points=1, needs=needs, read=EXERCISE)(names_the_sensor)
+    exam.check(points=3, needs=needs, read='lesson 04, Part 4: Time')(stamps_follow_the_clock)
+    exam.check(points=2, needs=needs)(readings_are_plausible)
+    exam.check(points=1, needs=needs, read='lesson 05, Part 1: A profile')(
+        offers(
+            TOPIC,
+            TYPE,
+            'offers_reliable_qos',
+            'Its quality of service is reliable and volatile, as depth 10 gives.',
+            reliability='RELIABLE',
+            durability='VOLATILE',
+        )
+    )
     return exam
 
 
