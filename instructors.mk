@@ -2,9 +2,11 @@
 #
 #|  make grade                grade everything in submitted/ (ARGS='--jobs 2' passes options)
 #|  make release              generate notebooks/ from solutions/, check the course, pack the
-#|                            students' copy
+#|                            students' copy (ARGS=--answers adds worked answers)
 #|  make execute              execute the solved lessons and note the date in those that ran
 #|                            (ARGS=03_topics chooses some)
+#|  make book                 execute the lessons and write them as pages to read without running,
+#|                            into autograder/_work/book/html
 #|  make quick                check style and types and run the quick unit tests: under a minute
 #|  make test                 run all tests except browser, cluster, PostgreSQL and benchmarks
 #|  make test-browser         test JupyterLab and formgrader in headless Chromium; also
@@ -18,7 +20,7 @@
 #|  make bench                run the benchmarks; half an hour, preferably on a quiet machine
 #|  make soak                 judge the same files 200 times, with and without load; half an hour
 
-.PHONY: grade quick hub test test-browser test-hub test-cluster test-postgres check coverage judgement release execute bench soak
+.PHONY: grade quick hub test test-browser test-hub test-cluster test-postgres check coverage judgement release execute book bench soak
 
 grade: prepare
 	@exec $(PY) -m autograder grade $(ARGS)
@@ -81,6 +83,14 @@ release: prepare
 
 execute: prepare
 	@exec $(PY) -m autograder.authoring.execute $(ARGS)
+
+# Sphinx needs an older docutils than the course, so it has a virtual environment of its own.
+book: SPHINX = $(abspath $(VENV))/book/bin/python
+book: prepare
+	@test -x '$(SPHINX)' || $(PY) -m venv '$(VENV)/book'
+	@'$(SPHINX)' -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
+	  -r environment/requirements-book.txt
+	@exec $(PY) -m autograder.authoring.book --sphinx '$(SPHINX)'
 
 bench: prepare
 	$(PY) -m benchmarks.one_submission

@@ -7,7 +7,7 @@ that a picture is readable on a light and on a dark page.  Colour never says any
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 import hashlib
 import html
 
@@ -19,6 +19,11 @@ BLUE = '#1e88e5'
 ORANGE = '#f57c00'
 RED = '#e53935'
 GREEN = '#43a047'
+
+Table = Sequence[Sequence[object]]
+"""The data of a picture: the first row names the columns."""
+MAX_ROWS = 60
+"""Rows of a table, or times in one of its cells, that a reader would still go through."""
 
 
 def escape(text: object) -> str:
@@ -32,15 +37,21 @@ def escape(text: object) -> str:
 
 
 def picture(
-    width: float, height: float, title: str, description: str, parts: Iterable[str]
+    width: float,
+    height: float,
+    title: str,
+    description: str,
+    parts: Iterable[str],
+    table: Table = (),
 ) -> str:
     """
-    Return a whole picture as HTML.
+    Return a whole picture as HTML, with its data in a table that opens below it.
 
     :param width: of the drawing; it shrinks with a narrow page
     :param title: what it is a picture of
     :param description: what can be seen in it, in words
     :param parts: of the drawing, as SVG
+    :param table: the data, for :func:`data_table`; empty if the page shows it elsewhere
     """
     drawn = ''.join(parts)
     # Equal pictures have equal names, so that equal results give equal pages.
@@ -57,8 +68,34 @@ def picture(
         f'font-family="{html.escape(FONT)}" font-size="12" fill="currentColor">'
         f'<title id="{name}-title">{escape(title)}</title>'
         f'<desc id="{name}-words">{escape(description)}</desc>'
-        f'{drawn}</svg></div>'
+        f'{drawn}</svg></div>{data_table(title, table) if table else ""}'
     )
+
+
+def data_table(title: str, table: Table) -> str:
+    """
+    Return the data of a picture as HTML: a line that opens a table.
+
+    :param title: what it is a picture of
+    """
+    head, *rows = ([escape(cell) for cell in row] for row in table)
+    cell = 'style="text-align: left; padding: 2px 12px 2px 0"'
+    names = ''.join(f'<th scope="col" {cell}>{name}</th>' for name in head)
+    body = ''.join(f'<tr>{"".join(f"<td {cell}>{one}</td>" for one in row)}</tr>' for row in rows)
+    return (
+        '<details style="color: var(--jp-content-font-color1, currentColor)">'
+        f'<summary>Data of this picture</summary><div role="group" tabindex="0" '
+        f'aria-label="Data: {escape(title)}" style="overflow-x: auto">'
+        f'<table style="border-collapse: collapse; margin: 0"><thead><tr>{names}</tr></thead>'
+        f'<tbody>{body}</tbody></table></div></details>'
+    )
+
+
+def listed(times: Sequence[float], most: int = MAX_ROWS) -> str:
+    """Return times in one line; if there are too many, the first ones and the last [s]."""
+    head = times if len(times) <= most else times[: most - 2]
+    words = ' '.join(f'{time:.2f}' for time in head)
+    return words if len(times) <= most else f'{words} ... {times[-1]:.2f}'
 
 
 def text(

@@ -45,11 +45,13 @@ from roslab.qos_table import qos_table
 from roslab.quiz import quiz
 from roslab.simulating import simulate
 from roslab.spinning import make_spinning_interruptible, refuse_to_spin_twice
+from roslab.worked_answers import answer
 
 __all__ = [
     'NameRefusedError',
     'NotHereError',
     'RoslabError',
+    'answer',
     'build_messages',
     'check',
     'domain',

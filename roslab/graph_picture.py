@@ -158,7 +158,28 @@ def _whole(
         'ROS graph',
         '. '.join(graph_text(facts).splitlines()),
         [moved, *notes],
+        _table(facts),
     )
+
+
+def _table(facts: Facts) -> svg.Table:
+    """Return one row for each arrow, and for each node without one."""
+    types = {topic.name: ' | '.join(topic.types) for topic in facts.topics}
+    rows = [
+        (
+            facts.label(edge.node),
+            'publishes' if edge.outward else 'subscribes to',
+            edge.topic,
+            types[edge.topic],
+            'yes' if edge.matched else 'no',
+            edge.remark,
+        )
+        for edge in facts.edges
+    ]
+    busy = {edge.node for edge in facts.edges}
+    idle = [node for node in dict.fromkeys(facts.nodes) if node not in busy]
+    rows += [(facts.label(node), 'uses no topic', '', '', '', '') for node in idle]
+    return [('node', 'does', 'topic', 'type', 'connected', 'remark'), *rows]
 
 
 def _remarks(facts: Facts, topic: Topic) -> list[str]:

@@ -10,7 +10,7 @@ from lifecycle_msgs.srv import GetState
 from rclpy.lifecycle.node import LifecycleNodeMixin
 from rclpy.node import Node
 
-from drawing.svg import FONT
+from drawing.svg import data_table, FONT, Table
 from roslab.errors import NotHereError, RoslabError
 from roslab.ros2.service_calls import meet
 from roslab.session import Session, session
@@ -84,7 +84,17 @@ class LifecyclePicture:
             f'<tspan font-weight="bold">{escape(self.state)}</tspan>{self._on_the_way()}</text>'
             '<text x="10" y="234" stroke="none" fill="currentColor" font-size="11">'
             f'solid: can be asked for now · dashed: not now</text>{"".join(parts)}</svg>'
+            f'{data_table(f"states of {self.name}", self._table())}'
         )
+
+    def _table(self) -> Table:
+        """Return one row for each transition."""
+        rows = [
+            (state, how, goal, 'yes' if state == self.state else 'no')
+            for state, ways in WAYS.items()
+            for how, goal in ways.items()
+        ]
+        return [('state', 'transition', 'leads to', 'possible now'), *rows]
 
     def _box(self, name: str) -> str:
         """Return a state; the current one has a thick border, bold letters and the word now."""

@@ -80,7 +80,7 @@ def curve_text(curve: Curve) -> str:
 
 def curve_html(curve: Curve) -> str:
     """Return the plot as a picture."""
-    points = _thinned(curve.points)
+    points = _thinned(curve.points, _MOST_POINTS)
     low, high = _range(curve)
     end = max(points[-1][0] if points else 0.0, curve.seconds)
     begin = end - curve.seconds
@@ -102,7 +102,19 @@ def curve_html(curve: Curve) -> str:
     if not points:
         middle = (_LEFT + _WIDTH - _RIGHT) / 2
         parts.append(svg.text(middle, _TOP + 18, 'waiting for messages', anchor='middle'))
-    return svg.picture(_WIDTH, _HEIGHT, f'Plot of {curve.name}', curve_words(curve), parts)
+    title = f'Plot of {curve.name}'
+    return svg.picture(_WIDTH, _HEIGHT, title, curve_words(curve), parts, _table(curve))
+
+
+def _table(curve: Curve) -> svg.Table:
+    """Return the values; of many, the lowest and the highest of each stretch."""
+    level = curve.threshold
+    head = ['seconds', curve.name, *([] if level is None else [f'above {level:g}'])]
+    rows = []
+    for time, value in _thinned(curve.points, svg.MAX_ROWS):
+        above = [] if level is None else ['yes' if value > level else 'no']
+        rows.append([f'{time:.2f}', f'{value:g}', *above])
+    return [head, *rows]
 
 
 def _range(curve: Curve) -> tuple[float, float]:
@@ -114,11 +126,11 @@ def _range(curve: Curve) -> tuple[float, float]:
     return low - room, high + room
 
 
-def _thinned(points: Sequence[Point]) -> list[Point]:
-    """Return fewer points, with the lowest and the highest of each stretch."""
-    if len(points) <= _MOST_POINTS:
+def _thinned(points: Sequence[Point], most: int) -> list[Point]:
+    """Return at most so many points, with the lowest and the highest of each stretch."""
+    if len(points) <= most:
         return list(points)
-    size = math.ceil(len(points) / (_MOST_POINTS / 2))
+    size = math.ceil(len(points) / (most / 2))
     kept: list[Point] = []
     for start in range(0, len(points), size):
         stretch = points[start : start + size]

@@ -1,5 +1,5 @@
 """
-Remember the last results of ``check(...)`` and ``quiz(...)``, and show them by lesson.
+Remember the last results of ``check(...)`` and ``quiz(...)`` and the tries; show them by lesson.
 
 They are in one JSON file in the course's work folder. Nothing sends it anywhere, and the grader
 never reads it: it is a note of the learner, not evidence.
@@ -27,15 +27,16 @@ from roslab.errors import RoslabError
 from roslab.output import say, show
 
 FILE = 'progress.json'
-KINDS = ('checks', 'quizzes')
+KINDS = ('checks', 'quizzes', 'tries')
 ABOUT = (
-    'The last results of check(...) and quiz(...): points, and whether the answer was right. '
-    'Only progress() reads this file; progress(forget=True) deletes it.'
+    'The last results of check(...) and quiz(...): points, and whether the answer was right; and '
+    'how often each answer was checked. Only progress() and answer() read this file; '
+    'progress(forget=True) deletes it.'
 )
 HEADER = ('lesson', 'minutes', 'points', 'quiz')
 
 Results = dict[str, dict[str, float]]
-"""Points by exam in ``checks``, 1 for a right answer by key in ``quizzes``."""
+"""Points in ``checks`` and counts in ``tries``, by exam; 1 for a right answer in ``quizzes``."""
 
 
 def progress(forget: bool = False) -> None:
@@ -56,7 +57,7 @@ def progress(forget: bool = False) -> None:
     show(as_text(lessons, results), _as_html(lessons, results))
 
 
-def remember(kind: str, name: str, result: float) -> None:
+def remember(kind: str, name: str, result: float, tries: int = 0) -> None:
     """
     Store the last result of an exercise; if that fails, say so in one line.
 
@@ -65,6 +66,7 @@ def remember(kind: str, name: str, result: float) -> None:
 
     :param kind: one of :data:`KINDS`
     :param result: points, or whether the answer was right
+    :param tries: to add to those so far, 1 for the check of an answer that is written
     """
     try:
         layout = Layout.here()
@@ -77,6 +79,8 @@ def remember(kind: str, name: str, result: float) -> None:
             fcntl.flock(lock, fcntl.LOCK_EX)
             results = read_results(path)
             results[kind][name] = result
+            if tries:
+                results['tries'][name] = results['tries'].get(name, 0) + tries
             keep(path, json_bytes({'about': ABOUT, **results}))
     except (GraderError, OSError, RoslabError) as error:
         say(f'progress() will not show this result. {error}')
@@ -94,6 +98,8 @@ def read_results(path: Path) -> Results:
         return {kind: {} for kind in KINDS}
     except (OSError, ValueError, RecursionError):
         found = None
+    if isinstance(found, dict):
+        found.setdefault('tries', {})  # files from before they were counted
     if not _is_ours(found):
         raise RoslabError(
             f'{path}: this file does not hold the results of check() and quiz(). Try: '

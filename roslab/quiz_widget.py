@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import html
 from pathlib import Path
+import re
 from typing import Any
 
 import anywidget
 import traitlets
 
 from roslab.progress import remember
-from roslab.quiz import Question
+from roslab.quiz import LETTERS, Question
 
 _HERE = Path(__file__).parent
 
@@ -34,6 +36,30 @@ class QuizWidget(anywidget.AnyWidget):
     def __repr__(self) -> str:
         """Return the question and its lettered options, for viewers without widgets."""
         return self._text
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Add the question as HTML, for pages without a kernel."""
+        data, about = super()._repr_mimebundle_(**kwargs)
+        return {**data, 'text/html': as_html(self.question)}, about
+
+
+def as_html(question: dict[str, Any]) -> str:
+    """
+    Return a question as HTML in which each option opens its explanation.
+
+    :param question: as the widget has it
+    """
+    options = ''.join(
+        f'<details><summary>{letter}) {_with_code(option["text"])}</summary>'
+        f'<p><strong>{"Right" if option["right"] else "Wrong"}.</strong> '
+        f'{_with_code(option["why"])}</p></details>'
+        for letter, option in zip(LETTERS, question['options'])
+    )
+    return f'<div class="quiz"><p>{_with_code(question["text"])}</p>{options}</div>'
+
+
+def _with_code(text: str) -> str:
+    return re.sub('`(.*?)`', r'<code>\1</code>', html.escape(text))
 
 
 def _note(question: Question, chosen: int) -> None:

@@ -31,6 +31,7 @@ class CheckReport:
     :param edited: files whose cell has been edited since
     :param left_over: files that no cell of the notebook saves any more
     :param lesson: file name of the lesson's notebook, for links to its sections
+    :param worked: the line that leads to a worked answer, as text and as HTML
     """
 
     exam: str
@@ -41,6 +42,7 @@ class CheckReport:
     edited: tuple[str, ...] = ()
     left_over: tuple[str, ...] = ()
     lesson: str | None = None
+    worked: tuple[str, str] = ('', '')
     _shown_in: int | None = field(default=None, repr=False, compare=False)
 
     def __bool__(self) -> bool:
@@ -112,6 +114,7 @@ class CheckReport:
             titles = titles_of(self.result)
             for check in causes_once(self.result):
                 lines += check_lines(check, titles)
+        lines += ['', self.worked[0]] if self.worked[0] else []
         return '\n'.join(lines)
 
     def __repr__(self) -> str:
@@ -120,4 +123,5 @@ class CheckReport:
     def _repr_html_(self) -> str:
         remarks = ''.join(paragraph(remark) for remark in self._remarks)
         checks = checks_html(self.result, self.lesson) if self.result else ''
-        return f'<div><strong>{html.escape(self._headline)}</strong>{remarks}{checks}</div>'
+        head = f'<strong>{html.escape(self._headline)}</strong>'
+        return f'<div>{head}{remarks}{checks}{self.worked[1]}</div>'

@@ -68,9 +68,8 @@ class Timeline:
         lines = [f'{"row":<{width}}  {"count":>5}  {"rate":>8}  times [s]']
         for row in self.rows:
             rate = 'mark' if row.mark else '-' if row.rate is None else f'{row.rate:.1f} Hz'
-            lines.append(
-                f'{row.label:<{width}}  {len(row.times):>5}  {rate:>8}  {_listed(row.times)}'
-            )
+            times = svg.listed(row.times, _MOST_TIMES)
+            lines.append(f'{row.label:<{width}}  {len(row.times):>5}  {rate:>8}  {times}')
         return '\n'.join(lines)
 
     def __repr__(self) -> str:
@@ -135,13 +134,6 @@ def _row_of_mark(label: str, times: Iterable[float]) -> Row:
         ) from None
 
 
-def _listed(times: Sequence[float]) -> str:
-    if len(times) <= _MOST_TIMES:
-        return ' '.join(f'{time:.2f}' for time in times)
-    head = ' '.join(f'{time:.2f}' for time in times[: _MOST_TIMES - 2])
-    return f'{head} ... {times[-1]:.2f}'
-
-
 def _draw(line: Timeline) -> str:
     rows = line.rows
     left = _MARGIN + max(
@@ -167,12 +159,14 @@ def _draw(line: Timeline) -> str:
         parts.append(_row(row, y, left, right, [place(time) for time in row.times], marks))
         marks += row.mark
     described = '. '.join(f'{row.label}: {row.amount}' for row in rows)
+    data = [(row.label, row.more, row.amount, svg.listed(row.times)) for row in rows]
     return svg.picture(
         _WIDTH,
         bottom + 28,
         f'Timeline of {span:.1f} seconds, {len(rows)} row{"s" * (len(rows) != 1)}',
         described,
         parts,
+        [('row', 'type', 'amount', 'times [s]'), *data],
     )
 
 

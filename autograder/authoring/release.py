@@ -184,6 +184,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         prog='python -m autograder.authoring.release', description=__doc__
     )
     parser.add_argument('command', choices=('check', 'release'))
+    parser.add_argument(
+        '--answers',
+        action='store_true',
+        help='let students see a worked answer after full points or three tries',
+    )
     chosen = parser.parse_args(arguments)
     layout = Layout.here()
     try:
@@ -200,7 +205,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(said, file=sys.stderr)
             return 1
         bundle = layout.work / 'student_bundle.zip'
-        count = pack(layout, bundle)
+        count = pack(layout, bundle, chosen.answers)
     except GraderError as error:
         print(f'course: {error}', file=sys.stderr)
         return 2

@@ -10,6 +10,7 @@ import io
 from pathlib import Path
 import zipfile
 
+from autograder.authoring.worked_answers import answer_files
 from autograder.files import keep
 from autograder.layout import Layout
 from environment import packed_package
@@ -70,16 +71,19 @@ def bundled_files(layout: Layout) -> dict[str, Path]:
     return {name: path for name, path in found.items() if path.is_file()}
 
 
-def pack(layout: Layout, bundle: Path) -> int:
+def pack(layout: Layout, bundle: Path, answers: bool = False) -> int:
     """
     Write the zip file for students atomically; the same course gives the same bytes.
 
+    :param answers: whether the copy has worked answers, which students can then open
     :returns: number of files
     """
     files, made = bundled_files(layout), io.BytesIO()
     texts = {name: (path.read_bytes(), path.stat().st_mode) for name, path in files.items()}
     if package := layout.facts.package:
         texts[f'{package}/{packed_package.FILE}'] = packed_package.pack(layout.root / package), 0
+    if answers:
+        texts |= {name: (data, 0) for name, data in answer_files(layout).items()}
     with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
         for name, (data, mode) in sorted(texts.items()):
             entry = zipfile.ZipInfo(f'{TOP}/{name}', date_time=(2024, 1, 1, 0, 0, 0))

@@ -72,7 +72,11 @@ def _timeline(picture: Mapping[str, Any]) -> str:
     at = picture.get('deviation')
     if at is not None:
         parts.append(_deviation(place(float(at)), bottom, left, right))
-    return svg.picture(_WIDTH, bottom + 26, _title(picture), timeline_words(picture), parts)
+    unit = 'at numbers' if picture['unit'] == 'input' else 'times [s]'
+    data = [(*row, svg.listed(one['times'])) for *row, one in zip(labels, amounts, rows)]
+    table = [('row', 'amount', unit), *data]
+    words = timeline_words(picture)
+    return svg.picture(_WIDTH, bottom + 26, _title(picture), words, parts, table)
 
 
 def _axis(
@@ -181,7 +185,24 @@ def _graph(picture: Mapping[str, Any]) -> str:
     width = max(layout.width, svg.text_width(legend, 11)) + 2 * _MARGIN
     moved = [f'<g transform="translate({_MARGIN:g} {_MARGIN:g})">', *parts, '</g>']
     title = 'Nodes and topics, expected and observed'
-    return svg.picture(width, low + 2 * _MARGIN, title, graph_words(picture), moved)
+    height = low + 2 * _MARGIN
+    return svg.picture(width, height, title, graph_words(picture), moved, _graph_table(arrows))
+
+
+def _graph_table(arrows: Sequence[Mapping[str, Any]]) -> svg.Table:
+    """Return one row for each arrow."""
+    rows = [
+        (
+            _short(arrow['node']),
+            'publishes' if arrow['outward'] else 'subscribes to',
+            _short(arrow['topic']),
+            _short(arrow['type']),
+            'yes' if arrow['matched'] else 'no',
+            arrow['remark'],
+        )
+        for arrow in arrows
+    ]
+    return [('node', 'does', 'topic', 'type', 'as it should be', 'remark'), *rows]
 
 
 def graph_words(picture: Mapping[str, Any]) -> str:

@@ -115,7 +115,7 @@ class TestRelease:
     def test_a_course_that_fits_together_is_packed(self, layout, monkeypatch, capsys):
         """In the end it says where."""
         monkeypatch.setattr(course, 'check', lambda layout: [])
-        monkeypatch.setattr(course, 'pack', lambda layout, bundle: 7)
+        monkeypatch.setattr(course, 'pack', lambda layout, bundle, answers: 7)
 
         assert course.main(['release']) == 0
         assert 'student_bundle.zip holds 7 files' in capsys.readouterr().out

@@ -187,6 +187,42 @@ def test_picture_that_scrolls_can_be_reached_by_the_keyboard():
     page = svg.picture(900, 100, 'A <graph>', 'words', [])
 
     assert page.startswith('<div role="group" aria-label="A &lt;graph&gt;" tabindex="0" style="ov')
+    assert '<details' not in page
+
+
+def table(page):
+    """Return the rows of the table below a picture."""
+    found = ElementTree.fromstring(re.search(r'<table.*</table>', page, re.DOTALL)[0])
+    return [[cell.text or '' for cell in row] for row in found.iter('tr')]
+
+
+def test_picture_has_its_data_in_a_table():
+    """Each row of it can be read without seeing the picture."""
+    seen = Graph(chatter([end('/talker')], [end('/ear', 'std_msgs/msg/Int32')], ['/idle']))
+    head, *rows = table(seen._repr_html_())
+    names, *values = table(curve_html(Curve('/t value', ((0.5, 1.0), (1.0, 3.0)), 2.0, 2.0)))
+
+    assert head == ['node', 'does', 'topic', 'type', 'connected', 'remark']
+    assert [row[:3] for row in rows] == [
+        ['/talker', 'publishes', '/chatter'],
+        ['/ear', 'subscribes to', '/chatter'],
+        ['/idle', 'uses no topic', ''],
+    ]
+    assert [row[4] for row in rows] == ['no', 'no', '']
+    assert [names, *values] == [
+        ['seconds', '/t value', 'above 2'],
+        ['0.50', '1', 'no'],
+        ['1.00', '3', 'yes'],
+    ]
+
+
+def test_table_of_a_long_curve_is_short_and_keeps_its_peak():
+    """A reader goes through some dozens of rows."""
+    points = tuple((n / 10, 100.0 if n == 777 else 1.0) for n in range(1000))
+    rows = table(curve_html(Curve('/t value', points, 100.0)))
+
+    assert len(rows) <= svg.MAX_ROWS + 2
+    assert ['77.70', '100'] in rows
 
 
 SIZES = {
@@ -325,7 +361,7 @@ def test_value_that_is_not_finite_is_a_gap():
     page = curve_html(curve(1, 2, math.nan, 3, 4))
 
     assert page.count('<polyline') == 2
-    assert 'nan' not in page.partition('</desc>')[2]
+    assert 'nan' not in page.partition('</desc>')[2].partition('</svg>')[0]
     assert '1 not finite' in page
 
 

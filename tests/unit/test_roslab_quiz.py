@@ -142,6 +142,8 @@ def test_viewer_without_widgets_gets_the_question_and_its_letters():
     lines = data['text/plain'].splitlines()
 
     assert 'application/vnd.jupyter.widget-view+json' in data
+    assert data['text/html'].count('<details>') >= 3
+    assert data['text/html'].count('<strong>Right.</strong>') == 1
     assert ' '.join(lines).startswith(question.text)
     assert lines[-4:] == [
         f'  {letter}) {option.text}' for letter, option in zip('abcd', question.options)

@@ -1,0 +1,24 @@
+"""
+Settings of Sphinx for the book.
+
+A page asks no other host for anything: the theme brings its scripts, and a notebook with widgets
+would load theirs from elsewhere, so they are off.
+"""
+
+project = 'ROS 2 nodes and topics'
+html_title = project
+extensions = ['myst_nb']
+# The notebooks have their outputs.
+nb_execution_mode = 'off'
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}
+nb_merge_streams = True
+myst_heading_anchors = 3
+myst_heading_slug_func = 'autograder.explaining.feedback_html.section_id'
+language = 'en'
+html_theme = 'furo'
+html_static_path = ['style.css']
+html_css_files = ['style.css']
+html_copy_source = False
+html_show_sphinx = False
+# Shell commands in cells are not Python; they are shown without colours.
+suppress_warnings = ['misc.highlighting_failure']

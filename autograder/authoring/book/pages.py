@@ -1,0 +1,130 @@
+"""
+Execute the solved lessons, and put their outputs below the cells of the students' lessons.
+
+An exercise keeps its stub and has no output.  The cells after it show what they show for a right
+answer: they would fail without one, and their outputs contain no code of an answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+import re
+import tempfile
+
+from nbclient import NotebookClient
+import nbformat
+from nbformat.v4 import new_markdown_cell, new_notebook
+from traitlets.config import Config
+
+from autograder.authoring.execute import CELL_TIMEOUT_S
+from autograder.authoring.lesson_frame import lesson_map, outlines, START_HERE
+from autograder.files import keep
+from autograder.layout import Layout, lesson_files
+from autograder.submission.notebook import marks_of
+from environment.install_files import KERNEL_NAME
+
+AT_ONCE = 2
+"""Lessons that run side by side; most of the time they wait for messages."""
+INDEX = 'index.ipynb'
+SHOWN = ('text/html', 'image/svg+xml', 'image/png', 'text/plain')
+"""The kinds of output that a page without a kernel can show, the best first."""
+LEXER = 'ipython3'
+"""Knows the magic lines of cells."""
+DIAGRAM = re.compile(r'```mermaid\n.*?accTitle: (.*?)\n *accDescr: (.*?)\n.*?```', re.DOTALL)
+"""A diagram that only a script of three megabytes can draw; the book has its own words for it."""
+YOURS = (
+    '*You write this cell in JupyterLab. The outputs from here to the next exercise come from a '
+    'right answer.*'
+)
+ABOUT = """\
+# The lessons, to read
+
+You can read these pages without running anything. Their outputs come from real ROS 2 nodes.
+To write nodes of your own, open the lessons in JupyterLab: `make lab`.
+"""
+CONTENTS = '```{toctree}\n:hidden:\n:glob:\n\n*/*\n```'
+
+
+def write_pages(layout: Layout, folder: Path) -> list[Path]:
+    """
+    Execute the solved lessons and write one page for each, and the page that lists them.
+
+    :param folder: receives the notebooks that Sphinx reads
+    :returns: the pages of the lessons
+    :raises CellExecutionError: if a cell of a solved lesson raised an error
+    """
+    lessons = lesson_files(layout.notebooks)
+    names = [path.relative_to(layout.notebooks) for path in lessons]
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        solved = list(pool.map(executed, (layout.solutions / name for name in names)))
+    for path, name, notebook in zip(lessons, names, solved):
+        _write(page(nbformat.read(path, as_version=4), notebook), folder / name)
+    _write(first_page(layout), folder / INDEX)
+    return [folder / name for name in names]
+
+
+def _write(notebook: nbformat.NotebookNode, path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    keep(path, f'{nbformat.writes(notebook)}\n'.encode())
+
+
+def executed(path: Path) -> nbformat.NotebookNode:
+    """
+    Return a notebook with the outputs that JupyterLab would show.
+
+    :raises CellExecutionError: if a cell raised an error
+    """
+    notebook = nbformat.read(path, as_version=4)
+    # JupyterLab names the cell in each request; roslab then shows pictures instead of text.
+    frontend = Config({'Session': {'metadata': {'cellId': 'book'}}})
+    with tempfile.TemporaryDirectory(prefix='lesson_') as folder:
+        NotebookClient(
+            notebook,
+            kernel_name=KERNEL_NAME,
+            timeout=CELL_TIMEOUT_S,
+            resources={'metadata': {'path': folder}},
+            config=frontend,
+        ).execute()
+    return notebook
+
+
+def page(release: nbformat.NotebookNode, solved: nbformat.NotebookNode) -> nbformat.NotebookNode:
+    """
+    Return the students' lesson with the outputs of the solved one.
+
+    :param release: the lesson as students receive it, without outputs
+    :param solved: the same lesson after its execution; equal cells have equal ids
+    """
+    outputs = {cell.id: list(_shown(cell)) for cell in solved.cells if 'outputs' in cell}
+    cells = []
+    for cell in release.cells:
+        cells.append(cell)
+        if cell.cell_type == 'markdown':
+            text = DIAGRAM.sub(r'> **\1.** \2', cell.source)
+            cell.source = text.replace(START_HERE, INDEX)
+        elif marks_of(cell).get('solution'):
+            cells.append(new_markdown_cell(YOURS, id=f'{cell.id}-yours'[:64]))
+        else:
+            cell.outputs = outputs[cell.id]
+    release.cells = cells
+    release.metadata.language_info.pygments_lexer = LEXER
+    return release
+
+
+def _shown(cell: nbformat.NotebookNode) -> Iterator[nbformat.NotebookNode]:
+    """Yield the outputs of a cell in one form each, without lines that were cleared again."""
+    for output in cell.outputs:
+        if 'data' in output:
+            kind = next((one for one in SHOWN if output.data.get(one)), None)
+            if kind is None:
+                continue
+            output.data = {kind: output.data[kind]}
+        yield output
+
+
+def first_page(layout: Layout) -> nbformat.NotebookNode:
+    """Return the page that lists the lessons."""
+    texts = (ABOUT, lesson_map(outlines(layout.notebooks)), CONTENTS)
+    return new_notebook(cells=[new_markdown_cell(text) for text in texts])

@@ -1,0 +1,49 @@
+"""
+The worked answers of a lesson, as one file of the students' copy.
+
+The file is encoded so that a learner does not read it by accident. It is not secret: anyone can
+decode it, and the release packs it only on request.
+"""
+
+from __future__ import annotations
+
+from base64 import b64decode, encodebytes
+from collections.abc import Mapping
+import json
+from pathlib import Path
+import zlib
+
+from autograder.errors import GraderError
+
+FOLDER = 'answers'
+"""Folder of the students' copy with one file for each lesson."""
+ABOUT = (
+    b'# Worked answers of a lesson, encoded but not secret. answer(...) in a notebook shows them.'
+)
+
+
+def encoded(answers: Mapping[str, str]) -> bytes:
+    """
+    Return the content of a file.
+
+    :param answers: the text of all cells of an answer, by exam
+    """
+    return ABOUT + b'\n' + encodebytes(zlib.compress(json.dumps(answers).encode()))
+
+
+def read_answers(path: Path) -> dict[str, str]:
+    """
+    Return the worked answers of a lesson by exam; none if there is no file.
+
+    :raises GraderError: if the file cannot be read
+    """
+    try:
+        lines = path.read_bytes().partition(b'\n')[2]
+        return dict(json.loads(zlib.decompress(b64decode(lines))))
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError, TypeError, zlib.error) as error:
+        raise GraderError(
+            f'{path}: this file does not hold worked answers: {error}.',
+            'Try: copy it again from the files of the course',
+        ) from error

@@ -1,0 +1,99 @@
+"""The pages of the book: students' text, outputs of a solved lesson, nothing of a solution."""
+
+from __future__ import annotations
+
+import re
+
+import nbformat
+from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook, new_output
+import pytest
+
+from autograder.authoring.book.pages import first_page, INDEX, page, YOURS
+from autograder.layout import Layout, lesson_files
+from autograder.submission.notebook import marks_of
+from environment.places import PROJECT
+
+LESSONS = lesson_files(PROJECT / 'notebooks')
+PICTURE = {'text/plain': 'a graph', 'text/html': '<svg/>'}
+
+
+def lesson(*cells):
+    """Return a notebook."""
+    metadata = {'language_info': {'name': 'python'}}
+    return new_notebook(cells=list(cells), metadata=metadata)
+
+
+def made(*outputs, source='show()', **marks):
+    """Return the page of one cell, from its solved version with these outputs."""
+    metadata = {'nbgrader': marks} if marks else {}
+    one = new_code_cell(source, id='one', metadata=metadata)
+    solved = new_code_cell('the solution', id='one', outputs=list(outputs))
+    return page(lesson(one), lesson(solved)).cells
+
+
+def test_demonstration_has_its_picture():
+    """Of each output the best form that needs no kernel."""
+    widget = {'application/vnd.jupyter.widget-view+json': {}, 'text/html': '<p>?</p>'}
+    (cell,) = made(new_output('display_data', PICTURE), new_output('display_data', widget))
+
+    assert [one.data for one in cell.outputs] == [
+        {'text/html': '<svg/>'},
+        {'text/html': '<p>?</p>'},
+    ]
+
+
+def test_line_that_was_cleared_is_left_out():
+    """A cell that waited has cleared its counter of seconds."""
+    (cell,) = made(new_output('display_data', {'text/plain': ''}), new_output('stream', text='a'))
+
+    assert [one.output_type for one in cell.outputs] == ['stream']
+
+
+def test_exercise_keeps_its_stub_and_has_no_output():
+    """A line says where it is written."""
+    stub = '# YOUR CODE HERE'
+    cell, note = made(new_output('stream', text='x'), source=stub, solution=True, grade_id='one')
+
+    assert (cell.source, cell.outputs) == (stub, [])
+    assert note.source == YOURS
+
+
+def test_diagram_becomes_its_words_and_links_lead_to_the_first_page():
+    """Nothing on a page needs a script."""
+    text = (
+        '# A\n\n```mermaid\nflowchart LR\n  accTitle: Two\n  accDescr: A to B.\n  A --> B\n```\n'
+    )
+    text += '[Start](../START_HERE.ipynb)'
+    (cell,) = page(lesson(new_markdown_cell(text, id='a')), lesson()).cells
+
+    assert cell.source == f'# A\n\n> **Two.** A to B.\n[Start](../{INDEX})'
+
+
+@pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
+def test_page_of_a_lesson_has_no_line_of_a_solution(path):
+    """What students write is on no page, whatever the solved notebook holds."""
+    solved = nbformat.read(PROJECT / 'solutions' / path.parent.name / path.name, as_version=4)
+    released = nbformat.read(path, as_version=4)
+    known = {line.strip() for cell in released.cells for line in cell.source.splitlines()}
+    secret = {
+        line.strip()
+        for cell in solved.cells
+        if marks_of(cell).get('solution')
+        for part in re.findall('BEGIN SOLUTION(.*?)### END', cell.source, re.DOTALL)
+        for line in part.splitlines()
+    } - known
+    result = page(released, solved)
+
+    assert secret.isdisjoint(
+        line.strip() for cell in result.cells for line in cell.source.splitlines()
+    )
+    assert 'mermaid' not in nbformat.writes(result)
+
+
+def test_first_page_links_to_all_lessons():
+    """In their order."""
+    text = nbformat.writes(first_page(Layout(PROJECT)))
+
+    assert [text.index(f'({path.parent.name}/{path.name})') for path in LESSONS] == sorted(
+        text.index(f'({path.parent.name}/{path.name})') for path in LESSONS
+    )
