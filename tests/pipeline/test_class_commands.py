@@ -176,7 +176,7 @@ class TestCommands:
         mine = tmp_path / 'canvas.csv'
         mine.write_text(
             'Student,ID,SIS Login ID,Section,Monitor (7),Final Score\n'
-            '    Points Possible,,,,45,(read only)\n'
+            '    Points Possible,,,,55,(read only)\n'
             '"A, Ann",1,ann,One,,\n"E, Eve",2,eve,One,,\n',
             encoding='utf-8',
         )
@@ -186,7 +186,7 @@ class TestCommands:
 
         assert command.main([*arguments, '--to', str(to)]) == FOR_REVIEW
         rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
-        assert [row[4] for row in rows] == ['Monitor (7)', '45', '45', '']
+        assert [row[4] for row in rows] == ['Monitor (7)', '55', '55', '']
         assert mine.read_bytes() == before
         assert 'not entered: eve: for review' in capsys.readouterr().out
         assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
