@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from difflib import get_close_matches
+import math
 import re
 from typing import Any, ClassVar
 
@@ -317,7 +318,9 @@ def _not_announced(name: str, there: set[str]) -> str:
 def set_parameter(node: str, name: str, value: bool | int | float | str) -> Call:
     """Return the call that sets one parameter of a node."""
     number, word = PARAMETER_TYPES[type(value)]
-    wanted = {'name': name, 'value': {'type': number, f'{word}_value': value}}
+    # JSON has no NaN and no infinity.
+    told = value if not isinstance(value, float) or math.isfinite(value) else str(value)
+    wanted = {'name': name, 'value': {'type': number, f'{word}_value': told}}
     return Call(
         node, 'set_parameters', 'rcl_interfaces/srv/SetParameters', {'parameters': [wanted]}
     )

@@ -58,7 +58,7 @@ def _archives() -> Iterator[str]:
 def _section(kind: str, group: Sequence[Attack]) -> list[str]:
     if kind == NOTEBOOKS:
         title = '## Notebooks and folders as they are handed in'
-        what = 'Points of the whole lesson 07, of 40.'
+        what = 'Points of the whole lesson 07, of 50.'
     else:
         title = f'## Programs for the exam {kind}'
         what = f'Of {catalog.load(kind).max_points:g} points.'

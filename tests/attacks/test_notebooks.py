@@ -37,7 +37,7 @@ pytestmark = [pytest.mark.attacks, pytest.mark.ros, pytest.mark.slow, pytest.mar
 ROOT = Path(__file__).parents[2]
 ATTACKS = notebooks()
 # One before, one between and one behind all others; the last has nothing right.
-HONEST = {'ada': 40.0, 'has_a_pen': 40.0, 'zoe': 0.0}
+HONEST = {'ada': 50.0, 'has_a_pen': 50.0, 'zoe': 0.0}
 HTML = ('<script>alert', '<img src=x', '<svg/', 'href="javascript:', '<iframe', '<b onmouse')
 
 

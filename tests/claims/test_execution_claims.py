@@ -12,7 +12,7 @@ import weakref
 
 import pytest
 from rcl_interfaces.srv import GetParameters
-from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.clock import ClockType
 from rclpy.duration import Duration
 from rclpy.executors import (
@@ -168,8 +168,8 @@ def test_exception_in_a_callback_leaves_spin(world):
         world.executor.spin()
 
 
-def most_at_once(world, group) -> int:
-    """Return how many callbacks of a node ran at the same time on four threads."""
+def most_at_once(world, *groups) -> int:
+    """Return how many calls ran at once on four threads, of a timer in each group."""
     node, now, most, lock = world.node(), [], [0], threading.Lock()
     world.executor.remove_node(node)
     done = threading.Event()
@@ -187,7 +187,7 @@ def most_at_once(world, group) -> int:
 
     calls: list[int] = []
     both = Meeting(2)
-    for _ in range(2):
+    for group in groups:
         node.create_timer(0.01, busy, callback_group=group)
     executor = MultiThreadedExecutor(4, context=world.context)
     executor.add_node(node)
@@ -216,8 +216,35 @@ class Meeting:
 @claim('X9')
 def test_callbacks_exclude_each_other_unless_their_group_is_reentrant(world):
     """Four threads change nothing for the default group."""
-    assert most_at_once(world, None) == 1
-    assert most_at_once(world, ReentrantCallbackGroup()) == 2
+    everybody = ReentrantCallbackGroup()
+
+    assert most_at_once(world, None, None) == 1
+    assert most_at_once(world, everybody, everybody) >= 2
+
+
+@claim('X22')
+def test_callbacks_of_different_exclusive_groups_run_at_the_same_time(world):
+    """One group lets one call run at a time, and does not wait for another group."""
+    shared, other = MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
+
+    assert most_at_once(world, shared, other) == 2
+    assert most_at_once(world, shared, shared) == 1
+
+
+@claim('X22')
+def test_callback_overlaps_with_itself_in_a_reentrant_group_only(world):
+    """A timer that ticks faster than its callback ends meets itself."""
+    assert most_at_once(world, ReentrantCallbackGroup()) >= 2
+    assert most_at_once(world, MutuallyExclusiveCallbackGroup()) == 1
+
+
+@claim('X23')
+def test_executor_has_as_many_threads_as_there_are_processors(world):
+    """On one processor, an executor without a number of threads runs one callback at a time."""
+    executor = MultiThreadedExecutor(context=world.context)
+
+    assert executor._executor._max_workers == len(os.sched_getaffinity(0))
+    executor.shutdown()
 
 
 @claim('X10')

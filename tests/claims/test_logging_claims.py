@@ -9,7 +9,12 @@ import subprocess
 import sys
 
 import pytest
-from rcl_interfaces.msg import Log, SetParametersResult
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    Log,
+    ParameterDescriptor,
+    SetParametersResult,
+)
 from rclpy.context import Context
 from rclpy.exceptions import ParameterAlreadyDeclaredException, ParameterNotDeclaredException
 from rclpy.logging import LoggingSeverity
@@ -146,6 +151,57 @@ def test_parameter_is_validated_in_a_callback(world):
 
     assert (answer.successful, answer.reason) == (False, 'not a number')
     assert node.get_parameter('threshold').value == 30.0
+
+
+@claim('P12')
+def test_nan_passes_a_test_of_what_is_below_or_above(world):
+    """The node that asks so takes NaN, and warns no more; a range in a descriptor refuses it."""
+    node, limit = world.node(), 'limit_c'
+    node.declare_parameter(limit, 30.0)
+    node.add_on_set_parameters_callback(
+        lambda new: SetParametersResult(
+            successful=not any(p.value < -40.0 or p.value > 125.0 for p in new)
+        )
+    )
+    careful = FloatingPointRange(from_value=-40.0, to_value=125.0)
+    node.declare_parameter('ranged', 30.0, ParameterDescriptor(floating_point_range=[careful]))
+    wanted = [Parameter(name, value=math.nan) for name in (limit, 'ranged')]
+
+    assert [answer.successful for answer in node.set_parameters(wanted)] == [True, False]
+    assert not node.get_parameter(limit).value < 1000.0
+    assert not -40.0 <= math.nan <= 125.0
+
+
+@claim('P13')
+def test_callback_of_parameters_is_asked_after_the_type(world):
+    """It sees declarations and every parameter, but no value of another type."""
+    node, asked = world.node(), []
+
+    def note(parameters):
+        asked.extend((one.name, one.value) for one in parameters)
+        return SetParametersResult(successful=True)
+
+    node.add_on_set_parameters_callback(note)
+    node.declare_parameter('limit_c', 30.0)
+    node.declare_parameter('place', 'motor')
+    others = [Parameter('limit_c', value=value) for value in (29, 'hot', True)]
+
+    assert not any(answer.successful for answer in node.set_parameters(others))
+    assert node.set_parameters([Parameter('place', value='pump')])[0].successful
+    assert asked == [('limit_c', 30.0), ('place', 'motor'), ('place', 'pump')]
+
+
+@claim('P13')
+@pytest.mark.filterwarnings('ignore:Callback returned an invalid type')
+def test_callback_of_parameters_must_return_a_result(world):
+    """Without one the change is refused, and rclpy gives the reason."""
+    node = world.node()
+    node.declare_parameter('limit_c', 30.0)
+    node.add_on_set_parameters_callback(lambda parameters: None)
+    (answer,) = node.set_parameters([Parameter('limit_c', value=31.0)])
+
+    assert (answer.successful, answer.reason) == (False, 'Callback returned an invalid type')
+    assert node.get_parameter('limit_c').value == 30.0
 
 
 @claim('P8', 'C16', 'C32')

@@ -30,6 +30,7 @@ EXAMS = (
     ),
     FakeExam('temperature_publisher', ('temperature_publisher',), 15, "'temperature_topic'"),
     FakeExam('temperature_subscriber', ('temperature_subscriber',), 15, '> THRESHOLD_C'),
+    FakeExam('limit_keeper', ('limit_keeper',), 10, '> limit_c'),
 )
 
 

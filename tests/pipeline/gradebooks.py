@@ -226,7 +226,7 @@ def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
     assert grade(course) == 2
     assert scores(course, 'ann')['late'] == 0
     late = scores(course, 'bob')['late']
-    assert late == 40
+    assert late == 50
 
     by_hand(course, 'ann', 4)
     by_hand(course, 'bob', 4)

@@ -117,17 +117,17 @@ class TestMarks:
         assert mark().points is None
         grade_by_hand(course, 'cut', 2.0)
 
-        assert mark().points == 8.0  # for each of three checks and the written question
+        assert mark().points == 10.0  # for each of four checks and the written question
 
     def test_a_mark_has_the_manual_points_and_the_penalty(self, graded):
-        """40 of the checks and 4 by hand, 2 for being late."""
+        """50 of the checks and 4 by hand, 2 for being late."""
         grade_by_hand(graded, 'ann', 4.0, late=2.0)
         grade_by_hand(graded, 'eve', 4.0)
         found = {
             one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], 'gradebook')
         }
 
-        assert (found['ann'].points, found['ann'].max_points) == (42.0, 45.0)
+        assert (found['ann'].points, found['ann'].max_points) == (52.0, 55.0)
         assert found['ann'].status == GRADED
         assert found['eve'].points is None
 
@@ -146,7 +146,7 @@ class TestMarks:
         """Whatever the gradebook has."""
         found = {one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], AUTOMATIC)}
 
-        assert (found['ann'].points, found['ann'].max_points) == (40.0, 40.0)
+        assert (found['ann'].points, found['ann'].max_points) == (50.0, 50.0)
         assert found['eve'].points is None
 
 
@@ -174,7 +174,7 @@ class TestCommands:
         mine = tmp_path / 'canvas.csv'
         mine.write_text(
             'Student,ID,SIS Login ID,Section,Monitor (7),Final Score\n'
-            '    Points Possible,,,,45,(read only)\n'
+            '    Points Possible,,,,55,(read only)\n'
             '"A, Ann",1,ann,One,,\n"E, Eve",2,eve,One,,\n',
             encoding='utf-8',
         )
@@ -184,7 +184,7 @@ class TestCommands:
 
         assert command.main([*arguments, '--to', str(to)]) == FOR_REVIEW
         rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
-        assert [row[4] for row in rows] == ['Monitor (7)', '45', '45', '']
+        assert [row[4] for row in rows] == ['Monitor (7)', '55', '55', '']
         assert mine.read_bytes() == before
         assert 'not entered: eve: for review' in capsys.readouterr().out
         assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
@@ -199,7 +199,7 @@ class TestCommands:
         assert command.main(arguments) == FOR_REVIEW
         there = sorted(path.parent.name for path in tmp_path.glob('*/results.json'))
         assert there == ['ann', 'bob']
-        assert json.loads((tmp_path / 'ann' / 'results.json').read_text('utf-8'))['score'] == 40
+        assert json.loads((tmp_path / 'ann' / 'results.json').read_text('utf-8'))['score'] == 50
 
     def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):
         """Review is an exit code for stats; similar shows the copy."""

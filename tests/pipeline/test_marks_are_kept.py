@@ -93,7 +93,7 @@ class TestPoints:
             'then make release\n'
         )
         assert scores(here, 'ann')[CHECK] == 15
-        assert results_of(here, ASSIGNMENT)[0].results[0].points == 40
+        assert results_of(here, ASSIGNMENT)[0].results[0].points == 50
 
     def test_a_release_of_before_is_refused(self, here, edit, capsys):
         """The score would be more than the released cell may have."""
@@ -120,16 +120,16 @@ class TestLoweredMarks:
         assert grade() == command.USAGE
         said = capsys.readouterr()
         out = ' '.join(said.out.split())
-        assert 'Unchanged in the gradebook: ann 40 to 30.' in out
+        assert 'Unchanged in the gradebook: ann 50 to 40.' in out
         assert said.err.startswith(f'autograder: gradebook: 1 mark of {ASSIGNMENT} would be ')
         assert 'Try: look at the list, then run the same command with --yes' in said.err
         assert scores(here, 'ann')[CHECK] == scores(here, 'bob')[CHECK] == 15
-        assert [one.points for one in results_of(here, ASSIGNMENT)[0].results] == [30, 40]
+        assert [one.points for one in results_of(here, ASSIGNMENT)[0].results] == [40, 50]
 
         assert grade() == command.USAGE  # until it is decided
         capsys.readouterr()
         assert grade('--yes') == OK
-        assert 'Fewer points than before: ann 40 to 30.' in ' '.join(
+        assert 'Fewer points than before: ann 50 to 40.' in ' '.join(
             capsys.readouterr().out.split()
         )
         assert scores(here, 'ann')[CHECK] == 5
@@ -150,7 +150,7 @@ class TestLoweredMarks:
 
         lines = capsys.readouterr().out.splitlines()
         assert [line for line in lines if line.startswith('  ')] == [
-            f'  {student} 40 to 30' for student in students
+            f'  {student} 50 to 40' for student in students
         ]
 
     def test_a_mark_is_not_emptied_by_a_fault_of_the_grader(self, here, capsys):
@@ -160,7 +160,7 @@ class TestLoweredMarks:
 
         assert grade() == command.USAGE
         said = ' '.join(capsys.readouterr().out.split())
-        assert f'ann 40 to 0, no score for check_temperature_message, {CHECK}' in said
+        assert f'ann 50 to 0, no score for check_temperature_message, {CHECK}' in said
         assert scores(here, 'ann')[CHECK] == 15
 
         assert grade('--yes') == FOR_REVIEW
@@ -179,7 +179,7 @@ class TestLoweredMarks:
         hand_in(here, 'ann', **TYPO, **{'> THRESHOLD_C': '>= THRESHOLD_C'})
         capsys.readouterr()
         assert grade() == command.USAGE
-        assert 'ann 44 to 34.' in capsys.readouterr().out
+        assert 'ann 54 to 44.' in capsys.readouterr().out
 
     def test_a_penalty_for_lateness_counts(self, here, capsys):
         """A new due date lowers marks too."""
@@ -193,10 +193,10 @@ class TestLoweredMarks:
         capsys.readouterr()
 
         assert grade() == command.USAGE
-        assert 'ann 40 to 0.' in capsys.readouterr().out
+        assert 'ann 50 to 0.' in capsys.readouterr().out
         assert not scores(here, 'ann')['late']
         assert grade('--yes') == OK
-        assert scores(here, 'ann')['late'] == 40
+        assert scores(here, 'ann')['late'] == 50
 
     def test_rejudge_writes_nothing_without_yes(self, here, edit, capsys):
         """Neither gradebook nor reports."""
@@ -205,16 +205,16 @@ class TestLoweredMarks:
 
         assert command.main(['rejudge', '--write']) == command.USAGE
         said = capsys.readouterr()
-        assert 'lower mark in the gradebook: ann 40 to 30\n' in said.out
+        assert 'lower mark in the gradebook: ann 50 to 40\n' in said.out
         assert 'Nothing was written, because marks would be lowered or cleared.' in said.out
         assert 'nothing was written. Try: look at the list, then run the same command' in said.err
         assert scores(here, 'ann')[CHECK] == 15
-        assert results_of(here, ASSIGNMENT)[0].results[0].points == 40
+        assert results_of(here, ASSIGNMENT)[0].results[0].points == 50
 
         assert command.main(['rejudge', '--write', '--yes']) == OK
-        assert 'lower mark in the gradebook: ann 40 to 30\n' in capsys.readouterr().out
+        assert 'lower mark in the gradebook: ann 50 to 40\n' in capsys.readouterr().out
         assert scores(here, 'ann')[CHECK] == 5
-        assert results_of(here, ASSIGNMENT)[0].results[0].points == 30
+        assert results_of(here, ASSIGNMENT)[0].results[0].points == 40
 
 
 class TestCopies:

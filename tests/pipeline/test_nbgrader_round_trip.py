@@ -114,22 +114,27 @@ EXPECTED = {
     ('ann', 'check_temperature_message'): (10, None, 0),
     ('ann', 'check_temperature_publisher'): (15, None, 0),
     ('ann', 'check_temperature_subscriber'): (15, None, 0),
+    ('ann', 'check_limit_keeper'): (10, None, 0),
     ('ann', 'explain_threshold'): (None, None, 1),
     ('bob', 'check_temperature_message'): (3.333, None, 0),
     ('bob', 'check_temperature_publisher'): (5, None, 0),
     ('bob', 'check_temperature_subscriber'): (5, None, 0),
+    ('bob', 'check_limit_keeper'): (3.333, None, 0),
     ('bob', 'explain_threshold'): (0, None, 0),
     ('cut', 'check_temperature_message'): (None, None, 1),
     ('cut', 'check_temperature_publisher'): (None, None, 1),
     ('cut', 'check_temperature_subscriber'): (None, None, 1),
+    ('cut', 'check_limit_keeper'): (None, None, 1),
     ('cut', 'explain_threshold'): (None, None, 1),
     ('fay', 'check_temperature_message'): (None, None, 1),
     ('fay', 'check_temperature_publisher'): (None, None, 1),
     ('fay', 'check_temperature_subscriber'): (None, None, 1),
+    ('fay', 'check_limit_keeper'): (None, None, 1),
     ('fay', 'explain_threshold'): (None, None, 1),
     ('mal', 'check_temperature_message'): (10, None, 0),
     ('mal', 'check_temperature_publisher'): (5, None, 0),
     ('mal', 'check_temperature_subscriber'): (15, None, 0),
+    ('mal', 'check_limit_keeper'): (10, None, 0),
     ('mal', 'explain_threshold'): (None, None, 1),
 }
 """Stock nbgrader gives mal full points, fails for cut, and gives fay full points or nothing."""
@@ -173,7 +178,7 @@ class TestCommands:
         with (course.root / 'grades.csv').open(encoding='utf-8') as file:
             scores = {row['student_id']: float(row['score']) for row in csv.DictReader(file)}
 
-        assert scores['ann'] == 40
+        assert scores['ann'] == 50
         assert scores['cut'] == 0  # nbgrader's export has no word for a missing score
 
     def test_feedback_shows_the_reasons_without_acting_on_students_words(self, graded_by_command):
@@ -246,7 +251,7 @@ def test_autograde_leaves_a_mark_that_would_fall(course):
 
     said = nbgrader(course, 'autograde', ASSIGNMENT, '--force')
 
-    assert 'so it was not changed: ann 40 to 30. Try: make grade ARGS=--yes' in said
+    assert 'so it was not changed: ann 50 to 40. Try: make grade ARGS=--yes' in said
     assert grades(course) == before
 
 

@@ -73,8 +73,8 @@ def test_an_appeal_changes_one_student(graded, tmp_path):
 
     said = grade(graded, tmp_path / 'appeal')
 
-    assert before == {'ann': 40, 'bob': 30, 'cho': 40}
-    assert points(graded) == {'ann': 40, 'bob': 40, 'cho': 40, 'dee': 40}
+    assert before == {'ann': 50, 'bob': 40, 'cho': 50}
+    assert points(graded) == {'ann': 50, 'bob': 50, 'cho': 50, 'dee': 50}
     assert list(points(graded)) == ['ann', 'bob', 'cho', 'dee']
     assert '2 other students are not in this folder; their results are unchanged.' in said
     assert 'cho' not in said
@@ -108,7 +108,7 @@ def test_a_first_grading_from_elsewhere_has_nobody_to_keep(course, tmp_path):
     hand_in(course, tmp_path / 'mine', 'ann')
 
     assert 'their results are unchanged' not in grade(course, tmp_path / 'mine')
-    assert points(course) == {'ann': 40}
+    assert points(course) == {'ann': 50}
 
 
 def test_results_that_cannot_be_read_are_not_replaced(graded, tmp_path):

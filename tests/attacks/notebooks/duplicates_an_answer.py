@@ -2,7 +2,7 @@
 Tries: hand in several answers to one question and hope for the best of them.
 
 Stopped by: the first one counts, and that is said
-Deserves: 25
+Deserves: 35
 Flag: occurs 2 times
 """
 

@@ -2,7 +2,7 @@
 Tries: fill the memory of whoever reads package.xml, with entities in entities.
 
 Stopped by: expat limits what entities may grow to; entities from outside are not read
-Deserves: 35
+Deserves: 45
 """
 
 from tests.attacks.handing_in import cell

@@ -2,7 +2,7 @@
 Tries: hand in an answer that no compiler and no database likes.
 
 Stopped by: an answer has at most 64 KiB
-Deserves: 25
+Deserves: 35
 Flag: at most 64 KiB
 """
 

@@ -2,7 +2,7 @@
 Tries: hand in with a time that no program can read.
 
 Stopped by: a broken time is left out
-Deserves: 40
+Deserves: 50
 """
 
 from tests.attacks.handing_in import lay_out

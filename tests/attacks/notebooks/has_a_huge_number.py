@@ -2,7 +2,7 @@
 Tries: let the parser compute for hours on a number of a million digits.
 
 Stopped by: no number of a submission is computed
-Deserves: 40
+Deserves: 50
 """
 
 import json

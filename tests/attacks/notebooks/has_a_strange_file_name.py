@@ -2,7 +2,7 @@
 Tries: name the file so that a shell, a pattern or a log would act on it.
 
 Stopped by: file names are no commands; they are quoted and cut where they are shown
-Deserves: 40
+Deserves: 50
 Flag: which was graded instead
 """
 

@@ -2,7 +2,7 @@
 Tries: put zero bytes, form feeds, half surrogates and writing directions into an answer.
 
 Stopped by: the text is what it is; only the sandbox compiles it
-Deserves: 25
+Deserves: 35
 """
 
 from tests.attacks.handing_in import cell

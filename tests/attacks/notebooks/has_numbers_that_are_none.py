@@ -2,7 +2,7 @@
 Tries: use NaN and Infinity, which are no JSON, where numbers are compared.
 
 Stopped by: numbers of a submission are not used
-Deserves: 40
+Deserves: 50
 """
 
 

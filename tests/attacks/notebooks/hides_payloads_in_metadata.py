@@ -3,7 +3,7 @@ Tries: leave pickles, YAML objects and templates wherever a tool might load them
 
 Stopped by: metadata of a submission are dropped; nothing is unpickled, and YAML is only read
     from the course
-Deserves: 40
+Deserves: 50
 """
 
 import base64

@@ -4,7 +4,7 @@ Tries: put scripts, event handlers, pictures, links and formulas with commands i
 
 Stopped by: Markdown is cleaned with a list of allowed tags and attributes; MathJax runs in its
     safe mode
-Deserves: 40
+Deserves: 50
 """
 
 from tests.attacks.handing_in import cell

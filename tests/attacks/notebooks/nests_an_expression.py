@@ -2,7 +2,7 @@
 Tries: break the compiler with an expression that is nested too deeply.
 
 Stopped by: answers are compiled in the sandbox only
-Deserves: 25
+Deserves: 35
 """
 
 from tests.attacks.handing_in import cell

@@ -3,7 +3,7 @@ Tries: look for the submissions of others, the gradebook and the hidden exams fr
     answer, and print them.
 
 Stopped by: none of them is mounted where the answer runs
-Deserves: 25
+Deserves: 35
 """
 
 from tests.attacks.handing_in import cell

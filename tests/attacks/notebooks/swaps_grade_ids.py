@@ -2,7 +2,7 @@
 Tries: hand in one answer under the grade id of another.
 
 Stopped by: each answer has to be the file that the release says
-Deserves: 10
+Deserves: 20
 Flag: expected the first line
 """
 

@@ -2,7 +2,7 @@
 Tries: put shell commands and magics below and above the answer.
 
 Stopped by: an answer is a file: nothing expands a magic in it
-Deserves: 25
+Deserves: 35
 """
 
 from tests.attacks.handing_in import PAYLOAD, cell

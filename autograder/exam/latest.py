@@ -1,0 +1,177 @@
+"""
+A node that joins the latest values of several topics, and the usual mistakes in it.
+
+A timer publishes the latest value of each topic: nothing before all have come, and a stop while
+one of them is old.  The rules here return what is published after each input, each command once
+where it is repeated, because the number of repetitions depends on when the timer was created.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import groupby
+from typing import Any, NamedTuple
+
+from autograder.exam.specification import Cause, Rule, Slip
+
+TICK_S = 0.1
+"""How finely a rule looks at the time after an input [s]."""
+BEGINS_EARLY = Cause(
+    'begins_early',
+    'A message is published although not all of the inputs have come.',
+    'Begin with None in each attribute, and return from the callback of the timer while one of '
+    'them is None.',
+)
+
+
+class Told(NamedTuple):
+    """
+    One input.
+
+    :param topic: number of its topic, from 0
+    :param lasts_s: time to the next input [s]
+    """
+
+    topic: int
+    value: float
+    lasts_s: float
+
+
+Heard = Sequence[Sequence[float]]
+"""The values that have come on each topic, in order."""
+
+
+def latest(heard: Heard) -> tuple[float, ...]:
+    """Return the latest value of each topic, 0.0 where none has come."""
+    return tuple(one[-1] if one else 0.0 for one in heard)
+
+
+def joining(
+    topics: int,
+    old: Callable[[Sequence[float]], bool],
+    ready: Callable[[Heard], bool] = all,
+    value: Callable[[Heard], tuple[float, ...]] = latest,
+    stop: Callable[[Sequence[float], Sequence[float]], Any] = lambda now, ages: (0.0,) * len(now),
+    for_good: bool = False,
+    timer: bool = True,
+) -> Rule:
+    """
+    Return the rule of a program that joins topics; without the last five, it is the right one.
+
+    :param old: whether to stop, by the ages of the latest values [s]
+    :param ready: whether to publish, by what has come
+    :param stop: what is published instead, by the latest values and their ages; None for nothing
+    :param for_good: whether it never goes on after a stop
+    :param timer: whether it publishes as time goes by, or else once for each input
+    """
+
+    def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
+        heard: list[list[float]] = [[] for _ in range(topics)]
+        came_s, now_s, stopped = [0.0] * topics, 0.0, False
+        found = []
+        for topic, number, lasts_s in inputs:
+            heard[topic].append(number)
+            came_s[topic] = now_s
+            row = []
+            for tick in range(round(lasts_s / TICK_S) if timer else 1):
+                ages = [now_s + (tick + 0.5) * TICK_S - one for one in came_s]
+                if ready(heard):
+                    stopped = old(ages) or (for_good and stopped)
+                    row.append(stop(latest(heard), ages) if stopped else value(heard))
+            now_s += lasts_s
+            found.append(tuple(one for one, _ in groupby(row) if one is not None))
+        return found
+
+    return rule
+
+
+def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
+    """
+    Return the slips of a node that joins topics.
+
+    :param old_s: age from which a value is old [s]
+    """
+
+    def oldest(ages: Sequence[float]) -> bool:
+        return max(ages) > old_s
+
+    def rule(**changed: Any) -> Rule:
+        return joining(topics, **{'old': oldest, **changed})
+
+    def half(now: Sequence[float], ages: Sequence[float]) -> tuple[float, ...]:
+        return tuple(0.0 if age > old_s else one for one, age in zip(now, ages))
+
+    own_times = 'Keep the time of the latest message of each topic, and compare each age'
+    return (
+        Slip.of(BEGINS_EARLY, rule(ready=any)),
+        Slip(
+            'never_old',
+            'An old value is used like a new one.',
+            f'{own_times} with {old_s:g} s when the timer ticks.',
+            rule(old=lambda ages: False),
+        ),
+        Slip(
+            'one_age_for_all',
+            'A new value on one topic hides that the value of another one is old.',
+            f'{own_times} with {old_s:g} s.',
+            rule(old=lambda ages: min(ages) > old_s),
+        ),
+        *(
+            Slip(
+                'one_age_only',
+                'The age of one topic counts, and the age of another one does not.',
+                f'{own_times} with {old_s:g} s.',
+                rule(old=lambda ages, which=which: ages[which] > old_s),
+            )
+            for which in range(topics)
+        ),
+        Slip(
+            'half_a_stop',
+            'Only the value that is old becomes 0.0, and the others are still published.',
+            'If one value is old, publish 0.0 in all fields: an empty message.',
+            rule(stop=half),
+        ),
+        Slip(
+            'silent_when_old',
+            'Nothing is published while a value is old.',
+            'If one value is old, publish a message with 0.0 in all fields.',
+            rule(stop=lambda now, ages: None),
+        ),
+        Slip(
+            'stops_for_good',
+            'After the first stop, fresh values are not used any more.',
+            'Decide by the ages each time the timer ticks, without a flag that stays set.',
+            rule(for_good=True),
+        ),
+        Slip(
+            'other_age',
+            f'A value counts as old at a greater age than {old_s:g} s.',
+            f'Compare each age with {old_s:g} s: one second has 1_000_000_000 nanoseconds.',
+            rule(old=lambda ages: max(ages) > 2 * old_s),
+        ),
+        Slip(
+            'swapped',
+            'The values have changed places.',
+            'Which topic belongs to which field? Look at the table of the exercise.',
+            rule(value=lambda heard: latest(heard)[::-1]),
+        ),
+        Slip(
+            'first_value',
+            'The first values are kept, and later ones are ignored.',
+            'Store the value of each message, whatever was there before.',
+            rule(value=lambda heard: tuple(one[0] if one else 0.0 for one in heard)),
+        ),
+        Slip(
+            'zero_is_nothing',
+            'A value of 0.0 is taken for one that has not come.',
+            'Compare with None: if self.NAME is None.',
+            rule(ready=lambda heard: all(one and one[-1] for one in heard)),
+        ),
+        Slip(
+            'answers_inputs',
+            'A message is published when an input comes, and not by a timer.',
+            'Only store values in the callbacks of the subscriptions. Publish in the callback of '
+            'the timer.',
+            rule(timer=False),
+        ),
+    )

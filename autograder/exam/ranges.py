@@ -1,0 +1,96 @@
+"""
+Slips of a node that accepts a value only from a range, and goes by the last one it accepted.
+
+As in :mod:`autograder.exam.slips`, a family takes the part of a specification in which the mistake
+is made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+import math
+from typing import Any
+
+from autograder.exam.specification import Rule, Slip
+
+Accepts = Callable[[float], bool]
+"""Tells whether a value is accepted."""
+
+
+def range_slips(
+    rule: Callable[[Accepts], Rule], lowest: float, highest: float
+) -> tuple[Slip, ...]:
+    """
+    Return the slips of a range, both ends of which are accepted.
+
+    :param rule: makes the rule that has this test in it
+    """
+    test = f'Accept a value only if math.isfinite(value) and {lowest} <= value <= {highest}.'
+
+    def slip(cause_id: str, text: str, accepts: Accepts, try_this: str = test) -> Slip:
+        return Slip(cause_id, text, try_this, rule(accepts))
+
+    below, above = f'A value below {lowest} is accepted.', f'A value above {highest} is accepted.'
+    at_an_end = f'{lowest} or {highest} itself is refused, and both are allowed.'
+    without = 'Compare with <=, not with <.'
+    return (
+        slip(
+            'accepts_all',
+            'Each float is accepted, whatever its value.',
+            lambda value: True,
+            f'In __init__(): self.add_on_set_parameters_callback(self.validate). {test}',
+        ),
+        slip(
+            'takes_nan',
+            'NaN is accepted: it is neither below nor above a number.',
+            lambda value: not (value < lowest or value > highest),
+        ),
+        slip('no_range', 'Each finite value is accepted.', math.isfinite),
+        slip('no_lower_end', below, lambda value: value <= highest),
+        slip('no_lower_end', below, lambda value: -math.inf < value <= highest),
+        slip('no_upper_end', above, lambda value: value >= lowest),
+        slip('no_upper_end', above, lambda value: lowest <= value < math.inf),
+        slip('ends_refused', at_an_end, lambda value: lowest < value < highest, without),
+        slip('ends_refused', at_an_end, lambda value: lowest < value <= highest, without),
+        slip('ends_refused', at_an_end, lambda value: lowest <= value < highest, without),
+        slip(
+            'refuses_all',
+            'Each value is refused, including those that are allowed.',
+            lambda value: False,
+            'Declare the parameter, and return SetParametersResult(successful=True) for a value '
+            'that is allowed.',
+        ),
+    )
+
+
+def in_force_slips(
+    rule: Callable[[Callable[[Any], float]], Rule], parameter: str, default: float
+) -> tuple[Slip, ...]:
+    """
+    Return the slips of a program that goes by another value of a parameter than the one in force.
+
+    :param rule: makes the rule that goes by a value; its inputs have ``start``, the value at the
+        start, and ``tried``, the last one that was asked for, accepted or not
+    :param default: the value in the code
+    """
+    read_it = f"Read it where you need it: self.get_parameter('{parameter}').value."
+    return (
+        Slip(
+            'read_once',
+            f'The value that {parameter} had at the start is used after a change, too.',
+            read_it,
+            rule(lambda one: float(one.start)),
+        ),
+        Slip(
+            'number_in_the_code',
+            f'The value is always {default}, whatever {parameter} says.',
+            read_it,
+            rule(lambda one: default),
+        ),
+        Slip(
+            'keeps_refused',
+            f'A value of {parameter} that was refused is used.',
+            f'Change nothing in the callback that validates. {read_it}',
+            rule(lambda one: float(one.tried)),
+        ),
+    )

@@ -1,0 +1,30 @@
+"""Lesson 07, part 5, as it is graded: with secret limits in a secret order."""
+
+from __future__ import annotations
+
+from autograder.exam.inputs import generator
+from autograder.exams.limit_changes import Change, HIGHEST_C, LIMIT, LOWEST_C, NO_NUMBERS, PLACE
+from autograder.exams.visible.limit_keeper import build
+
+_draw = generator('limit_keeper', 'limits')
+
+
+def _between(low: float, high: float) -> float:
+    return round(_draw.uniform(low, high), 2)
+
+
+_limits: list[float | int] = [
+    *(*NO_NUMBERS, LOWEST_C, HIGHEST_C, LOWEST_C - _between(0.5, 9.0)),
+    *(HIGHEST_C + _between(0.5, 9.0), _between(200.0, 900.0), _between(-900.0, -200.0)),
+    *(_between(-30.0, 20.0), _between(32.0, 110.0), _draw.randint(31, 99)),
+]
+_others: list[Change] = [*((LIMIT, one) for one in _limits), (PLACE, 'roof'), (PLACE, '')]
+exam = build(
+    _draw.choice((28.1, 28.2, 28.3, 28.4, 29.1, 29.2, 29.3)),
+    [
+        (LIMIT, _between(40.0, 90.0)),
+        (LIMIT, NO_NUMBERS[0]),
+        *_draw.sample(_others, len(_others)),
+        (LIMIT, _between(40.0, 90.0)),
+    ],
+)

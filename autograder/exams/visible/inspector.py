@@ -1,0 +1,143 @@
+"""
+Lesson 02, part 5: a slow callback and a heartbeat that does not wait for it.
+
+The specification, as the lesson gives it: node ``inspector``; each ``std_msgs/msg/String`` of
+``pictures`` is answered by one on ``results``, with what the slow function ``inspect()`` returns;
+``inspect()`` takes 1.2 s and never runs twice at the same time; a ``std_msgs/msg/Empty`` on
+``alive`` every 0.5 s, also meanwhile.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Advance, Feed, Scenario
+from autograder.exam.slips import leaving_out
+from autograder.exam.specification import each, Slip, Specification
+from autograder.judging.checks import SECOND
+from autograder.judging.claims import node, one_for_one, passes, publishes
+from autograder.judging.rhythm import GRAIN_S, require_period
+
+SOURCE, TARGET, ALIVE = '/pictures', '/results', '/alive'
+STRING, EMPTY = 'std_msgs/msg/String', 'std_msgs/msg/Empty'
+BEAT_S, INSPECT_S = 0.5, 1.2
+EVERY_S = 2.5  # from one picture to the next: a thread may look for it now and then
+REST_S = 2.0  # after the last of the single ones, and after the last of all
+QUIET_S = 3.2  # at the start, without a picture
+EXERCISE = 'Exercise 1: a heartbeat that never waits'
+STARVED = Cause(
+    'starved',
+    'While a picture is inspected, no heartbeat comes: the timer waits for the other callback.',
+    'Give the timer and the subscription a MutuallyExclusiveCallbackGroup() each, and spin the '
+    'node with MultiThreadedExecutor(num_threads=2).',
+)
+OVERLAPS = Cause(
+    'overlaps',
+    'Two pictures are inspected at the same time.',
+    'Use a MutuallyExclusiveCallbackGroup() for the subscription, not a reentrant group, and no '
+    'thread for each picture.',
+)
+NOT_INSPECTED = Cause(
+    'not_inspected',
+    'The result comes before inspect() can have ended.',
+    'Leave inspect() as it is, and publish what it returns.',
+)
+looked_at = each(lambda picture: (picture.upper(),))
+SLIPS = (
+    Slip(
+        'passes_on',
+        'The picture itself is published.',
+        'Publish what inspect() returns: String(data=inspect(message.data)).',
+        each(lambda picture: (picture,)),
+    ),
+    Slip(
+        'empty_result',
+        'The result is an empty text.',
+        'Set data to what inspect() returns: String(data=inspect(message.data)).',
+        each(lambda picture: ('',)),
+    ),
+    *leaving_out(looked_at),
+)
+
+
+def _moments(run: Run, topic: str) -> list[float]:
+    return [one['clock_ns'] / SECOND for one in run.recording.messages(topic)]
+
+
+def why_starved(run: Run) -> Cause | None:
+    """Explain heartbeats that come until a picture does, and never while one is inspected."""
+    beats, results = _moments(run, ALIVE), _moments(run, TARGET)
+    ticks = sum(beat < QUIET_S for beat in beats) > 1
+    during = [beat for beat in beats for end in results if end - INSPECT_S < beat < end - GRAIN_S]
+    return STARVED if ticks and results and not during else None
+
+
+def keeps_its_rhythm(run: Run) -> None:
+    """A heartbeat comes every 0.5 s, also while a picture is inspected."""
+    found, seconds = run.recording.messages(ALIVE), run.facts['seconds']
+    require_period(run, found, BEAT_S, seconds, 'heartbeat', lambda: why_starved(run))
+
+
+def inspects_one_at_a_time(run: Run) -> None:
+    """Each inspection takes its 1.2 s, and the next one begins when it has ended."""
+    sent = [one['clock_ns'] / SECOND for one in run.recording.of('input')]
+    ends = _moments(run, TARGET)
+    if any(end - begun < INSPECT_S - GRAIN_S for begun, end in zip(sent, ends)):
+        raise Failed(
+            expected=f'a result {INSPECT_S:g} s after its picture, or later',
+            observed='a result that comes earlier',
+            why=NOT_INSPECTED,
+        )
+    if any(later - earlier < INSPECT_S - GRAIN_S for earlier, later in pairwise(ends)):
+        raise Failed(
+            expected=f'{INSPECT_S:g} s or more between two results',
+            observed='two results that come closer together',
+            why=OVERLAPS,
+        )
+
+
+def build(pictures: Sequence[str], burst: int) -> Exam:
+    """
+    Return the exam for some pictures.
+
+    :param pictures: texts; one comes twice in a row, one again later, and one is empty
+    :param burst: how many of the last ones come at once
+    """
+    sent = [{'data': picture} for picture in pictures]
+    singles = len(sent) - burst
+    steps = (
+        Advance(QUIET_S),
+        Feed(SOURCE, sent[:singles], every_s=EVERY_S, rest_s=REST_S),
+        Feed(SOURCE, sent[singles:], burst=True, every_s=EVERY_S, rest_s=REST_S),
+    )
+    exam = Exam(
+        'inspector',
+        title='A heartbeat that never waits',
+        assignment='02_spinning',
+        part=1,
+        scenario=Scenario(
+            file='inspector.py',
+            watch={TARGET: STRING, ALIVE: EMPTY},
+            feed={SOURCE: STRING},
+            steps=steps,
+        ),
+        read='Part 3: Callbacks and threads',
+        facts={'seconds': QUIET_S + EVERY_S * len(sent) + 2 * REST_S, 'slow_callback': True},
+        asks={'pictures': Specification(tuple(pictures), looked_at, SLIPS, burst)},
+    )
+    exam.check(points=1, read=EXERCISE)(node('/inspector'))
+    exam.check(points=1, read=EXERCISE)(passes((SOURCE, STRING), (TARGET, STRING)))
+    exam.check(points=1, needs=['reads_and_writes'], read=EXERCISE)(
+        one_for_one('pictures', TARGET, sentence='Each picture has exactly one result.')
+    )
+    exam.check(points=1, needs=['one_for_one'], read=EXERCISE)(
+        publishes('pictures', TARGET, sentence='Each result is what inspect() returns.')
+    )
+    exam.check(points=3, needs=['one_for_one'])(inspects_one_at_a_time)
+    exam.check(points=3, needs=['reads_and_writes'])(keeps_its_rhythm)
+    return exam
+
+
+exam = build(['cat', 'dog', 'dog', '', 'cat', 'owl', 'fox', 'bee'], burst=3)

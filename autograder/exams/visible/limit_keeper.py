@@ -1,0 +1,147 @@
+"""
+Lesson 07, part 5: a limit that can be changed, and only to what makes sense.
+
+The specification, as the lesson gives it: node ``limit_keeper`` with the parameters ``limit_c``, a
+float, 30.0 in the code, and ``place``, any text; a change of ``limit_c`` is refused, with a
+reason, unless it is from -40.0 to 125.0, and the old limit stays in force; each
+``std_msgs/msg/Float64`` on ``motor_temperature`` above the limit in force gives one WARN line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.ranges import in_force_slips, range_slips
+from autograder.exam.scenario import Feed, Scenario, set_parameter, Step
+from autograder.exam.slips import above_limit, with_memory
+from autograder.exam.specification import Slip, Specification
+from autograder.exams.limit_changes import (
+    ACCEPTED,
+    Change,
+    deciding,
+    HIGHEST_C,
+    in_force,
+    LIMIT,
+    LOWEST_C,
+    NO_NUMBERS,
+    PLACE,
+    readings,
+    warning,
+)
+from autograder.judging.checks import field_of, own_logs
+from autograder.judging.claims import answers, hears, node
+from autograder.judging.rows import require_all_sent, require_warnings, rows
+
+NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
+SERVICE, DEFAULT_C = f'{NODE}/set_parameters', 30.0
+NO_REASON = Cause(
+    'no_reason',
+    'The result of your callback has no reason.',
+    'SetParametersResult(successful=False, reason=...), with a text that says what is allowed.',
+)
+DECISIONS = (
+    *range_slips(deciding, LOWEST_C, HIGHEST_C),
+    Slip(
+        'other_parameter_refused',
+        f'A new text for {PLACE} is refused.',
+        f'Declare {PLACE}, and test only the parameter whose name is {LIMIT}.',
+        deciding(other=False),
+    ),
+    Slip(
+        'takes_other_types',
+        'A whole number is accepted, and a limit is a float.',
+        f'Declare {LIMIT} with 30.0 and without dynamic_typing: then rclpy refuses other types.',
+        deciding(kinds=(int, float)),
+    ),
+    Slip(
+        'declared_as_integer',
+        'Only whole numbers are accepted.',
+        f"Declare the limit as a float: self.declare_parameter('{LIMIT}', 30.0).",
+        deciding(kinds=(int,)),
+    ),
+)
+WARNINGS = (
+    *in_force_slips(lambda limit: warning(lambda one: one.value > limit(one)), LIMIT, DEFAULT_C),
+    *above_limit(lambda compare: warning(lambda one: compare(one.value, one.limit)), LIMIT),
+    *with_memory(warning()),
+)
+
+
+def _require_warnings(run: Run, before: bool) -> None:
+    accepted = [field_of(one, ACCEPTED) for one in run.recording.answers(SERVICE)]
+    asked = in_force(run.facts['warnings'], run.facts['changes'].inputs, accepted)
+    found = rows(run, own_logs(run, NODE), len(asked.inputs))
+    places = [place for place, one in enumerate(asked.inputs) if before is not bool(one.changes)]
+    require_warnings(run, asked, found, places, places)
+    require_all_sent(run, found[: places[-1] + 1])
+
+
+def warns_above_the_limit(run: Run) -> None:
+    """Each temperature strictly above the limit gives one WARN line, and nothing else does."""
+    _require_warnings(run, before=True)
+
+
+def follows_the_limit(run: Run) -> None:
+    """After a change the new limit is in force, and after a refused one the old limit."""
+    _require_warnings(run, before=False)
+
+
+def gives_a_reason(run: Run) -> None:
+    """Each refusal has a reason."""
+    refused = [one for one in run.recording.answers(SERVICE) if field_of(one, ACCEPTED) is False]
+    reasons = [str(field_of(one, 'results.0.reason')).strip() for one in refused]
+    if not reasons or '' in reasons:
+        seen = 'an empty text' if reasons else 'no refusal'
+        why = NO_REASON if reasons else None
+        raise Failed(expected='a reason in each refusal', observed=seen, why=why)
+
+
+def build(start: float, changes: Sequence[Change]) -> Exam:
+    """
+    Return the exam for some changes.
+
+    :param start: limit that the node is started with, see :func:`readings` [degC]
+    :param changes: the first one is a float that makes sense
+    """
+    sent = list(readings(start, changes))
+    steps: list[Step] = []
+    for number in range(len(changes) + 1):
+        steps += [set_parameter(NODE, *changes[number - 1])] if number else []
+        messages = [{'data': one.value} for one in sent if one.changes == number]
+        steps.append(Feed(SOURCE, messages))
+    exam = Exam(
+        'limit_keeper',
+        title='Limits that make no sense',
+        assignment='07_temperature_monitor',
+        part=4,
+        scenario=Scenario(
+            file='limit_keeper.py',
+            arguments=('-p', f'{LIMIT}:={start}'),
+            feed={SOURCE: TYPE},
+            steps=steps,
+        ),
+        read='Part 5: A threshold that can be changed',
+        asks={
+            'changes': Specification(tuple(changes), deciding(), DECISIONS),
+            'warnings': Specification(sent, warning(), WARNINGS),
+        },
+    )
+    exam.check(points=1)(node(NODE))
+    exam.check(points=1)(hears(SOURCE, TYPE))
+    exam.check(points=2, needs=['hears_motor_temperature'])(warns_above_the_limit)
+    exam.check(points=3, needs=['starts_its_node'])(
+        answers(
+            'changes',
+            SERVICE,
+            'refuses_what_makes_no_sense',
+            'It accepts limits that make sense and any place, and refuses everything else.',
+        )
+    )
+    exam.check(points=1, needs=['refuses_what_makes_no_sense'])(gives_a_reason)
+    exam.check(points=2, needs=['warns_above_the_limit'])(follows_the_limit)
+    return exam
+
+
+limits = (35.0, *NO_NUMBERS, 200.0, 40, LOWEST_C, -300.0, HIGHEST_C, 130.0, 60.5)
+exam = build(28.4, [*((LIMIT, one) for one in limits), (PLACE, 'pump')])

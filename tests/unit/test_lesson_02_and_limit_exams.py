@@ -1,0 +1,152 @@
+"""The exams of lesson 02 and the one of limits, without a program: inputs, rules and causes."""
+
+from __future__ import annotations
+
+from itertools import combinations, groupby
+
+import pytest
+
+from autograder.exam import catalog
+from autograder.exam.exam import Failed, Run
+from autograder.exam.latest import BEGINS_EARLY, joining, Told
+from autograder.exam.specification import Specification
+from autograder.exams import limit_changes
+from autograder.exams.limit_changes import LIMIT, Reading
+from autograder.exams.visible import inspector, pilot
+from autograder.recording import Recording
+
+SECRETS = [str(number) for number in range(10)]
+
+
+def beat(at_s):
+    """Return a heartbeat."""
+    return {'event': 'message', 'topic': '/alive', 'clock_ns': round(at_s * 1e9), 'data': {}}
+
+
+def result(at_s, text='CAT'):
+    """Return a result."""
+    return {**beat(at_s), 'topic': '/results', 'data': {'data': text}}
+
+
+def run_of(exam, *events):
+    """Return a run that ended as planned."""
+    ends = ({'event': 'end', 'reason': 'complete'}, {'event': 'process'})
+    return Run({'n.py': ''}, Recording({}, (*events, *ends)), exam.facts)
+
+
+class TestJoining:
+    """The latest of several topics."""
+
+    rule = staticmethod(joining(2, old=lambda ages: max(ages) > 2.0))
+
+    def test_nothing_is_due_before_all_have_come(self):
+        """One topic is not enough."""
+        assert self.rule([Told(0, 0.5, 1.0), Told(1, 0.2, 1.0)]) == [(), ((0.5, 0.2),)]
+
+    def test_stop_is_due_while_one_is_old(self):
+        """And the latest of both as soon as it is fresh again."""
+        inputs = [Told(0, 0.5, 0.5), Told(1, 0.2, 2.5), Told(1, 0.3, 0.5), Told(0, 0.0, 0.5)]
+
+        assert self.rule(inputs) == [
+            (),
+            ((0.5, 0.2), (0.0, 0.0)),
+            ((0.0, 0.0),),
+            ((0.0, 0.3),),
+        ]
+
+
+def ticked(inputs, begins_s):
+    """Return what a timer of the pilot publishes after each input, as a program does it."""
+    found, sent, now_s = [], [None, None], 0.0
+    tick_s = begins_s
+    for topic, value, lasts_s in inputs:
+        sent[topic] = (now_s, value)
+        now_s += lasts_s
+        row = []
+        while tick_s < now_s:
+            if None not in sent:
+                old = tick_s - min(sent)[0] > pilot.OLD_S
+                row.append(pilot.STOP if old else (sent[0][1], sent[1][1]))
+            tick_s += pilot.PERIOD_S
+        found.append(tuple(one for one, _ in groupby(row)))
+    return found
+
+
+@pytest.mark.parametrize('secret', SECRETS)
+class TestInputsOfThePilot:
+    """The exam does not depend on the moment at which a timer was created."""
+
+    def test_any_timer_publishes_all_that_is_due(self, secret):
+        """No command is due for so short a time that it falls between two ticks."""
+        asked = catalog.drawn('pilot', secret).asks['commands']
+        for hundredth in range(50):
+            assert ticked(asked.inputs, hundredth / 100 + 0.003) == asked.answers
+
+    def test_no_two_inputs_are_whole_periods_apart(self, secret):
+        """A timer that is created when one comes does not tick when another one does."""
+        times = [0.0]
+        for one in catalog.drawn('pilot', secret).asks['commands'].inputs[:-1]:
+            times.append(times[-1] + one.lasts_s)
+        gaps = [(later - earlier) / pilot.PERIOD_S for earlier, later in combinations(times, 2)]
+
+        assert min(abs(gap - round(gap)) for gap in gaps) > 0.01
+
+
+def test_command_before_both_have_come_is_told():
+    """It is the timer that must wait."""
+    early = {
+        'event': 'message',
+        'topic': '/cmd_vel',
+        'clock_ns': 500_000_000,
+        'after_input': None,
+        'data': {},
+    }
+    end = {'kind': 'publisher', 'topic': '/cmd_vel', 'type': pilot.TWIST, 'node': '/pilot'}
+    graph = {'event': 'graph', 'when': 'end', 'nodes': ['/pilot'], 'endpoints': [end]}
+
+    with pytest.raises(Failed) as failed:
+        pilot.waits_for_both(run_of(pilot.exam, early, graph))
+    assert failed.value.why == BEGINS_EARLY
+
+
+class TestHeartbeat:
+    """Why heartbeats are missing."""
+
+    quiet = tuple(beat(half / 2) for half in range(1, 7))
+
+    def test_timer_that_waits_for_each_picture_is_told(self):
+        """Heartbeats come before the first picture and after the result."""
+        run = run_of(inspector.exam, *self.quiet, result(4.4), beat(4.4), beat(4.5))
+
+        assert inspector.why_starved(run) == inspector.STARVED
+
+    @pytest.mark.parametrize(
+        'events',
+        [
+            (*quiet, beat(3.5), beat(4.0), result(4.4)),
+            (beat(3.2), result(4.4), beat(5.7), result(6.9)),
+            quiet,
+        ],
+        ids=['goes on', 'beats with the pictures', 'no result'],
+    )
+    def test_other_heartbeats_are_not(self, events):
+        """A cause is named only if all that came fits it."""
+        assert inspector.why_starved(run_of(inspector.exam, *events)) is None
+
+
+class TestLimits:
+    """What is in force after changes."""
+
+    def test_node_is_judged_by_the_limits_that_it_accepts(self):
+        """A node that accepts NaN warns of nothing after that, and loses those points once."""
+        changes = [(LIMIT, 35.0), (LIMIT, float('nan')), ('place', 'pump')]
+        sent = [Reading(50.0, '', 28.0, 28.0, 28.0, number) for number in range(4)]
+        rule = limit_changes.warning()
+        asked = Specification(sent, rule)
+
+        def due(*accepted):
+            return limit_changes.in_force(asked, changes, accepted).answers
+
+        assert due(True, False, True) == [1, 1, 1, 1]
+        assert due(True, True, True) == [1, 1, 0, 0]
+        assert due() == [1, 1, 1, 1]
