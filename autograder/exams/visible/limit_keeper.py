@@ -31,7 +31,8 @@ from autograder.exams.limit_changes import (
 )
 from autograder.judging.checks import field_of, own_logs
 from autograder.judging.claims import answers, hears, node
-from autograder.judging.rows import require_all_sent, require_warnings, rows
+from autograder.judging.lines import require_warnings
+from autograder.judging.rows import require_all_sent, rows
 
 NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
 SERVICE, DEFAULT_C = f'{NODE}/set_parameters', 30.0
@@ -70,8 +71,8 @@ WARNINGS = (
 
 def _require_warnings(run: Run, before: bool) -> None:
     accepted = [field_of(one, ACCEPTED) for one in run.recording.answers(SERVICE)]
-    asked = in_force(run.facts['warnings'], run.facts['changes'].inputs, accepted)
-    found = rows(run, own_logs(run, NODE), len(asked.inputs))
+    asked = in_force(run.asked('warnings'), run.asked('changes').inputs, accepted)
+    found = rows(run, 'warnings', own_logs(run, NODE))
     places = [place for place, one in enumerate(asked.inputs) if before is not bool(one.changes)]
     require_warnings(run, asked, found, places, places)
     require_all_sent(run, found[: places[-1] + 1])
