@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from autograder.simulation.result import Simulation, TopicRecord
+from autograder.simulated import Simulation, TopicRecord
 from roslab.graph_picture import Graph, graph_now
 from roslab.introspection import print_info, print_messages, print_rate, print_topics
 from roslab.listening import Listener

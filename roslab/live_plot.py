@@ -13,7 +13,7 @@ import math
 import threading
 from typing import Any
 
-from autograder.simulation.result import TopicRecord
+from autograder.simulated import TopicRecord
 from roslab.errors import RoslabError
 from roslab.fields import number_getter
 from roslab.interrupts import HeldInterrupts

@@ -17,8 +17,9 @@ from typing import Any
 from autograder.commands import OK
 from autograder.errors import UsageError
 from autograder.recording import Recording
+from autograder.simulated import Simulation
 from autograder.simulation.order import order_of
-from autograder.simulation.result import read_simulation, Simulation
+from autograder.simulation.result import read_simulation
 from roslab import child
 from roslab.errors import NotHereError, RoslabError
 from roslab.package_files import learner_package

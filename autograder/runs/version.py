@@ -32,6 +32,7 @@ AROUND = (
     'sandboxes/probes.py',
     'sandboxes/processes.py',
     'sandboxes/sandbox.py',
+    'simulated.py',
 )
 """What runs programs, beside what runs in the sandbox."""
 ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')

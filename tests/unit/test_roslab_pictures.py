@@ -13,7 +13,7 @@ from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import ByteMultiArray, Empty, Float64, Header, Int32MultiArray, String
 
-from autograder.simulation.result import TopicRecord
+from autograder.simulated import TopicRecord
 from drawing import svg
 from drawing.graph_layout import arrange
 from roslab.cli_text import (
