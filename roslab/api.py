@@ -129,6 +129,7 @@ def plot(
     *,
     seconds: float | None = None,
     threshold: float | None = None,
+    marks: Mapping[str, Iterable[float]] | None = None,
 ) -> Plot:
     """
     Plot a number of a topic against time, in this cell, while later cells run.
@@ -138,10 +139,11 @@ def plot(
     :param field: such as ``temperature``, ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]; None for 20 s, or for a whole simulation
     :param threshold: a level to compare the values with
+    :param marks: names and times of other events, as in ``timeline`` [s]
     """
     if seconds is None:
         seconds = topic.seconds if isinstance(topic, TopicRecord) else 20.0
-    made = Plot(session(), topic, field, seconds, threshold)
+    made = Plot(session(), topic, field, seconds, threshold, marks)
     made.begin()
     return made
 

@@ -329,6 +329,17 @@ def test_value_that_is_not_finite_is_a_gap():
     assert '1 not finite' in page
 
 
+def test_plot_shows_marks_at_their_times_and_those_of_one_time_as_a_pile():
+    """As warnings that came after readings; both are also in the words."""
+    made = Curve('/t data', ((1.0, 20.0), (2.0, 33.0)), 3.0, 30.0, {'WARN': (2.0, 2.0)})
+    page = curve_html(made)
+
+    assert page.count(f'fill="{svg.ORANGE}"') == 2
+    assert 'diamond: WARN, dashed: threshold 30' in page
+    assert '; WARN at 2.00 s, 2.00 s.' in curve_text(made)
+    assert 'WARN at no time' in curve_text(Curve('/t', ((1.0, 2.0),), 3.0, marks={'WARN': ()}))
+
+
 def test_plot_without_messages_says_that_it_waits():
     """An empty plot is not an empty picture."""
     assert 'waiting for messages' in words(curve_html(curve(threshold=3.0)))
