@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from autograder.simulation.result import Simulation, TopicRecord
+from autograder.simulated import Simulation, TopicRecord
 from roslab.graph_picture import Graph, graph_now
 from roslab.introspection import print_info, print_messages, print_rate, print_topics
 from roslab.listening import Listener
@@ -129,6 +129,7 @@ def plot(
     *,
     seconds: float | None = None,
     threshold: float | None = None,
+    marks: Mapping[str, Iterable[float]] | None = None,
 ) -> Plot:
     """
     Plot a number of a topic against time, in this cell, while later cells run.
@@ -138,10 +139,11 @@ def plot(
     :param field: such as ``temperature``, ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]; None for 20 s, or for a whole simulation
     :param threshold: a level to compare the values with
+    :param marks: names and times of other events, as in ``timeline`` [s]
     """
     if seconds is None:
         seconds = topic.seconds if isinstance(topic, TopicRecord) else 20.0
-    made = Plot(session(), topic, field, seconds, threshold)
+    made = Plot(session(), topic, field, seconds, threshold, marks)
     made.begin()
     return made
 

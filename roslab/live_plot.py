@@ -8,12 +8,13 @@ with its listener, with the session, or when another cell plots the same field.
 from __future__ import annotations
 
 import atexit
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 import math
 import threading
 from typing import Any
 
-from autograder.simulation.result import TopicRecord
+from autograder.simulated import TopicRecord
 from roslab.errors import RoslabError
 from roslab.fields import number_getter
 from roslab.interrupts import HeldInterrupts
@@ -39,6 +40,7 @@ class Plot:
     :param field: path of a numeric field, such as ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]
     :param threshold: a level to compare the values with
+    :param marks: times of other events, by their name [s]
     :raises NotHereError: if no endpoint has the topic
     :raises RoslabError: if there is no such field, or it is not a number
     """
@@ -50,11 +52,13 @@ class Plot:
         field: str,
         seconds: float,
         threshold: float | None,
+        marks: Mapping[str, Iterable[float]] | None = None,
     ) -> None:
         _require_numbers(seconds, threshold)
         self.field = field
         self.seconds = seconds
         self.threshold = threshold
+        self.marks = {label: tuple(times) for label, times in (marks or {}).items()}
         self._handle: Any = None
         self._painting = threading.Lock()
         self._painted: tuple[int, float] | None = None
@@ -169,6 +173,7 @@ class Plot:
             tuple((time, value) for time, value in recent if value is not None),
             self.seconds,
             self.threshold,
+            self.marks,
         )
 
     def _bundle(self) -> dict[str, str]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 import math
 
 from drawing import svg
@@ -31,12 +31,14 @@ class Curve:
     :param points: in the order of their times; a value that is not finite is a gap
     :param seconds: length of the axis [s]
     :param threshold: a level to compare with
+    :param marks: times of other events, by their name [s]
     """
 
     name: str
     points: tuple[Point, ...]
     seconds: float
     threshold: float | None = None
+    marks: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     @property
     def finite(self) -> list[Point]:
@@ -65,6 +67,8 @@ def curve_words(curve: Curve) -> str:
         words += f'; {len(curve.points) - len(points)} not finite'
     if curve.threshold is not None:
         words += f'; {curve.above} above the threshold {curve.threshold:g}'
+    for label, times in curve.marks.items():
+        words += f'; {label} at {", ".join(f"{time:.2f} s" for time in times) or "no time"}'
     return f'{words}.'
 
 
@@ -91,14 +95,15 @@ def curve_html(curve: Curve) -> str:
     def y_of(value: float) -> float:
         return _HEIGHT - _BOTTOM - (value - low) / (high - low) * (_HEIGHT - _TOP - _BOTTOM)
 
-    parts = _axes(curve.name)
+    parts = _axes(curve.name, _legend(curve))
     for tick in svg.ticks(begin, end):
         parts.append(_x_tick(x_of(tick), tick))
     for tick in svg.ticks(low, high, 5):
         parts.append(_y_tick(y_of(tick), tick))
     if curve.threshold is not None:
-        parts += _threshold(y_of(curve.threshold), curve.threshold)
+        parts.append(_threshold(y_of(curve.threshold)))
     parts += _drawn([(x_of(time), y_of(value), value) for time, value in points], curve.threshold)
+    parts += _marks(curve, x_of)
     if not points:
         middle = (_LEFT + _WIDTH - _RIGHT) / 2
         parts.append(svg.text(middle, _TOP + 18, 'waiting for messages', anchor='middle'))
@@ -138,10 +143,19 @@ def _thinned(points: Sequence[Point], most: int) -> list[Point]:
     return kept
 
 
-def _axes(title: str) -> list[str]:
+def _legend(curve: Curve) -> str:
+    """Return what the signs mean; it is in the title row, where no curve overlaps it."""
+    parts = [f'diamond: {label}' for label in curve.marks]
+    if curve.threshold is not None:
+        parts.append(f'dashed: threshold {curve.threshold:g}')
+    return ', '.join(parts)
+
+
+def _axes(title: str, legend: str) -> list[str]:
     bottom = _HEIGHT - _BOTTOM
     return [
         svg.text(_LEFT, 18, title, bold=True, size=13),
+        svg.text(_WIDTH - _RIGHT, 18, legend, anchor='end', size=11),
         svg.text(_WIDTH - _RIGHT, _HEIGHT - 6, 'seconds', anchor='end', size=11, faint=True),
         svg.line(_LEFT, bottom, _WIDTH - _RIGHT, bottom),
         svg.line(_LEFT, _TOP, _LEFT, bottom),
@@ -161,13 +175,16 @@ def _y_tick(y: float, tick: float) -> str:
     )
 
 
-def _threshold(y: float, level: float) -> list[str]:
-    """Return the threshold's line; its label is in the title row, where no curve overlaps it."""
-    right = _WIDTH - _RIGHT
-    return [
-        svg.line(_LEFT, y, right, y, colour=svg.RED, width=1.5, dashed=True),
-        svg.text(right, 18, f'dashed: threshold {level:g}', anchor='end', size=11),
-    ]
+def _threshold(y: float) -> str:
+    return svg.line(_LEFT, y, _WIDTH - _RIGHT, y, colour=svg.RED, width=1.5, dashed=True)
+
+
+def _marks(curve: Curve, x_of: Callable[[float], float]) -> Iterator[str]:
+    """Yield a diamond for each event at the foot of the picture; those of one time are a pile."""
+    for times in curve.marks.values():
+        for place, time in enumerate(times):
+            y = _HEIGHT - _BOTTOM - 9 - 11 * list(times[:place]).count(time)
+            yield svg.shape('diamond', x_of(time), y, 5, svg.ORANGE)
 
 
 def _drawn(points: list[tuple[float, float, float]], threshold: float | None) -> list[str]:

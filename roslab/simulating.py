@@ -1,7 +1,8 @@
 """
 An hour in seconds: a saved node file on the grader's virtual clock, and what it did.
 
-As with ``check``, a child process runs the file, in a sandbox where there is one.
+As with ``check``, a child process runs the file, in a sandbox where there is one.  The runs of
+:func:`recorded_runs` come with the course, and nothing is run for them.
 """
 
 from __future__ import annotations
@@ -15,10 +16,12 @@ import tempfile
 from typing import Any
 
 from autograder.commands import OK
-from autograder.errors import UsageError
+from autograder.errors import ExamInvalid, UsageError
+from autograder.exam import catalog
 from autograder.recording import Recording
+from autograder.simulated import Simulation
 from autograder.simulation.order import order_of
-from autograder.simulation.result import read_simulation, Simulation
+from autograder.simulation.result import read_simulation
 from roslab import child
 from roslab.errors import NotHereError, RoslabError
 from roslab.package_files import learner_package
@@ -74,6 +77,20 @@ def simulate(
         if outcome.returncode != OK:
             raise RoslabError(_why(outcome))
         return read_simulation(Recording.load(done))
+
+
+def recorded_runs(exam: str) -> list[Simulation]:
+    """
+    Return the runs about which an exam asks your check, as ``simulate`` would return them.
+
+    :param exam: as in ``check('NAME')``
+    :raises RoslabError: if there is no such exam, or it has no runs
+    """
+    try:
+        return list(catalog.load(exam, hidden=False).facts['runs'])
+    except (ExamInvalid, KeyError) as error:
+        why = str(error) if isinstance(error, ExamInvalid) else 'this exam has no recorded runs'
+        raise RoslabError(f'recorded_runs({exam!r}): {why}.') from None
 
 
 def _why(outcome: child.Outcome) -> str:

@@ -41,6 +41,7 @@ ALLOWED = (
     'autograder/results.py',
     'autograder/runs/',
     'autograder/sandboxes/',
+    'autograder/simulated.py',
     'autograder/simulation/',
     'autograder/submission/',
 )

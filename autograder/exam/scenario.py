@@ -348,8 +348,9 @@ class Scenario:
 
     :param program: what runs in the sandbox: ``'node'`` the node file, ``'build'`` a build of the
         student's package followed by a node that sends back what it receives, ``'package'`` a
-        build followed by the package's executable of the file's name, ``''`` nothing:
-        then every check is static
+        build followed by the package's executable of the file's name, ``'check'`` the function
+        ``accepts(run)`` of the file, which is asked about each recorded run that the probe sends
+        on ``/runs`` and answers on ``/answers``, ``''`` nothing: then every check is static
     :param file: the node file to run, for ``'node'``
     :param arguments: of the program, after ``--ros-args``, such as
         ``('-r', '__ns:=/lab', '-p', 'threshold:=28.5')``; for ``'package'``, ``{share}`` is the

@@ -42,6 +42,12 @@ LARGEST_RECORDING = 32 << 20
 PROBE, STUDENT = 0, 1  # places on the virtual clock; at one instant the probe comes first
 LEAVES_S = 60.0  # bounds what a sandbox needs to end: milliseconds
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
+OF_A_CHECK = {
+    str(HERE / name): f'/grader/{name}' for name in ('probe/probe_wire.py', 'simulated.py')
+}
+"""What a learner's check of recorded runs sees of the grader."""
+BUILDS = ('build', 'package')
+"""Programs of a scenario that colcon builds first."""
 # A message package takes some 5 s of processor time; six times that, for slower machines.
 BUILD_LIMITS = Limits(cpu_s=30)
 # A build and a run, one after the other.
@@ -74,7 +80,11 @@ def program_for(
         # A package of the course's own name brings the messages itself.
         own = scenario['build_type'] == ros.package
         return Program(argv, binds, course_messages=not own), PACKAGE_LIMITS
-    argv = [python, '/grader/inside/run_node.py', f'/submission/{scenario["file"]}']
+    argv = [python, '/grader/inside/run_node.py']
+    if scenario['program'] == 'check':
+        binds |= OF_A_CHECK
+        argv += ['/grader/inside/ask_check.py', *OF_A_CHECK.values()]
+    argv += [f'/submission/{scenario["file"]}']
     return Program([*argv, *_ros_arguments(scenario)], binds), Limits()
 
 
@@ -131,7 +141,7 @@ def observe(
         program, limits = program_for(scenario, submission, sandbox.ros)
         # Packages are built in real time: run_package.py and build_package.py load the library
         # into what they become.
-        placed = clock.command(STUDENT, later=scenario['program'] != 'node')
+        placed = clock.command(STUDENT, later=scenario['program'] in BUILDS)
         program = replace(program, argv=(*placed, *program.argv))
         student = sandbox.start(program, limits, home, (clock.places[STUDENT].fileno(),))
         try:
@@ -161,7 +171,7 @@ class _Watched:
         self.probe = start_probe(sandbox, student, place)
         clock.begin()
         others = self.probe.pid, clock.driver.pid
-        builds = scenario['program'] != 'node'
+        builds = scenario['program'] in BUILDS
         self.watchdog = Watchdog(student, others, limits, clock, builds)
         self.scenario = scenario
         self.exam = ''

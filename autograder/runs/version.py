@@ -27,6 +27,7 @@ RUNS_PROGRAMS = (
     *('runs/kept.py', 'runs/observe.py', 'runs/watchdog.py', 'sandboxes/confined.py'),
     *('sandboxes/landlock.py', 'sandboxes/probes.py', 'sandboxes/processes.py'),
     'sandboxes/sandbox.py',
+    'simulated.py',
 )
 """The files in and around the sandbox on which a recording depends."""
 ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')

@@ -16,8 +16,9 @@ import pytest
 
 from autograder.commands.check import sandbox_for
 from autograder.errors import UsageError
+from autograder.simulated import Simulation
 from autograder.simulation.order import order_of
-from autograder.simulation.result import read_simulation, Simulation
+from autograder.simulation.result import read_simulation
 from autograder.simulation.run import record
 
 ENTRY = 'entry_point.py'

@@ -21,7 +21,7 @@ from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from std_msgs.msg import String
+from std_msgs.msg import Float64, String
 
 claim = pytest.mark.claim
 pytestmark = pytest.mark.ros
@@ -264,3 +264,46 @@ def test_logic_is_tried_without_ros():
         "import sys\nfrom temp_monitor_pkg.threshold import *\nassert 'rclpy' not in sys.modules\n"
     )
     subprocess.run([sys.executable, '-c', text], check=True, capture_output=True)
+
+
+@pytest.fixture
+def warned(world, rosout):
+    """Return a function that sends numbers to a monitor and returns those it warns of."""
+
+    def warned_of(numbers, is_hot, last=99.0):
+        name = f'monitor_{len(world.nodes)}'
+        monitor, bench = world.node(name), world.node(f'{name}_bench')
+        monitor.create_subscription(
+            Float64,
+            name,
+            lambda one: monitor.get_logger().warning(f'{one.data}') if is_hot(one.data) else None,
+            10,
+        )
+        publisher = bench.create_publisher(Float64, name, 10)
+        world.spin_until(publisher.get_subscription_count, what='a subscription')
+        for number in (*numbers, last):
+            publisher.publish(Float64(data=number))
+
+        def lines():
+            return [float(entry.msg) for entry in rosout if entry.name == name]
+
+        world.spin_until(lambda: last in lines(), what='the last warning')
+        return lines()
+
+    return warned_of
+
+
+@claim('P14')
+def test_right_and_wrong_node_differ_at_the_limit_only(warned):
+    """One that compares with >= does everything else as it should."""
+    right, wrong = (lambda value: value > 30.0), (lambda value: value >= 30.0)
+
+    assert warned([29.9, 30.1, -40.0], right) == warned([29.9, 30.1, -40.0], wrong)
+    assert warned([30.0], right) == [99.0]
+    assert warned([30.0], wrong) == [30.0, 99.0]
+
+
+@claim('P15')
+def test_answer_to_a_later_message_comes_after_that_to_an_earlier_one(warned):
+    """So who has the later one need not wait for the earlier one any more."""
+    assert warned([31.0, 20.0, 32.0], lambda value: value > 30.0) == [31.0, 32.0, 99.0]

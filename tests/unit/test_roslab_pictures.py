@@ -13,7 +13,7 @@ from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import ByteMultiArray, Empty, Float64, Header, Int32MultiArray, String
 
-from autograder.simulation.result import TopicRecord
+from autograder.simulated import TopicRecord
 from drawing import svg
 from drawing.graph_layout import arrange
 from roslab.cli_text import (
@@ -363,6 +363,17 @@ def test_value_that_is_not_finite_is_a_gap():
     assert page.count('<polyline') == 2
     assert 'nan' not in page.partition('</desc>')[2].partition('</svg>')[0]
     assert '1 not finite' in page
+
+
+def test_plot_shows_marks_at_their_times_and_those_of_one_time_as_a_pile():
+    """As warnings that came after readings; both are also in the words."""
+    made = Curve('/t data', ((1.0, 20.0), (2.0, 33.0)), 3.0, 30.0, {'WARN': (2.0, 2.0)})
+    page = curve_html(made)
+
+    assert page.count(f'fill="{svg.ORANGE}"') == 2
+    assert 'diamond: WARN, dashed: threshold 30' in page
+    assert '; WARN at 2.00 s, 2.00 s.' in curve_text(made)
+    assert 'WARN at no time' in curve_text(Curve('/t', ((1.0, 2.0),), 3.0, marks={'WARN': ()}))
 
 
 def test_plot_without_messages_says_that_it_waits():

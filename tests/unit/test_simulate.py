@@ -5,8 +5,9 @@ import pytest
 from autograder.errors import UsageError
 from autograder.exam.scenario import Advance, Feed, Join, Qos, Scenario
 from autograder.recording import Recording
+from autograder.simulated import LogRecord
 from autograder.simulation.order import order_of
-from autograder.simulation.result import LogRecord, read_simulation
+from autograder.simulation.result import read_simulation
 from autograder.simulation.run import planned
 from autograder.simulation.virtual_time import files_of
 

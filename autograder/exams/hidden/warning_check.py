@@ -1,0 +1,66 @@
+"""Lesson 11, as it is graded: other runs, of nodes with every slip, in a secret order."""
+
+from __future__ import annotations
+
+from autograder.exam.inputs import generator
+from autograder.exams.hidden.temperature_subscriber import cool, edges, fahrenheit, hot, odd
+from autograder.exams.monitor_runs import made_run, MadeRun, NAN, WORDS
+from autograder.exams.readings import Reading
+from autograder.exams.visible.warning_check import build, DUE, of_monitor
+
+_draw = generator('warning_check', 'runs')
+
+
+def _readings(letters: str) -> list[Reading]:
+    """Return new readings in Celsius: h is above the limit, H the one before again, c is not."""
+    found: list[Reading] = []
+    for letter in letters:
+        again = found[-1:] if letter == 'H' else []
+        found += again or [hot(_draw) if letter == 'h' else cool(_draw)]
+    return found
+
+
+def _far() -> Reading:
+    return Reading(round(_draw.uniform(200.0, 900.0), 1), 'a reading far above the limit')
+
+
+PLAIN, ROW, EDGES = 'readings in Celsius', 'warm readings in a row', 'readings next to the limit'
+UNITS, ODD, BROKEN = 'readings in Fahrenheit', 'unknown units', 'a reading that is NaN'
+MAKERS = {
+    PLAIN: lambda: _readings('chchc'),
+    ROW: lambda: _readings('chHhc'),
+    EDGES: lambda: [*edges(_draw), *_readings('hc')],
+    'no reading above the limit': lambda: _readings('cccc'),
+    'warm readings only': lambda: _readings('hhhh'),
+    'as many warm as cool readings': lambda: _readings('chhc'),
+    'a reading far above the limit': lambda: [*_readings('c'), _far(), *_readings('hc')],
+    UNITS: lambda: [*_readings('c'), *fahrenheit(_draw), *_readings('hc')],
+    ODD: lambda: [*odd(_draw)[:-1], *_readings('hc')],
+    BROKEN: lambda: [*_readings('h'), NAN, *_readings('hc')],
+}
+"""Readings by what they try, drawn for each run again."""
+SHOWN_BY = {
+    PLAIN: ('no_warning', 'warns_ever_after', 'repeated_warning', 'one_late'),
+    ROW: ('warns_once', 'warns_of_changes'),
+    EDGES: ('warns_at_threshold', 'sign_ignored', 'cut_off'),
+    'as many warm as cool readings': ('comparison_reversed',),
+    'a reading far above the limit': ('upper_bound',),
+    UNITS: ('ignores_unit', 'wrong_conversion'),
+    ODD: ('unknown_unit', 'first_letter', 'part_of_a_unit', 'any_case'),
+    BROKEN: ('nan',),
+}
+"""Slips of a monitor, by the readings that show them."""
+
+
+def _run(kind: str, name: str, number: int) -> MadeRun:
+    readings = MAKERS[kind]()
+    slip = of_monitor(name, readings) if name else None
+    steps_s = _draw.choices((0.5, 1.0, 1.5, 2.5), k=len(readings))
+    return made_run(kind, readings, DUE, slip, number % len(WORDS), steps_s)
+
+
+_wanted = [(kind, '') for kind in MAKERS]
+_wanted += [(kind, name) for kind, names in SHOWN_BY.items() for name in names]
+_runs = [_run(kind, name, number) for number, (kind, name) in enumerate(_wanted)]
+_draw.shuffle(_runs)
+exam = build(_runs)

@@ -1,0 +1,105 @@
+"""
+Recorded runs of right and wrong temperature monitors, made from the specification of lesson 07.
+
+No program runs: what a monitor logs after each reading follows from what is due, or from a slip.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+
+from autograder.errors import ExamInvalid
+from autograder.exam.specification import Rule, Slip
+from autograder.exams.readings import Reading
+from autograder.simulated import LogRecord, Simulation, TopicRecord
+
+NODE = 'temperature_subscriber'
+TOPIC = '/temperature_topic'
+TYPE = 'temp_monitor_pkg/msg/Temperature'
+WORDS = (
+    ('{:.2f} {} from temp_sensor_01', 'Too warm: {:.2f} {}'),
+    ('Received temperature: {:.1f} {}', 'TEMPERATURE WARNING: {:.1f} {}'),
+    ('Lectura de {:.3f} {}', 'Demasiado caliente'),
+    ('', 'hot!'),
+)
+"""What monitors write at INFO and at WARN; one of them writes no INFO line."""
+
+
+@dataclass(frozen=True)
+class MadeRun:
+    """
+    What a right monitor, or one with a mistake, logs after some readings.
+
+    :param kind: what the readings try, in words that may be shown
+    :param readings: in the order in which they are sent
+    :param answers: how many WARN lines follow each
+    :param slip: the mistake of the monitor, None for a right one
+    :param steps_s: time before each reading [s]
+    :param words: which of :data:`WORDS` it writes
+    """
+
+    kind: str
+    readings: Sequence[Reading]
+    answers: Sequence[int]
+    slip: Slip | None
+    steps_s: Sequence[float]
+    words: int
+
+    @property
+    def simulation(self) -> Simulation:
+        """Return the run as ``simulate()`` returns it."""
+        times = [sum(self.steps_s[: place + 1]) for place in range(len(self.readings))]
+        seconds = times[-1] + 1.0
+        data = tuple(one.message(number) for number, one in enumerate(self.readings))
+        sent = TopicRecord(f'{TOPIC} (input)', TYPE, tuple(times), data, seconds)
+        logs = [
+            LogRecord(time, level, NODE, text)
+            for time, reading, count in zip(times, self.readings, self.answers)
+            for level, text in self._lines(reading, count)
+        ]
+        return Simulation('monitor.py', {}, {}, {TOPIC: sent}, tuple(logs), 'complete', seconds)
+
+    def _lines(self, reading: Reading, count: int) -> list[tuple[str, str]]:
+        info, warning = (one.format(reading.value, reading.unit) for one in WORDS[self.words])
+        refused = reading.celsius is None and not count
+        lines = [('INFO', info)] if info else []
+        lines += [('ERROR', f'Unknown unit {reading.unit!r}')] if refused else []
+        return lines + [('WARN', warning)] * count
+
+
+def made_run(
+    kind: str,
+    readings: Sequence[Reading],
+    due: Rule,
+    slip: Slip | None = None,
+    words: int = 0,
+    steps_s: Sequence[float] = (),
+) -> MadeRun:
+    """
+    Return the run of a monitor.
+
+    :param due: what a right monitor answers
+    :param slip: of the monitor, None for a right one
+    :param words: which of :data:`WORDS` it writes
+    :param steps_s: time before each reading [s]; by default a second
+    :raises ExamInvalid: if the readings do not show the mistake
+    """
+    answers = list((slip.rule if slip else due)(readings))
+    if slip and answers == list(due(readings)):
+        raise ExamInvalid(f'The run with {kind} does not show the slip {slip.cause_id}.')
+    return MadeRun(kind, readings, answers, slip, steps_s or [1.0] * len(readings), words)
+
+
+def celsius(*values: float) -> list[Reading]:
+    """Return readings in Celsius."""
+    return [Reading(value, 'a reading in Celsius') for value in values]
+
+
+def fahrenheit(*values: float) -> list[Reading]:
+    """Return readings in Fahrenheit."""
+    return [Reading(value, 'a reading in Fahrenheit', 'Fahrenheit') for value in values]
+
+
+NAN = Reading(math.nan, 'a reading that is not a number')

@@ -1,0 +1,323 @@
+"""
+Lesson 11: a check that accepts the runs of right temperature monitors and refuses others.
+
+The learner writes ``accepts(run)``; ``run`` is what ``simulate()`` returns.  It is asked about
+recorded runs that are made from the specification of the monitor in lesson 07, or from one of its
+slips.  So the check is a program like any other: its inputs are runs, what is due is True for a
+right monitor and False for one with a slip.  A check has slips too: it compares too little, or
+what it takes for due has itself one of the mistakes that it should find.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
+from functools import partial
+import json
+import operator
+
+from autograder.errors import ExamInvalid
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Feed, Scenario
+from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.exams.monitor_runs import celsius, fahrenheit, made_run, MadeRun, NAN
+from autograder.exams.readings import Reading
+from autograder.exams.visible.temperature_subscriber import SLIPS as OF_A_MONITOR
+from autograder.exams.visible.temperature_subscriber import warns
+from autograder.judging.causes.ended import why_silent
+from autograder.judging.causes.exceptions import exception_cause
+from autograder.judging.causes.tracebacks import traceback_of
+from autograder.judging.claims import claim
+from autograder.judging.rows import published
+
+FILE = 'warning_check.py'
+NO_ACCEPTS = "has no attribute 'accepts'"
+RUNS, ANSWERS, TYPE = '/runs', '/answers', 'std_msgs/msg/String'
+EXERCISE = 'Exercise 11: the check'
+
+DUE = warns()
+"""What a right monitor does."""
+LATE = Slip(
+    'one_late',
+    'The warning comes with the next reading, and not with the one that is too warm.',
+    'Compare the reading of this message, not one that was kept.',
+    lambda readings: [0, *DUE(readings)[:-1]],
+)
+MISSES = ('no_warning', 'warns_once', 'warns_of_changes', 'upper_bound', 'cut_off')
+UNITS = (
+    *('ignores_unit', 'wrong_conversion', 'unknown_unit'),
+    *('first_letter', 'part_of_a_unit', 'any_case'),
+)
+"""Names of slips; a monitor with any other one warns where no warning is due."""
+OWN = (
+    *('warns_at_threshold', 'comparison_reversed', 'sign_ignored', 'upper_bound', 'cut_off'),
+    *('nan', *UNITS),
+)
+"""Names of slips that a check can make itself, in what it takes for due."""
+
+BY_READING = 'For each reading, compare the warnings at its time with those that are due.'
+NO_FUNCTION = Cause(
+    'no_accepts',
+    'Your file does not define the function accepts.',
+    'Write def accepts(run): and below it, indented, the check.',
+)
+NO_RETURN = Cause(
+    'no_return',
+    'Your function ends without return, so its answer is None.',
+    'End each way through the function with return True, return False or return a comparison.',
+)
+NO_BOOLEAN = Cause(
+    'no_boolean',
+    'Your function returns something else than True or False.',
+    'Return a comparison, such as warned == due, or put bool(...) around the value.',
+)
+RAISES = Cause(
+    'raises',
+    'Your function raises an exception instead of an answer',
+    'Return False for a wrong run. A run may have no warning, or a unit that nobody knows.',
+)
+UNHELPFUL = ('exception', 'assertion')
+"""Causes that speak of a node which ends with an exception."""
+REFUSES_RIGHT = Cause(
+    'refuses_right',
+    'The node of this run warns of each reading above 30.0 °C once, and of no other.',
+    'Work out by hand which of its readings are above 30.0 °C, and compare with what your check '
+    'takes for due. Ask for nothing but the WARN lines, in any words.',
+)
+ONE_SIDED = Cause(
+    'one_sided',
+    'Your check is wrong about most runs of the other kind, so this does not count yet.',
+    'First make it right for those runs.',
+)
+ACCEPTS_ALL = Slip(
+    'accepts_all',
+    'Your check accepts each run, so it finds no mistake.',
+    'Return False if the warnings of the run are not those that are due.',
+    each(lambda run: True),
+)
+REFUSES_ALL = Slip(
+    'refuses_all',
+    'Your check refuses each run, including those of right nodes.',
+    "Print both lists for a right run. Is the level 'WARN'?",
+    each(lambda run: False),
+)
+OTHER_FIXES = {'unknown_unit': 'No warning is due for a unit that is neither of the two.'}
+
+
+def compares(like: Callable[[int, int], bool] = operator.eq, due: Rule = DUE) -> Rule:
+    """Return the rule of a check that compares the warnings after each reading with due ones."""
+    return each(lambda run: all(map(like, run.answers, due(run.readings))))
+
+
+def of_monitor(name: str, readings: Sequence[Reading]) -> Slip:
+    """
+    Return the first slip of a name that shows in some readings.
+
+    :raises ExamInvalid: if there is none
+    """
+    due = list(DUE(readings))
+    for slip in (*OF_A_MONITOR, LATE):
+        if slip.cause_id == name and list(slip.rule(readings)) != due:
+            return slip
+    raise ExamInvalid(f'No slip {name} shows in the readings {readings}.')
+
+
+SLIPS = (
+    ACCEPTS_ALL,
+    REFUSES_ALL,
+    Slip(
+        'counts_only',
+        'Your check counts the warnings and does not ask which reading each belongs to.',
+        'Compare times: a warning has the time of its reading.',
+        each(lambda run: sum(run.answers) == sum(DUE(run.readings))),
+    ),
+    Slip(
+        'any_warning',
+        'One warning in the run is enough for your check.',
+        'Ask for a warning at the time of each reading that is too warm.',
+        each(lambda run: any(run.answers) == any(DUE(run.readings))),
+    ),
+    Slip(
+        'no_needless',
+        'Your check finds missing warnings, and no warning that comes without a reason.',
+        'Also ask whether each WARN line belongs to a reading that is too warm.',
+        compares(operator.ge),
+    ),
+    Slip(
+        'no_missing',
+        'Your check finds warnings without a reason, and no warning that is missing.',
+        'Also ask whether each reading that is too warm has its WARN line.',
+        compares(operator.le),
+    ),
+    Slip(
+        'repeats',
+        'A warning that comes twice counts as one in your check.',
+        'Compare lists, not sets: a set has each time once.',
+        compares(lambda count, due: bool(count) == bool(due)),
+    ),
+    *(
+        Slip(
+            f'check_{slip.cause_id}',
+            f'What your check takes for due has itself this mistake. {slip.text}',
+            OTHER_FIXES.get(slip.cause_id, slip.try_this),
+            compares(due=slip.rule),
+        )
+        for slip in OF_A_MONITOR
+        if slip.cause_id in OWN
+    ),
+)
+
+
+def answers_of(run: Run) -> list[bool | str]:
+    """Return the answer to each run; anything else than True or False as text."""
+    found = [', '.join(map(str, row or ())) for row in published(run, 'answers', ANSWERS)]
+    truth: dict[str, bool | str] = {'True': True, 'False': False, '': 'no answer'}
+    return [truth.get(one, one) for one in found]
+
+
+def returns_true_or_false(run: Run) -> None:
+    """Your file has a function accepts(run), which returns True or False."""
+    came = answers_of(run)
+    if not any(isinstance(one, bool) for one in came):
+        raise Failed(
+            expected='True or False for a run',
+            observed=f'{came[0]} for {_name(run, 0)}',
+            why=_why_no_answer(run, str(came[0])),
+        )
+
+
+def _why_no_answer(run: Run, text: str) -> Cause | None:
+    trace = traceback_of(run)
+    if text == 'exception' and trace:
+        why = exception_cause(trace)
+        return (
+            why
+            if why.cause_id not in UNHELPFUL
+            else replace(RAISES, text=f'{RAISES.text}{trace.where}.')
+        )
+    if NO_ACCEPTS in str(run.recording.process.get('stderr', '')):
+        return NO_FUNCTION
+    if text == 'no answer':
+        return why_silent(run)
+    return NO_RETURN if text == 'NoneType' else NO_BOOLEAN
+
+
+def _name(run: Run, place: int) -> str:
+    """Return how a run is called: its number helps only where the runs can be looked at."""
+    made: MadeRun = run.facts['answers'].inputs[place]
+    return f'a run with {made.kind}' if run.secret else f'run {place + 1}, with {made.kind}'
+
+
+def _require(run: Run, places: Collection[int], due: bool) -> None:
+    """
+    Fail unless runs have the right answer, and not because nearly all runs have it.
+
+    All runs of right nodes count together, each run of a wrong node counts by itself.
+
+    :param places: of the runs
+    :param due: their right answer
+    """
+    asked, came = run.facts['answers'], answers_of(run)
+    wrong = asked.wrong(came, places)
+    others = [place for place, one in enumerate(asked.answers) if one != due]
+    known = len(others) - len(asked.wrong(came, others))
+    one_sided = 2 * known < len(others)
+    if wrong:
+        right = len(places) - len(wrong)
+        raise Failed(
+            expected=f'{due} for {len(places)} runs of {_kind(due)} nodes',
+            observed=f'{due} for {right} of them; not for {_name(run, wrong[0])}',
+            why=_why(run, asked, came, wrong[0]),
+            share=0.0 if due or one_sided else round(right / len(places), 2),
+        )
+    if one_sided:
+        raise Failed(
+            expected=f'{due} here, and {not due} for most runs of {_kind(not due)} nodes',
+            observed=f'{not due} for {known} of these {len(others)}',
+            why=ONE_SIDED,
+        )
+
+
+def _kind(right: bool) -> str:
+    return 'right' if right else 'wrong'
+
+
+def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int) -> Cause | None:
+    """Say what the node of a run does, and why the check misses it if that is known."""
+    answer = came[place]
+    if isinstance(answer, str):
+        return _why_no_answer(run, answer)
+    slip: Slip | None = asked.inputs[place].slip
+    own = asked.cause(came, place)
+    if slip is None:
+        return own or REFUSES_RIGHT
+    does = f'The node of this run is wrong. {slip.text}'
+    if own is None:
+        return Cause(f'accepts_{slip.cause_id}', does, BY_READING)
+    same = 'What your check takes for due has the same mistake.'
+    more = same if own.cause_id == f'check_{slip.cause_id}' else own.text
+    return Cause(own.cause_id, f'{does} {more}', own.try_this)
+
+
+def build(runs: Sequence[MadeRun]) -> Exam:
+    """Return the exam for some runs, which are sent in this order."""
+    told = [{'data': json.dumps(one.simulation.to_json())} for one in runs]
+    exam = Exam(
+        'warning_check',
+        title='A check of recorded runs',
+        assignment='11_testing',
+        part=1,
+        scenario=Scenario(
+            program='check',
+            file=FILE,
+            watch={ANSWERS: TYPE},
+            feed={RUNS: TYPE},
+            steps=(Feed(RUNS, told),),
+        ),
+        read=EXERCISE,
+        facts={'runs': [one.simulation for one in runs]},
+        asks={'answers': Specification(runs, each(lambda run: run.slip is None), SLIPS)},
+    )
+    right = [place for place, one in enumerate(runs) if one.slip is None]
+    named = [(place, one.slip.cause_id) for place, one in enumerate(runs) if one.slip]
+    missing = [place for place, name in named if name in MISSES]
+    units = [place for place, name in named if name in UNITS]
+    other = [place for place, _ in named if place not in {*missing, *units}]
+    exam.check(points=1)(returns_true_or_false)
+    for points, name, places, sentence in (
+        (4, 'accepts_right_nodes', right, 'It accepts each run of a right node.'),
+        (2, 'refuses_missing_warnings', missing, 'It refuses a run that lacks a warning.'),
+        (3, 'refuses_other_warnings', other, 'It refuses a run with a wrong warning.'),
+        (2, 'refuses_wrong_units', units, 'It refuses a run with a mistaken unit.'),
+    ):
+        judged = claim(name, sentence)(partial(_require, places=places, due=places is right))
+        exam.check(points=points, needs=['returns_true_or_false'])(judged)
+    return exam
+
+
+def _run(kind: str, readings: Sequence[Reading], name: str = '', words: int = 0) -> MadeRun:
+    slip = of_monitor(name, readings) if name else None
+    return made_run(kind, readings, DUE, slip, words)
+
+
+_UNKNOWN = Reading(300.0, 'a reading in the unit Kelvin', 'Kelvin')
+exam = build(
+    [
+        _run('readings in Celsius', celsius(21.5, 31.0, 25.0, 30.2, 22.0)),
+        _run('readings at the limit', celsius(28.0, 30.0, 32.0, 30.0, 29.0), 'warns_at_threshold'),
+        _run(
+            'warm readings in a row', celsius(25.0, 31.0, 33.0, 36.0, 28.0), 'warns_of_changes', 1
+        ),
+        _run('no reading above 30 °C', celsius(12.0, 30.0, 29.9, -35.0, 18.0), words=1),
+        _run('readings in Celsius', celsius(22.0, 34.0, 26.0, 32.0, 27.0), 'one_late'),
+        _run(
+            'readings in Fahrenheit', fahrenheit(70.0, 95.0, 86.0, 88.0) + celsius(31.0), words=2
+        ),
+        _run('readings in Fahrenheit', fahrenheit(70.0, 50.0, 95.0, 20.0), 'ignores_unit', 3),
+        _run('an unknown unit and NaN', [*celsius(35.0), _UNKNOWN, NAN, *celsius(31.0)], words=3),
+        _run('a reading that is NaN', [*celsius(35.0), NAN, *celsius(24.0)], 'nan'),
+        _run('a reading in an unknown unit', [_UNKNOWN, *celsius(20.0, 32.0)], 'unknown_unit', 1),
+        _run('readings in Celsius', celsius(24.0, 38.0, 41.0, 26.0), 'no_warning', 2),
+        _run('readings in Celsius', celsius(24.0, 33.0, 26.0), 'repeated_warning', 3),
+    ]
+)

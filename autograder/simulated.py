@@ -1,0 +1,202 @@
+"""
+What a program did in some time on the virtual clock, for a person who looks at it.
+
+Nothing is judged.  The classes have what the pictures of a notebook ask of a listener, so these
+draw a simulation like live messages.  A learner's check of a recorded run gets the same object in
+the sandbox, so this file imports only the standard library and ``autograder/probe/probe_wire.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+ENDS = {
+    'complete': 'it ran to its end',
+    'student_exited': 'the program ended',
+    'no_node': 'no node had appeared',
+    'not_connected': 'no node was subscribed when an input was due',
+    'cpu_limit': 'it had used 20 s of processor time',
+    'too_many_events': 'there were more than 20000 messages and log lines',
+    'too_much_recorded': 'there were more than 32 MB of messages',
+    'output_limit': 'it had printed more than 8 MB',
+    'memory_limit': 'it used more than 1 GiB of memory',
+    'waits_outside': 'it waited for something outside of Python and ROS',
+    'busy_before_node': 'it computed for 3 s before its first node',
+}
+"""Why a simulation ended, by the reason in its recording."""
+
+
+@dataclass(frozen=True)
+class TopicRecord:
+    """
+    The messages of a topic, with the properties of a listener that has ended.
+
+    :param topic: full name, with a remark if it is not what everyone receives
+    :param type: such as ``std_msgs/msg/String``
+    :param times: when each was received, or sent [s since the program started]
+    :param data: fields of each, None for one of more than 64 KB
+    :param seconds: how long the simulation took in virtual time [s]
+    """
+
+    topic: str
+    type: str
+    times: tuple[float, ...]
+    data: tuple[Mapping[str, Any] | None, ...]
+    seconds: float
+    began = 0.0
+    alive = False
+
+    @property
+    def msg_type(self) -> Any:
+        """
+        The class of the messages.
+
+        :raises ModuleNotFoundError: if the package of the type cannot be imported here
+        """
+        # Not at the top: the grader's own process never imports rclpy.
+        from autograder.probe.probe_wire import load_type
+
+        return load_type(self.type)
+
+    @property
+    def messages(self) -> list[Any]:
+        """The messages, oldest first."""
+        from autograder.probe.probe_wire import fill
+
+        made = self.msg_type
+        return [None if data is None else fill(made(), dict(data)) for data in self.data]
+
+    def wait(self, count: int = 1, timeout: float = 0.0) -> list[Any]:
+        """Return the messages at once, because no more arrive."""
+        return self.messages
+
+    def stop(self) -> None:
+        """Do nothing, because a simulation has ended."""
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.messages)
+
+
+@dataclass(frozen=True)
+class LogRecord:
+    """
+    A log line.
+
+    :param time_s: when the node logged it [s since the program started]
+    :param level: 'DEBUG', 'INFO', 'WARN', 'ERROR' or 'FATAL'
+    :param logger: name of the logger
+    """
+
+    time_s: float
+    level: str
+    logger: str
+    text: str
+
+    def __str__(self) -> str:
+        return f'{self.time_s:.3f} s  {self.level:<5}  {self.logger}: {self.text}'
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """
+    A program's messages and log lines in virtual time; two equal runs are equal.
+
+    :param program: its name
+    :param heard: messages that it published, by the full name of the topic
+    :param late: what the late subscriptions received, likewise
+    :param sent: the inputs, likewise
+    :param logs: log lines, oldest first
+    :param reason: why it ended, a key of :data:`ENDS`; ``'complete'`` at the end of its time
+    :param seconds: how long it was observed, in virtual time [s]
+    :param exit: exit code of a program that ended
+    :param printed: the beginning and the end of what it printed, standard error last
+    :param mode: isolation mode of the sandbox
+    """
+
+    program: str
+    heard: Mapping[str, TopicRecord]
+    late: Mapping[str, TopicRecord]
+    sent: Mapping[str, TopicRecord]
+    logs: tuple[LogRecord, ...]
+    reason: str
+    seconds: float
+    exit: int | None = None
+    printed: str = field(default='', compare=False, repr=False)
+    mode: str = field(default='', compare=False, repr=False)
+
+    @property
+    def listeners(self) -> list[TopicRecord]:
+        """Everything that a timeline can show: inputs, messages, late subscriptions."""
+        return [*self.sent.values(), *self.heard.values(), *self.late.values()]
+
+    def __getitem__(self, topic: str) -> TopicRecord:
+        name = topic if topic.startswith('/') else f'/{topic}'
+        if name not in self.heard:
+            known = ', '.join(self.heard) or 'none'
+            raise KeyError(f'{name}: the program has no publisher there; its topics: {known}')
+        return self.heard[name]
+
+    def messages(self, topic: str) -> list[Any]:
+        """
+        Return the messages that the program published on a topic, oldest first.
+
+        :param topic: its name
+        :raises KeyError: if the program has no publisher there
+        """
+        return self[topic].messages
+
+    def times(self, topic: str) -> list[float]:
+        """
+        Return when the program published on a topic [s since it started].
+
+        :param topic: its name
+        :raises KeyError: if the program has no publisher there
+        """
+        return list(self[topic].times)
+
+    def logged(self, level: str) -> list[LogRecord]:
+        """
+        Return the log lines of one level.
+
+        :param level: such as ``'WARN'``
+        """
+        return [line for line in self.logs if line.level == level.upper()]
+
+    @property
+    def ended(self) -> str:
+        """Why and when it ended, in one sentence."""
+        why = ENDS.get(self.reason, f'a limit was reached ({self.reason})')
+        words = f'After {self.seconds:g} s of virtual time, {why}'
+        if self.exit is not None:
+            words += f' with exit code {self.exit}'
+        said = self.printed.strip().splitlines()
+        return f'{words}: {said[-1].strip()}' if self.exit and said else f'{words}.'
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as JSON types, for :meth:`from_json`."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Simulation:
+        """Return what :meth:`to_json` has made JSON types of."""
+        topics = {
+            kind: {topic: TopicRecord(**one) for topic, one in data[kind].items()}
+            for kind in ('heard', 'late', 'sent')
+        }
+        logs = tuple(LogRecord(**line) for line in data['logs'])
+        return cls(**{**data, **topics, 'logs': logs})
+
+    def __str__(self) -> str:
+        rows = [(record.topic, len(record), 'messages') for record in self.listeners]
+        rows.append(('log', len(self.logs), 'lines'))
+        width = max(len(name) for name, *_ in rows)
+        counts = (f'  {name:<{width}}  {count} {what}' for name, count, what in rows)
+        return '\n'.join([f'{self.program}: {self.ended}', *counts])
+
+    def __repr__(self) -> str:
+        return str(self)

@@ -1,0 +1,2 @@
+def accepts(run):
+    return True

@@ -1,0 +1,17 @@
+
+def celsius(message):
+    if message.unit == 'Celsius':
+        return message.temperature_value
+    if message.unit == 'Fahrenheit':
+        return (message.temperature_value - 32.0) / 1.8
+    return float('nan')
+
+
+def accepts(run):
+    sent = run.sent['/temperature_topic']
+    warned = [line.time_s for line in run.logged('WARN')]
+    return [
+        time
+        for time, message in zip(sent.times, sent.messages)
+        if warned.count(time) == (celsius(message) > 30.0)
+    ]

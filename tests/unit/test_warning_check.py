@@ -1,0 +1,142 @@
+"""The exam of lesson 11: made runs, and what is said about checks that judge them wrongly."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from autograder.errors import ExamInvalid
+from autograder.exam import catalog
+from autograder.exam.exam import Run
+from autograder.exams.monitor_runs import celsius, made_run
+from autograder.exams.visible import warning_check
+from autograder.judging.judge import judge
+from autograder.recording import Recording
+from autograder.results import Verdict
+from autograder.simulated import Simulation
+
+EXAM = warning_check.exam
+RUNS = EXAM.asks['answers'].inputs
+ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stderr': ''})
+SENTENCES = [check.name for check in EXAM.checks]
+
+
+def results(answers, exam=EXAM, stderr=''):
+    """Return what the exam says of these answers, by check."""
+    events = []
+    for place, answer in enumerate(answers):
+        events.append({'event': 'input', 'index': place, 'data': {}, 'clock_ns': place})
+        facts = {'topic': warning_check.ANSWERS, 'listener': None, 'after_input': place}
+        texts = answer if isinstance(answer, tuple) else (str(answer),)
+        events += [{'event': 'message', 'data': {'data': one}, **facts} for one in texts]
+    end, process = ENDS
+    run = Run({}, Recording({}, (*events, end, {**process, 'stderr': stderr})), exam.facts)
+    return {one.check: one for one in judge(exam, run)}
+
+
+def of_rule(rule, exam=EXAM):
+    """Return what the exam says of a check that answers by a rule."""
+    return results(rule(exam.asks['answers'].inputs), exam)
+
+
+def test_right_answers_get_all_points():
+    """True for the runs without a slip."""
+    found = of_rule(lambda runs: [one.slip is None for one in runs])
+
+    assert {one.verdict for one in found.values()} == {Verdict.PASSED}
+    assert sum(one.points for one in found.values()) == EXAM.max_points == 12
+
+
+@pytest.mark.parametrize('answer', [True, False, 'NoneType', 'exception', ()])
+def test_one_answer_for_all_runs_earns_nothing_but_its_form(answer):
+    """A check that says the same of each run has judged none."""
+    found = results([answer] * len(RUNS))
+
+    points = {name: one.points for name, one in found.items() if one.points}
+    assert points == ({'returns_true_or_false': 1} if isinstance(answer, bool) else {})
+
+
+@pytest.mark.parametrize('slip', warning_check.SLIPS, ids=lambda slip: slip.cause_id)
+def test_slip_of_a_check_is_the_cause_in_the_graded_exam(slip):
+    """The graded runs tell all slips apart, so each is named."""
+    exam = catalog.load('warning_check')
+    found = of_rule(slip.rule, exam)
+
+    causes = {one.cause_id for one in found.values() if one.verdict is Verdict.FAILED}
+    assert slip.cause_id in causes
+    assert causes <= {slip.cause_id, 'one_sided'}
+
+
+def test_missed_run_is_explained_by_what_its_node_does():
+    """The learner reads the sentence of the node's slip, and which run it is."""
+    missed = [one.slip is None or one.slip.cause_id == 'nan' for one in RUNS]
+    # Another mistake, so that no slip of a check explains both.
+    missed[5] = False
+    found = results(missed)['refuses_other_warnings']
+
+    assert found.cause_id == 'accepts_nan'
+    assert found.cause.startswith('The node of this run is wrong. A WARN line comes for NaN')
+    assert found.observed == 'False for 3 of them; not for run 9, with a reading that is NaN'
+    assert found.points == 2.25
+
+
+def test_graded_exam_names_no_place_and_no_value():
+    """Its order is the secret: with it, a list of answers would do."""
+    exam = catalog.load('warning_check')
+    found = of_rule(lambda runs: [True] * len(runs), exam)['refuses_other_warnings']
+    slipped = {one.kind for one in exam.asks['answers'].inputs if one.slip}
+
+    assert found.observed.removeprefix('False for 0 of them; not for a run with ') in slipped
+
+
+def test_two_answers_for_a_run_are_none():
+    """A program may publish what it likes on the topic."""
+    found = results([('True', 'False')] * len(RUNS))['returns_true_or_false']
+
+    assert found.observed == 'True, False for run 1, with readings in Celsius'
+    assert found.cause_id == 'no_boolean'
+
+
+def test_what_is_sent_does_not_tell_right_runs_from_wrong_ones():
+    """No field names the node or its slip, and the words have nothing to do with it."""
+    exam = catalog.load('warning_check')
+    sent = [json.loads(one['data']) for one in exam.scenario.steps[0].messages]
+    about = {(one['program'], one['reason'], one['mode'], one['printed']) for one in sent}
+
+    assert about == {('monitor.py', 'complete', '', '')}
+    for right in (True, False):
+        words = {one.words for one in exam.asks['answers'].inputs if (one.slip is None) == right}
+        assert words == {0, 1, 2, 3}
+
+
+def test_graded_exam_asks_about_slips_that_learners_do_not_see():
+    """And about all that they do see."""
+    visible, hidden = (
+        {
+            one.slip.cause_id
+            for one in catalog.load('warning_check', hide).asks['answers'].inputs
+            if one.slip
+        }
+        for hide in (False, True)
+    )
+
+    assert visible < hidden
+
+
+def test_run_survives_the_way_to_the_sandbox():
+    """What simulate() returns is the same object after the journey as JSON."""
+    run = RUNS[7].simulation
+
+    assert Simulation.from_json(json.loads(json.dumps(run.to_json()))).logs == run.logs
+    assert [line.time_s for line in run.logged('WARN')] == [1.0, 4.0]
+    assert run.sent['/temperature_topic'].times == (1.0, 2.0, 3.0, 4.0)
+
+
+def test_run_that_does_not_show_its_slip_is_refused():
+    """Nobody could refuse it."""
+    slip = warning_check.of_monitor('warns_at_threshold', celsius(30.0))
+    with pytest.raises(ExamInvalid, match='does not show the slip warns_at_threshold'):
+        made_run('cool readings', celsius(20.0), warning_check.DUE, slip)
+    with pytest.raises(ExamInvalid, match='No slip nan shows'):
+        warning_check.of_monitor('nan', celsius(20.0))
