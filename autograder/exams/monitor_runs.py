@@ -86,10 +86,12 @@ def made_run(
     :param steps_s: time before each reading [s]; by default a second
     :raises ExamInvalid: if the readings do not show the mistake
     """
-    answers = list((slip.rule if slip else due)(readings))
-    if slip and answers == list(due(readings)):
+    right = list(due(readings))
+    forms = [list(rule(readings)) for rule in slip.rules] if slip else [right]
+    answers = next((one for one in forms if not slip or one != right), None)
+    if slip and answers is None:
         raise ExamInvalid(f'The run with {kind} does not show the slip {slip.cause_id}.')
-    return MadeRun(kind, readings, answers, slip, steps_s or [1.0] * len(readings), words)
+    return MadeRun(kind, readings, answers or right, slip, steps_s or [1.0] * len(readings), words)
 
 
 def celsius(*values: float) -> list[Reading]:

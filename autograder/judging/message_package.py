@@ -22,7 +22,7 @@ from autograder.judging.causes.builds import (
     output_of,
 )
 from autograder.judging.causes.ended import close_name, LIMITS, why_killed
-from autograder.judging.text_table import rows, rows_of
+from autograder.judging.causes.text_table import rows, rows_of
 
 Fields = Sequence[tuple[str, str]]
 """Types and names of fields, in order."""

@@ -9,8 +9,8 @@ from typing import Any
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.builds import build_cause, diagnose, output_of
+from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.tracebacks import traceback_of
-from autograder.judging.text_table import cause_of
 
 NO_EXECUTABLE, NOT_BUILT = 97, 98
 MARK = 'run_package: '

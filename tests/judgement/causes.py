@@ -20,7 +20,7 @@ from autograder.exam import catalog
 from autograder.exam.names import Names
 from autograder.exams.visible import check_your_understanding as questions
 from autograder.judging.causes import builds, code_table, ended, exceptions
-from autograder.judging.text_table import rows_of
+from autograder.judging.causes.text_table import rows_of
 from autograder.layout import Layout
 from tests.judgement.kept import load, table, write_or_compare
 

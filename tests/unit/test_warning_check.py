@@ -61,7 +61,7 @@ def test_one_answer_for_all_runs_earns_nothing_but_its_form(answer):
 def test_slip_of_a_check_is_the_cause_in_the_graded_exam(slip):
     """The graded runs tell all slips apart, so each is named."""
     exam = catalog.load('warning_check')
-    found = of_rule(slip.rule, exam)
+    found = of_rule(slip.rules[0], exam)
 
     causes = {one.cause_id for one in found.values() if one.verdict is Verdict.FAILED}
     assert slip.cause_id in causes
@@ -76,7 +76,9 @@ def test_missed_run_is_explained_by_what_its_node_does():
     found = results(missed)['refuses_other_warnings']
 
     assert found.cause_id == 'accepts_nan'
-    assert found.cause.startswith('The node of this run is wrong. A WARN line comes for NaN')
+    assert found.cause.startswith(
+        'The node of this run is wrong. Its author is told: Your node logs a WARN line for NaN'
+    )
     assert found.observed == 'False for 3 of them; not for run 9, with a reading that is NaN'
     assert found.points == 2.25
 

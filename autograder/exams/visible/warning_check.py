@@ -21,9 +21,8 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.exams.monitor_runs import celsius, fahrenheit, made_run, MadeRun, NAN
-from autograder.exams.readings import Reading
-from autograder.exams.visible.temperature_subscriber import SLIPS as OF_A_MONITOR
-from autograder.exams.visible.temperature_subscriber import warns
+from autograder.exams.readings import Reading, warns
+from autograder.exams.readings import SLIPS as OF_A_MONITOR
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.tracebacks import traceback_of
@@ -73,7 +72,7 @@ NO_BOOLEAN = Cause(
 )
 RAISES = Cause(
     'raises',
-    'Your function raises an exception instead of an answer',
+    'Your function raises an exception instead of returning an answer.',
     'Return False for a wrong run. A run may have no warning, or a unit that nobody knows.',
 )
 UNHELPFUL = ('exception', 'assertion')
@@ -117,7 +116,7 @@ def of_monitor(name: str, readings: Sequence[Reading]) -> Slip:
     """
     due = list(DUE(readings))
     for slip in (*OF_A_MONITOR, LATE):
-        if slip.cause_id == name and list(slip.rule(readings)) != due:
+        if slip.cause_id == name and any(list(rule(readings)) != due for rule in slip.rules):
             return slip
     raise ExamInvalid(f'No slip {name} shows in the readings {readings}.')
 
@@ -160,7 +159,7 @@ SLIPS = (
             f'check_{slip.cause_id}',
             f'What your check takes for due has itself this mistake. {slip.text}',
             OTHER_FIXES.get(slip.cause_id, slip.try_this),
-            compares(due=slip.rule),
+            *(compares(due=rule) for rule in slip.rules),
         )
         for slip in OF_A_MONITOR
         if slip.cause_id in OWN
@@ -169,10 +168,16 @@ SLIPS = (
 
 
 def answers_of(run: Run) -> list[bool | str]:
-    """Return the answer to each run; anything else than True or False as text."""
-    found = [', '.join(map(str, row or ())) for row in published(run, 'answers', ANSWERS)]
+    """Return the answer to each run; anything but True and False as text."""
+    rows = published(run, 'answers', ANSWERS)
     truth: dict[str, bool | str] = {'True': True, 'False': False, '': 'no answer'}
-    return [truth.get(one, one) for one in found]
+    words = [', '.join(_word(str(one)) for one in row or ()) for row in rows]
+    return [truth.get(one, one) for one in words]
+
+
+def _word(answer: str) -> str:
+    """Return an answer that may be shown: no program repeats a hidden run in it."""
+    return answer if answer.isidentifier() else 'another text'
 
 
 def returns_true_or_false(run: Run) -> None:
@@ -190,11 +195,8 @@ def _why_no_answer(run: Run, text: str) -> Cause | None:
     trace = traceback_of(run)
     if text == 'exception' and trace:
         why = exception_cause(trace)
-        return (
-            why
-            if why.cause_id not in UNHELPFUL
-            else replace(RAISES, text=f'{RAISES.text}{trace.where}.')
-        )
+        helpful = why.cause_id not in UNHELPFUL
+        return why if helpful else replace(RAISES, text=f'{trace.place}{RAISES.text}')
     if NO_ACCEPTS in str(run.recording.process.get('stderr', '')):
         return NO_FUNCTION
     if text == 'no answer':
@@ -251,7 +253,7 @@ def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int)
     own = asked.cause(came, place)
     if slip is None:
         return own or REFUSES_RIGHT
-    does = f'The node of this run is wrong. {slip.text}'
+    does = f'The node of this run is wrong. Its author is told: {slip.text}'
     if own is None:
         return Cause(f'accepts_{slip.cause_id}', does, BY_READING)
     same = 'What your check takes for due has the same mistake.'

@@ -13,7 +13,7 @@ from pathlib import Path
 import re
 
 from autograder.exam.exam import Cause, Run
-from autograder.judging.text_table import rows_of
+from autograder.judging.causes.text_table import rows_of
 
 
 @dataclass(frozen=True)

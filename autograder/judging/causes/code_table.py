@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Run
-from autograder.judging.text_table import rows_of
+from autograder.judging.causes.text_table import rows_of
 from autograder.submission.code.learners_code import Code
 
 

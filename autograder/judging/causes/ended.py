@@ -15,9 +15,9 @@ from autograder.exam.exam import Cause, Run
 from autograder.judging.causes import not_answering as stalled
 from autograder.judging.causes.code_table import why_by_code
 from autograder.judging.causes.exceptions import exception_cause
+from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.judging.packages import why_no_program
-from autograder.judging.text_table import cause_of
 from autograder.submission.code.learners_code import Code
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")

@@ -14,6 +14,7 @@ import re
 from typing import NamedTuple
 
 from autograder.exam.exam import Cause
+from autograder.judging.causes.text_table import rows_of
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.judging.causes.unknown_names import (
     homes,
@@ -21,7 +22,6 @@ from autograder.judging.causes.unknown_names import (
     init_cause,
     name_cause,
 )
-from autograder.judging.text_table import rows_of
 from autograder.layout import Layout
 from autograder.submission.code.learners_code import in_cell
 

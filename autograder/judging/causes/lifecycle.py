@@ -11,8 +11,8 @@ import ast
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.ended import why_no_configure, why_no_verdict
+from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.unknown_names import homes
-from autograder.judging.text_table import cause_of
 from autograder.submission.code.learners_code import Code
 
 READ_ONCE = cause_of('read_once')

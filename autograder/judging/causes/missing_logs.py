@@ -15,7 +15,7 @@ from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.code_table import why_by_code
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.logged_errors import why_exception_logged
-from autograder.judging.text_table import cause_of
+from autograder.judging.causes.text_table import cause_of
 from autograder.recording import Event, LEVELS
 from autograder.submission.code.code_places import leaves_out, logs_with_python
 from autograder.submission.code.learners_code import Code, in_cell, last_name

@@ -12,8 +12,8 @@ import re
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.redaction import asked
+from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.tracebacks import traceback_of
-from autograder.judging.text_table import cause_of
 from autograder.recording import Recording
 from autograder.submission.code.learners_code import in_cell, pause_in_callback
 

@@ -8,7 +8,7 @@ import re
 
 from autograder.exam.exam import Cause
 
-FOLDER = Path(__file__).parent / 'causes'
+FOLDER = Path(__file__).parent
 
 
 def rows(text: str) -> list[list[str]]:
