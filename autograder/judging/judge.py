@@ -8,7 +8,7 @@ from autograder.errors import GraderError, line_in
 from autograder.exam.exam import Cause, Check, Exam, Failed, Run
 from autograder.exam.read_more import where_to_read
 from autograder.judging.causes.ended import how_to_look
-from autograder.judging.causes.redaction import without_namespace
+from autograder.judging.causes.redaction import without_arguments
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import CheckResult, Verdict
@@ -26,7 +26,7 @@ def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
     blocked: set[str] = set()
     for check in exam.checks:
         result = _judge_one(exam, check, run, results, blocked)
-        results[check.name] = without_namespace(exam.scenario, result) if exam.hidden else result
+        results[check.name] = without_arguments(exam.scenario, result) if exam.hidden else result
     return tuple(results.values())
 
 

@@ -32,7 +32,7 @@ POLICIES = {
     'BEST_EFFORT': 'RELIABLE',
     'TRANSIENT_LOCAL': 'VOLATILE',
 }
-OTHER_TYPE = {'Float64': 'Float32', 'String': 'Char'}
+OTHER_TYPE = {'Float64': 'Float32', 'String': 'Char', 'Empty': 'Bool', 'Twist': 'Accel'}
 
 
 @dataclass(frozen=True)

@@ -18,13 +18,14 @@ _limits: list[float | int] = [
     *(HIGHEST_C + _between(0.5, 9.0), _between(200.0, 900.0), _between(-900.0, -200.0)),
     *(_between(-30.0, 20.0), _between(32.0, 110.0), _draw.randint(31, 99)),
 ]
-_others: list[Change] = [*((LIMIT, one) for one in _limits), (PLACE, 'roof'), (PLACE, '')]
+_changes: list[Change] = [(LIMIT, one) for one in _limits]
 exam = build(
     _draw.choice((28.1, 28.2, 28.3, 28.4, 29.1, 29.2, 29.3)),
     [
-        (LIMIT, _between(40.0, 90.0)),
-        (LIMIT, NO_NUMBERS[0]),
-        *_draw.sample(_others, len(_others)),
-        (LIMIT, _between(40.0, 90.0)),
+        # A place comes after a limit that was accepted: a refused one, if it is kept, is another
+        # mistake, which would also refuse the place.
+        *((LIMIT, _between(40.0, 90.0)), (PLACE, 'roof'), (LIMIT, NO_NUMBERS[0])),
+        *_draw.sample(_changes, len(_changes)),
+        *((LIMIT, _between(40.0, 90.0)), (PLACE, '')),
     ],
 )

@@ -1,10 +1,11 @@
 """
-Keep the inputs and the namespace of hidden exams out of feedback.
+Keep the inputs, the namespace and the parameters of hidden exams out of feedback.
 
 A student who learns these values could hard-code them and resubmit.  So the checks of an exam
 speak of drawn values in kinds and relations wherever :attr:`autograder.exam.exam.Run.secret`
 holds, and quote the student's node only with what cannot be an echo of them.  The namespace is a
-part of most names, so the judge takes it out of all texts, in one place.
+part of most names, and an exception may quote a parameter, so the judge takes what a program is
+started with out of all texts, in one place.
 """
 
 from __future__ import annotations
@@ -32,18 +33,24 @@ def namespace_of(scenario: Scenario) -> str:
     return chosen[-1] if chosen and chosen[-1] != '/' else ''
 
 
-def without_namespace(scenario: Scenario, check: CheckResult) -> CheckResult:
+def without_arguments(scenario: Scenario, check: CheckResult) -> CheckResult:
     """
-    Return a result of a hidden exam whose texts do not show the namespace that was drawn.
+    Return a result of a hidden exam whose texts do not show what the program was started with.
 
-    Names of nodes and topics lose it; alone, it is described.  What the student's node has said
-    about it is left out too.
+    Names of nodes and topics lose the namespace; alone, it is described.  What the student's node
+    has said about it, and the values of parameters, are left out too.
     """
     space = namespace_of(scenario).strip('/')
-    if not space:
+    settings = [one.partition(':=')[2] for one in scenario.arguments if ':=' in one]
+    values = [re.escape(one) for one in settings if one.strip('/') != space]
+    if not space and not values:
         return check
 
     def told(text: str) -> str:
+        for value in values:
+            text = re.sub(rf'(?<![\w.]){value}(?![\w.]*\d)', '…', text)
+        if not space:
+            return text
         text = re.sub(rf'the namespace /{space}(?![\w/])', 'the namespace that we chose', text)
         text = re.sub(rf'/?{space}/(?=\w)', '', text)
         return text.replace(space, '…')  # drawn letters are part of no word
