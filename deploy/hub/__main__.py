@@ -11,17 +11,20 @@ The environment variable HUB names the file of settings.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 import os
 from pathlib import Path
 import shutil
 import signal
 import subprocess
 import sys
+from urllib.request import urlopen
 
 from deploy.hub.prepare import HubError, prepare
 from deploy.hub.settings import HERE, read, SETTING, Settings, SettingsError
 from environment.places import PROJECT
 
+LOOK_S = 0.3
 STOP_S = 60.0
 """How long the servers of all users may take to stop."""
 
@@ -47,10 +50,6 @@ def main(arguments: Sequence[str]) -> int:
 
 def _run(settings: Settings, path: Path) -> int:
     """Run the hub in the foreground; when it is told to stop, stop servers and proxy with it."""
-    print(f'Open http://127.0.0.1:{settings.port}/ and log in as {", ".join(settings.users)}.')
-    if settings.login == 'first_use':
-        print("The first password that a user types becomes this user's password.")
-    print('Ctrl-C stops the hub, its proxy and all servers.', flush=True)
     log = settings.run / 'hub.log'
     environ = {
         **os.environ,
@@ -60,6 +59,7 @@ def _run(settings: Settings, path: Path) -> int:
     }
     config = str(HERE / 'jupyterhub_config.py')
     command = [str(settings.hub / 'bin' / 'jupyterhub'), '-f', config]
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     with log.open('a', encoding='utf-8') as file:
         hub = subprocess.Popen(
             command,
@@ -69,14 +69,31 @@ def _run(settings: Settings, path: Path) -> int:
             stderr=subprocess.STDOUT,
             start_new_session=True,  # a Ctrl-C reaches it once, through us
         )
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
+        address = f'http://127.0.0.1:{settings.port}/'
+        if _answers(hub, address):
+            print(f'Open {address} and log in as {", ".join(settings.users)}.')
+            if settings.login == 'first_use':
+                print("The first password that a user types becomes this user's password.")
+            print('Ctrl-C stops the hub, its proxy and all servers.', flush=True)
         code = hub.wait()
         print(f'hub: JupyterHub ended with code {code}. Look into {log}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print('Stopping the servers ...', flush=True)
         return _stop(hub)
+
+
+def _answers(hub: subprocess.Popen[bytes], address: str) -> bool:
+    """Wait until the hub answers; return False if it ends before."""
+    while hub.poll() is None:
+        try:
+            with urlopen(f'{address}hub/login'):
+                return True
+        except OSError:  # it does not listen yet
+            with suppress(subprocess.TimeoutExpired):
+                hub.wait(LOOK_S)
+    return False
 
 
 def _stop(hub: subprocess.Popen[bytes]) -> int:

@@ -13,14 +13,12 @@ import socket
 import subprocess
 import sys
 from typing import Any
-from urllib.error import URLError
-from urllib.request import urlopen
 
 from deploy.hub.settings import read, Settings
 
 ROOT = Path(__file__).resolve().parents[2]
 TEACHER, ANN, BOB = 'hubtest_teacher', 'hubtest_ann', 'hubtest_bob'
-PREPARED_S, STARTED_S, STOPPED_S, PAGE_MS = 1200.0, 120.0, 90.0, 120_000
+PREPARED_S, STOPPED_S, PAGE_MS = 1200.0, 90.0, 120_000
 
 
 @dataclass
@@ -95,26 +93,8 @@ def running(folder: Path) -> Iterator[Settings]:
 
 
 def _wait_until_it_answers(settings: Settings, hub: subprocess.Popen[str]) -> None:
-    for line in hub.stdout or ():
-        if 'Ctrl-C' in line:
-            break
-    log = settings.run / 'hub.log'
-    tail = subprocess.Popen(
-        ['tail', '--follow=name', '--lines=+1', '--retry', log],
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-    )  # fmt: skip
-    try:
-        for line in tail.stdout or ():
-            if 'JupyterHub is now running' in line:
-                break
-    finally:
-        tail.kill()
-        tail.wait()
-    try:
-        with urlopen(f'http://127.0.0.1:{settings.port}/hub/login', timeout=STARTED_S):
-            return
-    except URLError as error:
-        raise AssertionError(f'The hub does not answer:\n{log.read_text()[-3000:]}') from error
+    if not any('Ctrl-C' in line for line in hub.stdout or ()):
+        raise AssertionError((settings.run / 'hub.log').read_text()[-3000:])
 
 
 def _port_before_two_free() -> int:

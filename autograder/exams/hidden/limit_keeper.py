@@ -14,8 +14,8 @@ def _between(low: float, high: float) -> float:
 
 
 _limits: list[float | int] = [
-    *(*NO_NUMBERS, LOWEST_C, HIGHEST_C, LOWEST_C - _between(0.5, 9.0)),
-    *(HIGHEST_C + _between(0.5, 9.0), _between(200.0, 900.0), _between(-900.0, -200.0)),
+    *(*NO_NUMBERS, LOWEST_C, HIGHEST_C, LOWEST_C - _between(0.01, 0.4)),
+    *(HIGHEST_C + _between(0.01, 0.4), _between(200.0, 900.0), _between(-900.0, -200.0)),
     *(_between(-30.0, 20.0), _between(32.0, 110.0), _draw.randint(31, 99)),
 ]
 _changes: list[Change] = [(LIMIT, one) for one in _limits]

@@ -24,6 +24,7 @@ def _far() -> Reading:
     return Reading(round(_draw.uniform(200.0, 900.0), 1), 'a reading far above the limit')
 
 
+AT_THE_LIMIT = Reading(86.0, 'a reading in Fahrenheit', 'Fahrenheit')
 PLAIN, ROW, EDGES = 'readings in Celsius', 'warm readings in a row', 'readings next to the limit'
 UNITS, ODD, BROKEN = 'readings in Fahrenheit', 'unknown units', 'a reading that is NaN'
 MAKERS = {
@@ -34,7 +35,7 @@ MAKERS = {
     'warm readings only': lambda: _readings('hhhh'),
     'as many warm as cool readings': lambda: _readings('chhc'),
     'a reading far above the limit': lambda: [*_readings('c'), _far(), *_readings('hc')],
-    UNITS: lambda: [*_readings('c'), *fahrenheit(_draw), *_readings('hc')],
+    UNITS: lambda: [*_readings('c'), *fahrenheit(_draw), AT_THE_LIMIT, *_readings('hc')],
     ODD: lambda: [*odd(_draw)[:-1], *_readings('hc')],
     BROKEN: lambda: [*_readings('h'), NAN, *_readings('hc')],
 }
