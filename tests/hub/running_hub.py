@@ -86,6 +86,8 @@ def running(folder: Path) -> Iterator[Settings]:
     finally:
         hub.send_signal(signal.SIGINT)
         assert hub.wait(STOPPED_S) == 0
+        if hub.stdout:
+            hub.stdout.close()
     left = ['pgrep', '--list-full', '--euid', f'{TEACHER},{ANN},{BOB}']
     assert subprocess.run(left, capture_output=True, text=True).stdout == ''
     with socket.socket() as probe:

@@ -83,6 +83,15 @@ def test_missed_run_is_explained_by_what_its_node_does():
     assert found.points == 2.25
 
 
+def test_warning_that_comes_a_reading_late_is_explained():
+    """The node of this slip keeps its reading too long, and the learner is told so."""
+    missed = [one.slip is None or one.slip.cause_id == 'one_late' for one in RUNS]
+    missed[5] = False
+    found = results(missed)
+
+    assert 'accepts_one_late' in {one.cause_id for one in found.values()}
+
+
 def test_graded_exam_names_no_place_and_no_value():
     """Its order is the secret: with it, a list of answers would do."""
     exam = catalog.load('warning_check')
