@@ -27,7 +27,7 @@ def main(arguments: Sequence[str], environ: Mapping[str, str]) -> int:
     course = here if (here / FILE).is_file() else PROJECT
     if not (course / FILE).is_file():
         print(
-            f'{here}: this is not the folder of a course; it has no {FILE}. Try: cd COURSE',
+            f'{here}: this is not a course folder: it has no {FILE}. Try: cd COURSE',
             file=sys.stderr,
         )
         return 2

@@ -117,7 +117,7 @@ def check_python(found: Interpreter | None, ros: RosEnvironment | None) -> Findi
         return Finding(
             'python',
             MISSING,
-            'no CPython 3.10 to 3.13 that runs',
+            'no working CPython 3.10 to 3.13',
             f'sudo apt-get install -y {packages}, or make PYTHON=...',
         )
     detail = f'{found.release} at {found.path}'

@@ -154,7 +154,7 @@ def check_system(plan: Plan, job: Job) -> None:
     request = plan.environ.get('PYTHON', '')
     if plan.interpreter is None and request:
         raise StepError(
-            f'PYTHON={request}: expected CPython 3.10 to 3.13, found none that runs',
+            f'PYTHON={request}: expected CPython 3.10 to 3.13, found no working one',
             'leave out PYTHON, or name a different interpreter',
         )
     system.install_missing(job, plan.environ, plan.interpreter)

@@ -187,7 +187,7 @@ class Plot:
         return str(self)
 
     def _ipython_display_(self) -> None:
-        """Show a copy as the value of a later cell; only its own cell shows updates."""
+        """Show a copy if a later cell returns the picture; only the first picture is updated."""
         cell = current_cell()
         if cell is None or cell.number != self._shown_in:
             from IPython.display import display

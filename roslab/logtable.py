@@ -106,7 +106,7 @@ class _Recorder:
 
     def __call__(self, severity: Any, name: str, message: str, *place: Any) -> None:
         if not isinstance(message, str):
-            # Raises an exception, so there is no line to store.
+            # rclpy raises an exception here, so there is no line to store.
             self._write(severity, name, message, *place)
             return
         level = _LEVELS.get(int(severity), str(severity))

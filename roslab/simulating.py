@@ -50,6 +50,7 @@ def simulate(
         program used 20 s of processor time, or sent 20000 messages and log lines together, what it
         did until then
     :raises RoslabError: if there is no such file or topic, or a time is wrong
+    :raises NotImplementedError: if the program ended in a part that is still to be written
     """
     package = learner_package()
     saved = [one for one in package.files() if one.endswith('.py')]
@@ -76,7 +77,11 @@ def simulate(
         )
         if outcome.returncode != OK:
             raise RoslabError(_why(outcome))
-        return read_simulation(Recording.load(done))
+        run = read_simulation(Recording.load(done))
+    last = run.printed.rstrip().rpartition('\n')[2]
+    if run.exit and last.startswith('NotImplementedError'):
+        raise NotImplementedError(f'A part of {file} is still to be written.')
+    return run
 
 
 def recorded_runs(exam: str) -> list[Simulation]:

@@ -34,7 +34,7 @@ def execute(path: Path) -> None:
     :raises CellExecutionError: if a cell raised an error
     """
     notebook = nbformat.read(path, as_version=4)
-    with tempfile.TemporaryDirectory() as folder:  # cells write a ROS workspace next to it
+    with tempfile.TemporaryDirectory() as folder:  # cells write a ROS workspace here
         NotebookClient(
             nbformat.from_dict(notebook),
             kernel_name=KERNEL_NAME,

@@ -107,7 +107,7 @@ def _module(folder: str, name: str) -> ModuleType:
     try:
         return importlib.import_module(f'{_package().__name__}.{folder}.{name}')
     except GraderError:
-        raise  # it has its place
+        raise  # the error already names its place
     except Exception as error:  # noqa: BLE001 - whatever somebody's exam raises
         place = line_in(Layout.here().exams, error)
         where = _from_root(place) if place else _file_of(folder, name)

@@ -69,7 +69,7 @@ class RosClock:
     and each period.
 
     :param begins_s: first value [s]
-    :param rate: ROS seconds a virtual second
+    :param rate: ROS seconds per virtual second
     :param step_s: ROS time between two messages [s]; timers fire at such a step
     """
 

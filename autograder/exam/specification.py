@@ -105,7 +105,7 @@ class Specification:
     like: Callable[[Any, Any], bool] = same
 
     def of(self, rule: Rule) -> list[Any]:
-        """Return what a rule answers, with the answers to a burst as one."""
+        """Return the answers that a rule gives, with those to a burst joined into one."""
         found = list(rule(self.inputs))
         if not self.burst:
             return found

@@ -61,7 +61,7 @@ def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, .
         None if row is None else tuple(_value(one, fields) for one in row)
         for row in rows(run, ask, run.recording.messages(topic))
     ]
-    if run.asked(ask).burst and found[-1]:  # which several threads may answer in any order
+    if run.asked(ask).burst and found[-1]:  # several threads may answer in any order
         found[-1] = in_order(found[-1])
     return found
 
@@ -158,9 +158,9 @@ def require_values(
 
 def shown_values(run: Run, values: Sequence[Any] | None, secret: str = 'something else') -> str:
     """
-    Return values for a sentence.
+    Return values as text for a message, unless they may be inputs of a hidden exam.
 
-    :param secret: what stands for them if they may be inputs of a hidden exam
+    :param secret: the text to return instead of such values
     """
     if values and run.secret:
         return secret

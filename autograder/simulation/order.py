@@ -35,7 +35,7 @@ class Order:
     What to run, for how long, and what to send.
 
     :param file: node file
-    :param seconds: virtual time since the program starts [s]
+    :param seconds: how long to run, in virtual time from the start of the program [s]
     :param inputs: messages to send; those of one moment are a burst
     :param late: when an additional subscription joins a topic [s], by its full name
     :param arguments: of the program, after ``--ros-args``
@@ -77,7 +77,7 @@ def order_of(
     Return the order for what a person wrote.
 
     :param file: node file
-    :param seconds: virtual time since the program starts [s]
+    :param seconds: how long to run, in virtual time from the start of the program [s]
     :param inputs: topic to pairs of a time [s] and a message, or a dict of its fields
     :param late: topic to the time at which an additional subscription joins it [s]
     :param arguments: of the program, after ``--ros-args``

@@ -100,7 +100,7 @@ def with_reasons(result: SubmissionResult, exams: Iterable[Exam]) -> SubmissionR
 def _read(
     source: str, wanted: CellFile, grade_id: str, where: str
 ) -> tuple[CellFile | None, Problem | None]:
-    """Read one answer as the file that it has to be."""
+    """Return the file that one answer saves, or the problem if it is not the wanted file."""
     line, first = f'%%{wanted.kind} {wanted.name}', first_line(source)[0].strip()
     try:
         found = parse_cell(source)

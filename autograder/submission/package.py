@@ -72,7 +72,7 @@ def what_is_there(files: Mapping[str, str]) -> str:
 
 def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
     """
-    Return a result that speaks of missing files instead of a notebook's cells.
+    Return a result that names missing files instead of a notebook's cells.
 
     :param result: the exam's result on these files
     """

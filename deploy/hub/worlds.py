@@ -1,4 +1,4 @@
-"""A ROS world for each kernel that nobody else can enter, where this system allows it."""
+"""Give each kernel a ROS world that no other user can enter, if the system allows it."""
 
 from __future__ import annotations
 

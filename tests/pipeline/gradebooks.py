@@ -127,7 +127,7 @@ def leaves_marks_alone_that_nothing_speaks_against(course: Layout) -> None:
 
     assert waiting(course, 'ann', 'bob', 'eve') == [False, True, True]
     (mark,) = from_gradebook(course, ASSIGNMENT, [SubmissionResult('ann', ASSIGNMENT)])
-    assert (mark.points, mark.status) == (44, GRADED)
+    assert (mark.points, mark.status) == (54, GRADED)
 
 
 def says_that_a_gradebook_does_not_answer(course: Layout) -> None:
@@ -231,10 +231,10 @@ def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
     by_hand(course, 'ann', 4)
     by_hand(course, 'bob', 4)
     assert grade(course) == 1
-    assert scores(course, 'bob')['late'] == 44
+    assert scores(course, 'bob')['late'] == 54
     by_hand(course, 'bob', 4, extra=2)
     assert grade(course) == 1
-    assert scores(course, 'bob')['late'] == 46
+    assert scores(course, 'bob')['late'] == 56
     assert waiting(course, 'ann', 'bob') == [False, False]
 
     hand_in(course, 'bob', '2026-03-01 12:00:00 UTC')
@@ -299,7 +299,7 @@ def leaves_lower_marks_as_they_are(course: Layout) -> None:
 
     guard = Guard(course)
     assert grade(course, guard) == 0
-    assert guard.lowered_in(ASSIGNMENT) == ['ann 44 to 34']
+    assert guard.lowered_in(ASSIGNMENT) == ['ann 54 to 44']
     assert scores(course, 'ann')[CHECK] == 15
     server = gradebook_file(course) is None
     assert ('pg_dump --format=custom' in guard.refusal('')) == server
@@ -320,7 +320,7 @@ def forgets_a_student(course: Layout) -> None:
 
     found = traces(course, '1001')
     assert found.lines[:4] == (
-        f'gradebook: {ASSIGNMENT}, 44 points, 4 of them given by hand',
+        f'gradebook: {ASSIGNMENT}, 54 points, 4 of them given by hand',
         f'reports: result and page of {ASSIGNMENT}',
         f'journal of the gradebook: {ASSIGNMENT}',
         'name: Ann Example',

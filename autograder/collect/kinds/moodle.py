@@ -44,7 +44,7 @@ def read(level: Level) -> Iterator[Handed]:
             pieces = entry.pieces() if entry.folder else (entry.piece(match['file']),)
             handed.setdefault(key, []).extend(pieces)
     for (name, number, kind), found in handed.items():
-        what = '' if kind == 'file' else _TYPED.get(kind, f'{kind} of Moodle, not a file')
+        what = '' if kind == 'file' else _TYPED.get(kind, f'Moodle type {kind}, not a file')
         place = places[name, number, kind]
         theirs = () if what else tuple(found)
         yield Handed(name, theirs, place, name, instead=what, number=number)

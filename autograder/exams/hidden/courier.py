@@ -1,4 +1,4 @@
-"""Lesson 03, part 3, as it is graded: those who come late come at secret times."""
+"""Hidden exam of lesson 03, part 3: subscriptions join at secret times."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 01, first exercise, as it is graded: longer."""
+"""Hidden exam of lesson 01, first exercise: longer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 02, part 5, as it is graded: with more pictures, and secret names of them."""
+"""Hidden exam of lesson 02, part 5: more pictures, and secret names of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 07, part 5, as it is graded: with secret limits in a secret order."""
+"""Hidden exam of lesson 07, part 5: secret limits in a secret order."""
 
 from __future__ import annotations
 

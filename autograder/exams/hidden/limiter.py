@@ -1,4 +1,4 @@
-"""Lesson 10, as it is graded: with secret speeds and another limit, in a secret namespace."""
+"""Hidden exam of lesson 10: secret speeds and another limit, in a secret namespace."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 06, part 2, as it is graded: in a secret namespace and for a secret time."""
+"""Hidden exam of lesson 06, part 2: in a secret namespace and for a secret time."""
 
 from __future__ import annotations
 

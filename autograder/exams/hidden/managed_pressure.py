@@ -25,7 +25,7 @@ _edges = [
     round(_first + 0.01, 2),
     round(_first + 0.004, 3),
     round(_first - 0.01, 2),
-    round(-_first - _draw.uniform(1.0, 3.0), 2),  # of a size above the limit
+    round(-_first - _draw.uniform(1.0, 3.0), 2),  # only its absolute value is above the limit
     round(_draw.uniform(500.0, 900.0), 1),  # no sensor's fault, but above the limit
     _between(),
     0.0,

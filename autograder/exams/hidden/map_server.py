@@ -1,4 +1,4 @@
-"""Lesson 05, part 4, as it is graded: with secret surveys, the last of them at once."""
+"""Hidden exam of lesson 05, part 4: secret surveys, the last of them at once."""
 
 from __future__ import annotations
 

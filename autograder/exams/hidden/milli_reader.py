@@ -1,4 +1,4 @@
-"""Lesson 04, part 2, as it is graded: with secret numbers and names, and a burst."""
+"""Hidden exam of lesson 04, part 2: secret numbers and names, and a burst."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 02, part 5, as it is graded: with secret values, and either topic first."""
+"""Hidden exam of lesson 02, part 5: secret values, and either topic first."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 03, part 4, as it is graded: with secret numbers, a pause, two NaN, and a burst."""
+"""Hidden exam of lesson 03, part 4: secret numbers, a pause, two NaN, and a burst."""
 
 from __future__ import annotations
 

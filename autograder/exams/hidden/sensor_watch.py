@@ -1,4 +1,4 @@
-"""Lesson 05, part 5, as it is graded: with secret distances."""
+"""Hidden exam of lesson 05, part 5: secret distances."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 04, part 1, as it is graded: a type has no inputs, so it is the same exam."""
+"""Hidden exam of lesson 04, part 1: a type has no inputs, so it is the same exam."""
 
 from __future__ import annotations
 

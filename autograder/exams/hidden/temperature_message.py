@@ -1,4 +1,4 @@
-"""Lesson 07, part 1, as it is graded: with secret readings."""
+"""Hidden exam of lesson 07, part 1: secret readings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 07, part 2, as it is graded: a whole minute of a ROS clock drawn from the secret."""
+"""Hidden exam of lesson 07, part 2: a whole minute of a ROS clock drawn from the secret."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 07, part 3, as it is graded: with every edge, a burst, and secret readings."""
+"""Hidden exam of lesson 07, part 3: every edge, a burst, and secret readings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lesson 11, as it is graded: other runs, of nodes with every slip, in a secret order."""
+"""Hidden exam of lesson 11: other runs, of nodes with every slip, in a secret order."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ MUTE_AGAIN = Cause(
 MUTE_AFTER_CLEANUP = Cause(
     'mute_after_cleanup',
     'Before cleanup it publishes while it is active; configured again and activated, it does not.',
-    'What on_cleanup() destroys, on_configure() makes again each time, without a look at an old '
+    'In on_configure(), always create again what on_cleanup() destroys, without checking the old '
     'value: self.timer = self.create_timer(...).',
 )
 STAYS_ON = Cause(
@@ -112,7 +112,7 @@ def publishers(run: Run, when: str) -> list[Event]:
 def is_managed(run: Run) -> None:
     """It is a lifecycle node, and it waits unconfigured."""
     wanted = {'current_state.label': 'unconfigured'}
-    service, what = f'{node_of(run)}/get_state', 'the question for its state'
+    service, what = f'{node_of(run)}/get_state', 'the request for its state'
     require_answers(run, service, [wanted], what, explain=lambda place: ACTS_ALONE)
 
 

@@ -188,7 +188,7 @@ def refuses_a_senseless_limit(run: Run) -> None:
                 why=lifecycle.ERROR_NOT_FAILURE,
             )
     states = [{'current_state.label': 'unconfigured'}]
-    require_answers(run, f'{NODE}/get_state', states, 'the question for its state', 'refused')
+    require_answers(run, f'{NODE}/get_state', states, 'the request for its state', 'refused')
 
 
 def tells_why(run: Run) -> None:
@@ -240,7 +240,7 @@ def _why_still_refused(run: Run) -> Cause:
 
 
 def warns_above_the_limit(run: Run) -> None:
-    """Active, it logs exactly one WARN for each pressure strictly above the limit."""
+    """While active, it logs exactly one WARN for each pressure strictly above the limit."""
     _require_warnings(run, 'active')
 
 

@@ -29,7 +29,7 @@ FIRST = 'unknown'
 HISTORY = Qos(durability='TRANSIENT_LOCAL', depth=50)
 LISTEN_S = 2.0  # for each listener, in which a timer would publish again
 FIRST_S = 0.2  # the first map is there before anybody comes, and arrives at once [s]
-REST_S = 5.0  # after the last survey, likewise
+REST_S = 5.0  # after the last survey: time in which a timer would publish again [s]
 EXERCISE = 'Exercise 1: a map server'
 LATCH = Cause(
     'not_latched',

@@ -100,7 +100,7 @@ SLIPS = (
     *(
         Slip(
             'warns_otherwise',
-            f'Watch {every} is a warning, and so is each of its multiples.'
+            f'Your node warns at watch {every} and at each multiple of it.'
             if every > 1
             else 'Your node logs every watch as a warning.',
             f'{WARN_IF}, and log an INFO line below else.',

@@ -104,7 +104,7 @@ def counts_its_greetings(run: Run) -> None:
 def _why_text(texts: list[str], place: int, first: int) -> Cause | None:
     written = GREETING.fullmatch(texts[place])
     if written and int(written[1]) == first + place:
-        slip = 'The number is right, and written with other digits than 1, 2, 3.'
+        slip = 'The number is right, but not written with the digits 0 to 9.'
         return Cause('wrong_text', slip, "Publish String(data=f'hello {self.count}').")
     if written or '{' in texts[place]:
         return why_not_numbered(texts, place, first)
@@ -115,7 +115,7 @@ def _why_text(texts: list[str], place: int, first: int) -> Cause | None:
 
 
 def offers_reliable_qos(run: Run) -> None:
-    """Its quality of service is reliable and volatile, as depth 10 gives."""
+    """Its quality of service is reliable and volatile, the default with depth 10."""
     ends = run.recording.endpoints('publisher', heard_on(run))
     require_qos(ends, reliability='RELIABLE', durability='VOLATILE')
 

@@ -252,7 +252,7 @@ def build(seconds: int, begins_s: float, rate: float) -> Exam:
             TOPIC,
             TYPE,
             'offers_reliable_qos',
-            'Its quality of service is reliable and volatile, as depth 10 gives.',
+            'Its quality of service is reliable and volatile, the default with depth 10.',
             reliability='RELIABLE',
             durability='VOLATILE',
         )

@@ -58,7 +58,7 @@ def logs_every_reading(run: Run) -> None:
             why=_why_not_logged(run, *missing[0]),
             share=share(run, [one.row for one in groups], found, len(proper)),
         )
-    # A line now and then, a highest value so far or a conversion, may show a reading again.
+    # An occasional line, such as a new maximum or a conversion, may repeat the value of a reading.
     plain = [one for one in sent(run, 'hot', 'cool') if len(one.inputs) == 1]
     if plain and all(one.showing(one.inputs[0]) > 1 for one in plain):
         raise Failed(
@@ -124,7 +124,7 @@ def does_not_warn_about_nan(run: Run) -> None:
 
 def _require_warnings(run: Run, kind: str, shared: bool = False) -> None:
     """
-    Fail unless readings have as many warnings as they should have.
+    Fail unless each reading is followed by the expected number of warnings.
 
     :param kind: which readings, see :attr:`Reading.group`
     :param shared: whether what is right earns a part of the points

@@ -192,7 +192,7 @@ def why_no_verdict(run: Run) -> Cause | None:
 
 
 def why_silent(run: Run) -> Cause | None:
-    """Explain a node whose endpoints are right and from which nothing comes."""
+    """Explain why a node with the right endpoints sends nothing."""
     ended = why_it_ended(run)
     if not ended and died_in_vain(run):
         return None

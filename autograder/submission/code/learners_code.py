@@ -134,7 +134,7 @@ class Code:
 
     @property
     def catches_all(self) -> bool:
-        """Return whether an ``except`` takes every exception."""
+        """Return whether an ``except`` catches every exception."""
         caught = (node.type for node in self.nodes if isinstance(node, ast.ExceptHandler))
         kinds = (one.elts if isinstance(one, ast.Tuple) else [one] for one in caught)
         all_kinds = {last_name(one) if one else 'Exception' for some in kinds for one in some}

@@ -3,7 +3,7 @@ Tries: hand in more than can be read.
 
 Stopped by: files above 16 MiB are not read
 Deserves: 0
-Flag: 17.0 MiB
+Flag: a file of at most 16 MiB
 """
 
 

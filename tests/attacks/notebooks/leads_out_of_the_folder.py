@@ -2,7 +2,7 @@
 Tries: name files outside of the package on the magic lines.
 
 Stopped by: names are letters and digits; each answer has to be the file that the release says
-Deserves: 0
+Deserves: 10
 Flag: expected the first line
 """
 
