@@ -166,7 +166,7 @@ def test_the_samples_are_graded_once_there_are_three_right_ones(released, tmp_pa
     [
         ("Feed('/door_open'", "Feed('/door'", "did you mean '/door_open'?"),
         ('std_msgs/msg/Int32', 'std_msgs/msg/Int', 'std_msgs/msg/Int is not installed'),
-        ("[{'data': door}", "[{'date': door}", "std_msgs/msg/Bool cannot hold this: 'Bool' object has no at"),
+        ("[{'data': door}", "[{'date': door}", "'Bool' object has no attribute 'date'"),
         ("{'data': door}", "{'data': 'yes'}", "The 'data' field must be of type 'bool'"),
         (
             "read='Count the visitors'",
