@@ -14,6 +14,8 @@ import subprocess
 import sys
 from typing import Any
 
+import psutil
+
 from deploy.hub.settings import read, Settings
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -88,8 +90,9 @@ def running(folder: Path) -> Iterator[Settings]:
         assert hub.wait(STOPPED_S) == 0
         if hub.stdout:
             hub.stdout.close()
-    left = ['pgrep', '--list-full', '--euid', f'{TEACHER},{ANN},{BOB}']
-    assert subprocess.run(left, capture_output=True, text=True).stdout == ''
+    left = [one for one in psutil.process_iter() if one.username() in (TEACHER, ANN, BOB)]
+    # A kernel ends by itself when its server is gone.
+    assert psutil.wait_procs(left, timeout=STOPPED_S)[1] == []
     with socket.socket() as probe:
         assert probe.connect_ex(('127.0.0.1', settings.port)) != 0, 'the proxy is left'
 

@@ -79,7 +79,7 @@ def test_a_student_sees_only_what_is_for_students(hub: Hub) -> None:
     ann = hub.lab_of(ANN)
     assert ann.goto(hub.address + f'user/{ANN}/formgrader/').status == 404
     found = {path.name for path in (home_of(ANN) / 'course').iterdir()}
-    assert {'START_HERE.ipynb', '00_quick_tour', '02_spinning'} <= found
+    assert {'START_HERE.ipynb', '00_quick_tour', '08_what_went_wrong'} <= found
 
 
 @pytest.mark.parametrize(

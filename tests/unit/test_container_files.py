@@ -27,7 +27,7 @@ def test_the_profile_allows_eight_calls_more_and_forbids_no_other() -> None:
 
 @pytest.mark.parametrize('wrong', [{}, {'syscalls': []}, {'defaultAction': 'x', 'syscalls': {}}])
 def test_another_file_is_refused(wrong: dict[str, object]) -> None:
-    """A file of another form is no profile."""
+    """A file with a different form is not a profile."""
     with pytest.raises(ValueError, match='expected a seccomp profile'):
         with_namespaces(wrong)
 
