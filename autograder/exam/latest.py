@@ -116,14 +116,11 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
             f'{own_times} with {old_s:g} s.',
             rule(old=lambda ages: min(ages) > old_s),
         ),
-        *(
-            Slip(
-                'one_age_only',
-                'The age of one topic counts, and the age of another one does not.',
-                f'{own_times} with {old_s:g} s.',
-                rule(old=lambda ages, which=which: ages[which] > old_s),
-            )
-            for which in range(topics)
+        Slip(
+            'one_age_only',
+            'The age of one topic counts, and the age of another one does not.',
+            f'{own_times} with {old_s:g} s.',
+            *(rule(old=lambda ages, which=which: ages[which] > old_s) for which in range(topics)),
         ),
         Slip(
             'half_a_stop',

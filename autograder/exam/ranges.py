@@ -27,18 +27,15 @@ def range_slips(
     """
     test = f'Accept a value only if math.isfinite(value) and {lowest} <= value <= {highest}.'
 
-    def slip(cause_id: str, text: str, accepts: Accepts, try_this: str = test) -> Slip:
-        return Slip(cause_id, text, try_this, rule(accepts))
+    def slip(cause_id: str, text: str, *forms: Accepts, try_this: str = test) -> Slip:
+        return Slip(cause_id, text, try_this, *map(rule, forms))
 
-    below, above = f'A value below {lowest} is accepted.', f'A value above {highest} is accepted.'
-    at_an_end = f'{lowest} or {highest} itself is refused, and both are allowed.'
-    without = 'Compare with <=, not with <.'
     return (
         slip(
             'accepts_all',
             'Each float is accepted, whatever its value.',
             lambda value: True,
-            f'In __init__(): self.add_on_set_parameters_callback(self.validate). {test}',
+            try_this=f'In __init__(): self.add_on_set_parameters_callback(self.validate). {test}',
         ),
         slip(
             'takes_nan',
@@ -46,19 +43,32 @@ def range_slips(
             lambda value: not (value < lowest or value > highest),
         ),
         slip('no_range', 'Each finite value is accepted.', math.isfinite),
-        slip('no_lower_end', below, lambda value: value <= highest),
-        slip('no_lower_end', below, lambda value: -math.inf < value <= highest),
-        slip('no_upper_end', above, lambda value: value >= lowest),
-        slip('no_upper_end', above, lambda value: lowest <= value < math.inf),
-        slip('ends_refused', at_an_end, lambda value: lowest < value < highest, without),
-        slip('ends_refused', at_an_end, lambda value: lowest < value <= highest, without),
-        slip('ends_refused', at_an_end, lambda value: lowest <= value < highest, without),
+        slip(
+            'no_lower_end',
+            f'A value below {lowest} is accepted.',
+            lambda value: value <= highest,
+            lambda value: -math.inf < value <= highest,
+        ),
+        slip(
+            'no_upper_end',
+            f'A value above {highest} is accepted.',
+            lambda value: value >= lowest,
+            lambda value: lowest <= value < math.inf,
+        ),
+        slip(
+            'ends_refused',
+            f'{lowest} or {highest} itself is refused, and both are allowed.',
+            lambda value: lowest < value < highest,
+            lambda value: lowest < value <= highest,
+            lambda value: lowest <= value < highest,
+            try_this='Compare with <=, not with <.',
+        ),
         slip(
             'refuses_all',
             'Each value is refused, including those that are allowed.',
             lambda value: False,
-            'Declare the parameter, and return SetParametersResult(successful=True) for a value '
-            'that is allowed.',
+            try_this='Declare the parameter, and return SetParametersResult(successful=True) for '
+            'a value that is allowed.',
         ),
     )
 

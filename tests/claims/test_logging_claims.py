@@ -174,7 +174,7 @@ def test_nan_passes_a_test_of_what_is_below_or_above(world):
 
 @claim('P13')
 def test_callback_of_parameters_is_asked_after_the_type(world):
-    """It sees declarations and every parameter, but no value of another type."""
+    """It sees declarations and every parameter, but never a value of the wrong type."""
     node, asked = world.node(), []
 
     def note(parameters):

@@ -145,7 +145,7 @@ def test_run_survives_the_way_to_the_sandbox():
 
 
 def test_run_that_does_not_show_its_slip_is_refused():
-    """Nobody could refuse it."""
+    """No check could refuse such a run."""
     slip = warning_check.of_monitor('warns_at_threshold', celsius(30.0))
     with pytest.raises(ExamInvalid, match='does not show the slip warns_at_threshold'):
         made_run('cool readings', celsius(20.0), warning_check.DUE, slip)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Feed, Scenario
+from autograder.exam.scenario import Advance, feeds, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Slip, Specification
 from autograder.judging.checks import SECOND
@@ -106,12 +106,7 @@ def build(pictures: Sequence[str], burst: int) -> Exam:
     :param burst: how many of the last ones come at once
     """
     sent = [{'data': picture} for picture in pictures]
-    singles = len(sent) - burst
-    steps = (
-        Advance(QUIET_S),
-        Feed(SOURCE, sent[:singles], every_s=EVERY_S, rest_s=REST_S),
-        Feed(SOURCE, sent[singles:], burst=True, every_s=EVERY_S, rest_s=REST_S),
-    )
+    steps = (Advance(QUIET_S), *feeds(SOURCE, sent, burst, every_s=EVERY_S, rest_s=REST_S))
     exam = Exam(
         'inspector',
         title='A heartbeat that never waits',
