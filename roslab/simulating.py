@@ -23,7 +23,7 @@ from autograder.simulated import Simulation
 from autograder.simulation.order import order_of
 from autograder.simulation.result import read_simulation
 from roslab import child
-from roslab.errors import NotHereError, RoslabError
+from roslab.errors import not_written_yet, NotHereError, RoslabError
 from roslab.package_files import learner_package
 
 _DEADLINE_S = 300.0
@@ -80,7 +80,7 @@ def simulate(
         run = read_simulation(Recording.load(done))
     last = run.printed.rstrip().rpartition('\n')[2]
     if run.exit and last.startswith('NotImplementedError'):
-        raise NotImplementedError(f'A part of {file} is still to be written.')
+        raise not_written_yet(f'A part of {file} is still to be written.')
     return run
 
 

@@ -19,7 +19,7 @@ from deploy.hub.settings import LOGINS, read, SETTING
 c = get_config()  # JupyterHub puts it here
 
 settings = read(Path(os.environ[SETTING]))
-GRADED = set((settings.folder / 'graded_lessons.txt').read_text(encoding='utf-8').split())
+GRADED = set(settings.graded.read_text(encoding='utf-8').split())
 idle_s = int(60 * settings.idle_minutes)
 
 

@@ -20,8 +20,6 @@ from deploy.hub.settings import HERE, Settings
 from environment.exchange import ROOT_MODE
 from environment.places import PROJECT, write_atomically
 
-GRADED = 'graded_lessons.txt'
-"""Names of the lessons that students fetch through nbgrader, in the hub's folder."""
 COURSE_SETTINGS = """\
 # Written by the hub's set-up, for the students' servers.
 c = get_config()
@@ -140,7 +138,7 @@ def _students_copy(settings: Settings) -> None:
     course = COURSE_SETTINGS.format(course=layout.facts.name, exchange=str(settings.exchange))
     write_atomically(settings.copy / '.venv' / 'etc' / 'jupyter' / 'nbgrader_config.py', course)
     graded = [path.parent.name for path in lesson_files(layout.notebooks) if _is_graded(path)]
-    write_atomically(settings.folder / GRADED, '\n'.join(graded) + '\n')
+    write_atomically(settings.graded, '\n'.join(graded) + '\n')
 
 
 def _is_graded(notebook: Path) -> bool:

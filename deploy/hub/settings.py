@@ -74,6 +74,11 @@ class Settings:
         return self.folder / 'exchange'
 
     @property
+    def graded(self) -> Path:
+        """The file with the names of the lessons that students fetch through nbgrader."""
+        return self.folder / 'graded_lessons.txt'
+
+    @property
     def run(self) -> Path:
         """What a running hub writes: database, secrets, passwords, log. Root's alone."""
         return self.folder / 'run'
