@@ -225,9 +225,11 @@ def test_callbacks_exclude_each_other_unless_their_group_is_reentrant(world):
 @claim('X22')
 def test_callbacks_of_different_exclusive_groups_run_at_the_same_time(world):
     """One group lets one call run at a time, and does not wait for another group."""
-    shared, other = MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
+    one, other = MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
+    assert most_at_once(world, one, other) == 2
 
-    assert most_at_once(world, shared, other) == 2
+    # A new group, because an executor that is shut down may leave a call in its group for ever.
+    shared = MutuallyExclusiveCallbackGroup()
     assert most_at_once(world, shared, shared) == 1
 
 
