@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 01, first exercise: longer."""
+"""Hidden exam of lesson 01, first exercise: a longer run."""
 
 from __future__ import annotations
 

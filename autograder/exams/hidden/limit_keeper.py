@@ -22,8 +22,8 @@ _changes: list[Change] = [(LIMIT, one) for one in _limits]
 exam = build(
     _draw.choice((28.1, 28.2, 28.3, 28.4, 29.1, 29.2, 29.3)),
     [
-        # A place comes after a limit that was accepted: a refused one, if it is kept, is another
-        # mistake, which would also refuse the place.
+        # Change the place right after an accepted limit.  Otherwise a node that stores refused
+        # limits could refuse the place too, and one mistake would look like two.
         *((LIMIT, _between(40.0, 90.0)), (PLACE, 'roof'), (LIMIT, NO_NUMBERS[0])),
         *_draw.sample(_changes, len(_changes)),
         *((LIMIT, _between(40.0, 90.0)), (PLACE, '')),

@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 02, part 5: secret values, and either topic first."""
+"""Hidden exam of lesson 02, part 5: secret values; either topic may have the first message."""
 
 from __future__ import annotations
 

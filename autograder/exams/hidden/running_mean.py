@@ -16,7 +16,7 @@ def _numbers(count: int) -> list[float]:
 
 _first = _numbers(4)
 exam = build(
-    # If the same number comes first twice, the mean does not change.
+    # The first number is sent twice, so the mean stays the same.
     [
         *(_first[0], *_first, math.nan, *_numbers(2), 0.0),
         *(_first[0], math.nan, *_numbers(4), *_numbers(4)),

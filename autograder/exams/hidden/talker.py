@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 03, part 2: for longer, in a secret namespace."""
+"""Hidden exam of lesson 03, part 2: a longer run in a secret namespace."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 11: other runs, of nodes with every slip, in a secret order."""
+"""Hidden exam of lesson 11: different runs, of nodes with every slip, in a secret order."""
 
 from __future__ import annotations
 
@@ -12,7 +12,12 @@ _draw = generator('warning_check', 'runs')
 
 
 def _readings(letters: str) -> list[Reading]:
-    """Return new readings in Celsius: h is above the limit, H the one before again, c is not."""
+    """
+    Return new readings in Celsius, one per letter.
+
+    :param letters: ``h`` is above the limit, ``H`` repeats the previous reading, ``c`` is below
+        the limit
+    """
     found: list[Reading] = []
     for letter in letters:
         again = found[-1:] if letter == 'H' else []
@@ -39,7 +44,7 @@ MAKERS = {
     ODD: lambda: [*odd(_draw)[:-1], *_readings('hc')],
     BROKEN: lambda: [*_readings('h'), NAN, *_readings('hc')],
 }
-"""Readings by what they try, drawn for each run again."""
+"""Functions that draw readings, by a description of these readings."""
 SHOWN_BY = {
     PLAIN: ('no_warning', 'warns_ever_after', 'repeated_warning', 'one_late'),
     ROW: ('warns_once', 'warns_of_changes'),
@@ -50,7 +55,7 @@ SHOWN_BY = {
     ODD: ('unknown_unit', 'first_letter', 'part_of_a_unit', 'any_case'),
     BROKEN: ('nan',),
 }
-"""Slips of a monitor, by the readings that show them."""
+"""Names of a monitor's slips, by the readings that reveal them."""
 
 
 def _run(kind: str, name: str, number: int) -> MadeRun:
