@@ -30,7 +30,7 @@ from probe_wire import load_type  # type: ignore[import-not-found]
 
 READY, BORN = b'ready', b'born'
 ORDER_BYTES = 1 << 16
-MOST_FILES = 8  # standard input, output and error; the page of the clock; namespaces
+MOST_FILES = 8  # standard input, output and error; the socket of the clock; namespaces
 EVERY_RUN = ('rcl_interfaces/msg/Log', 'rcl_interfaces/srv/GetParameters', 'std_msgs/msg/String')
 libc = ctypes.CDLL(None, use_errno=True)  # includes the clock's library, which is preloaded
 
@@ -70,7 +70,7 @@ def become(order: dict[str, Any], grader: socket.socket, files: list[int]) -> No
 
     :param order: ``variables`` of the environment; ``limits``, with the names of setrlimit(2) in
         lower case; and ``rules`` for :func:`confine.give_up`, None to keep all rights
-    :param files: descriptors of standard input, output and error, of the probe's page of the
+    :param files: descriptors of standard input, output and error, of the probe's socket for the
         virtual clock, and of the namespaces to enter
     """
     code = 1
