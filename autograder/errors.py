@@ -9,7 +9,7 @@ Define the exceptions for faults of the grader.
     |- TooBusy                   the machine gave a program too little processor time
     |- RecordingInvalid          a recording is damaged or has a different format
     |- ExamInvalid               an exam is inconsistent
-    `- UsageError                a command line names something that does not exist
+    `- UsageError                the arguments of a command or a simulation are wrong
 
 A mistake in a *submission* is never an exception that leaves this package: it is a
 :class:`~autograder.results.Problem` or a failed check.
@@ -38,7 +38,7 @@ class GraderError(Exception):
 
 
 class UsageError(GraderError):
-    """Report that the command line names something that does not exist."""
+    """Report that the arguments of a command or a simulation are wrong."""
 
 
 def is_disk_full(error: BaseException) -> bool:
@@ -48,7 +48,7 @@ def is_disk_full(error: BaseException) -> bool:
 
 def of_system(error: OSError, where: str = 'the system') -> GraderError:
     """
-    Return the error that explains an error of the operating system in one line.
+    Convert an error of the operating system to a grader error with a one-line explanation.
 
     :param where: the file or place for the message, if the error does not name a file
     """
@@ -66,7 +66,7 @@ def of_system(error: OSError, where: str = 'the system') -> GraderError:
 
 def defect(error: Exception, where: str) -> GraderError:
     """
-    Return the error that reports an unexpected exception in the grader in one line.
+    Convert an unexpected exception in the grader to a grader error with a one-line message.
 
     :param where: what the grader was working on, such as the exam's name
     """

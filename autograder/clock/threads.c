@@ -97,8 +97,7 @@ int64_t deadline_at(clockid_t clock, const struct timespec *at)
     return clock == CLOCK_REALTIME || clock == CLOCK_TAI ? sum - timing->to_realtime : sum;
 }
 
-/* Return a deadline that is not earlier than the timer slack of Linux allows, for sleeps and waits for
- * descriptors. */
+/* Delay a deadline at least to the end of Linux's timer slack, for sleeps and waits for descriptors. */
 int64_t with_slack(int64_t deadline)
 {
     int64_t earliest = deadline_in(SLACK);
@@ -146,7 +145,7 @@ static void one_less_runs(void)
 }
 
 /* Wait until another process has sent its whole portion of datagrams. The first datagrams wake a reader,
- * and the number of datagrams that the reader then finds must not depend on the speed of the processes. */
+ * and how many more the reader then finds must not depend on the speed of the processes. */
 void wait_for_portion(void)
 {
     while (atomic_load(&timing->posting) && !posts)

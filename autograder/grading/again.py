@@ -20,7 +20,7 @@ class NothingRuns(Engine):
     """An engine without a sandbox, which provides the exams and refuses to run a program."""
 
     def exams(self, assignment: str) -> Sequence[Exam]:
-        """Return the full exams of an assignment in the lesson's order."""
+        """Return the hidden exams of an assignment in the lesson's order."""
         from autograder.exam import catalog
 
         return catalog.for_assignment(assignment)

@@ -1,8 +1,8 @@
 """
 Run exams on the workers of a Dask scheduler, as ``docs/cluster.md`` describes.
 
-Dask uses pickle to call functions in other processes.  The only function is
-:func:`autograder.runs.task.run_task`; its argument and its result are bytes of JSON, so no object
+Dask uses pickle to call functions in other processes.  Workers call only :func:`about` and
+:func:`autograder.runs.task.run_task`, whose arguments and results are bytes of JSON.  So no object
 made from a submission is ever pickled or unpickled.
 """
 

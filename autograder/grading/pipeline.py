@@ -38,7 +38,7 @@ THREADS = 'grading'
 
 
 class Engine(Protocol):
-    """Provides the exams of an assignment and runs them; tests replace it by a fast one."""
+    """Provide the exams of an assignment and run them; tests use a fast implementation."""
 
     def exams(self, assignment: str) -> Sequence[Exam]:
         """Return the exams of an assignment in the lesson's order."""

@@ -14,7 +14,7 @@ from pathlib import Path
 import shutil
 import sys
 
-import gate  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+import gate  # type: ignore[import-not-found]  # next to this file, inside the sandbox
 import warm_python  # type: ignore[import-not-found]
 
 

@@ -82,7 +82,7 @@ def landlock_version() -> int:
 
 def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
     """
-    Give up all file-access rights except those in the rules, and TCP and signals if possible.
+    Give up all file access except that in the rules and, if Landlock can, TCP and signals.
 
     :param rules: described in the docstring of this module
     :param descriptors: paths of the rules to descriptors, opened before the uid was changed

@@ -23,7 +23,7 @@ from pathlib import Path
 import sys
 import types
 
-import gate  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+import gate  # type: ignore[import-not-found]  # next to this file, inside the sandbox
 from lean_start import lean  # type: ignore[import-not-found]
 from steady_rclpy import steady  # type: ignore[import-not-found]
 
@@ -67,7 +67,7 @@ def load_what_nodes_need() -> None:
     """
     Import what every node imports, while the probe is still starting.
 
-    Submodules of rclpy are not imported, because that would hide a forgotten import.
+    Submodules of rclpy are not imported, because that could hide a missing import in the program.
     """
     # The threads and processes that these imports start have ended when the grader releases the
     # program, so its first line runs exactly at the release.

@@ -15,7 +15,7 @@ import os
 from pathlib import Path
 import sys
 
-import build_package  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+import build_package  # type: ignore[import-not-found]  # next to this file, inside the sandbox
 import gate  # type: ignore[import-not-found]
 import warm_python  # type: ignore[import-not-found]
 

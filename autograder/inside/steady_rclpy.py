@@ -26,11 +26,11 @@ import sys
 import types
 from typing import Any
 
-from lean_start import lean  # type: ignore[import-not-found]  # beside this file
+from lean_start import lean  # type: ignore[import-not-found]  # next to this file
 
 
 def steady() -> None:
-    """Patch rclpy when it is imported; an import here could hide a forgotten one."""
+    """Patch rclpy when the program imports it; an import here could hide a missing one."""
     sys.meta_path.insert(0, _Patching())
 
 

@@ -22,7 +22,7 @@ import signal
 import socket
 import sys
 
-import hand_over  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+import hand_over  # type: ignore[import-not-found]  # next to this file, inside the sandbox
 
 IMPORTS = (
     'catkin_pkg.package',
@@ -143,7 +143,7 @@ def _serve(listening: socket.socket) -> None:
 
 
 def _answer(client: socket.socket) -> None:
-    """Run a requested program and send its exit code; if it is killed, the socket closes."""
+    """Run a requested program and send its exit code; if the program is killed, send nothing."""
     text, descriptors, _, _ = socket.recv_fds(client, MAX_BYTES, 3)
     if not text:
         return  # the client ended before it sent a request

@@ -22,10 +22,10 @@ import resource
 import socket
 from typing import Any, NoReturn
 
-import probe  # type: ignore[import-not-found]  # beside this file; first, because it is lean
+import probe  # type: ignore[import-not-found]  # first, because it calls lean()
 
 # isort: split
-import confine  # type: ignore[import-not-found]  # of the programs in the sandbox
+import confine  # type: ignore[import-not-found]  # in inside/
 from probe_wire import load_type  # type: ignore[import-not-found]
 
 READY, BORN = b'ready', b'born'
@@ -86,7 +86,7 @@ def become(order: dict[str, Any], grader: socket.socket, files: list[int]) -> No
             resource.setrlimit(getattr(resource, f'RLIMIT_{name.upper()}'), (value, value))
         if order['rules'] is not None:
             confine.give_up({**order['rules'], 'inherited': [given, place]})
-        grader.send(BORN)  # the kernel adds the process id, as the grader sees it
+        grader.send(BORN)  # the kernel adds this process's id in the grader's namespace
         os.dup2(given, 0)
         os.close(given)
         libc.join_virtual_clock(place)

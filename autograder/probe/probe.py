@@ -21,11 +21,11 @@ sys.path.append(os.path.join(os.path.dirname(sys.path[0]), 'inside'))
 gc.disable()  # imported modules are never garbage
 # ruff: noqa: E402
 
-from lean_start import lean  # type: ignore[import-not-found]  # of the programs in the sandbox
+from lean_start import lean  # type: ignore[import-not-found]  # in inside/
 
 lean()  # before the first import of a ROS package
 
-import probe_loopback  # type: ignore[import-not-found]  # beside this file
+import probe_loopback  # type: ignore[import-not-found]  # next to this file
 from probe_run import Probe  # type: ignore[import-not-found]
 
 

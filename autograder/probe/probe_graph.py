@@ -13,7 +13,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from probe_wire import qos_json  # type: ignore[import-not-found]  # beside this file
+from probe_wire import qos_json  # type: ignore[import-not-found]  # next to this file
 from rclpy.node import Node, NodeNameNonExistentError
 
 # Ignore subscriptions on these topics: every node has them.

@@ -18,7 +18,7 @@ import time
 from typing import Any
 
 from builtin_interfaces.msg import Time
-from probe_graph import Graph  # type: ignore[import-not-found]  # beside this file
+from probe_graph import Graph  # type: ignore[import-not-found]  # next to this file
 from probe_steps import CONNECT_S, Stop, take  # type: ignore[import-not-found]
 from probe_wire import load_type, qos_profile, to_json  # type: ignore[import-not-found]
 from rcl_interfaces.msg import Log
@@ -38,10 +38,10 @@ LOOK_S = 0.05  # interval between checks for the first node; discovery takes 0.1
 # The time from the first node to the first step. Its value keeps the steps off multiples of all
 # usual periods, so that no input coincides with a timer.
 MEET_S = 0.48
-SETTLE_S = 0.2  # in which both sides discover a new endpoint, or the removal of one
+SETTLE_S = 0.2  # time for both sides to discover a new endpoint, or its removal
 LONGEST_EVENT = 65536  # characters of a message's JSON; only the size of longer ones is recorded
 MOST_EVENTS = 20000
-MOST_ASKED = 50  # nodes
+MOST_ASKED = 50  # maximum number of nodes whose services are called at the end
 ANSWER_S = 3.0
 QUESTIONS = ((GetParameters, 'get_parameters'), (GetTypeDescription, 'get_type_description'))
 # No rclpy warnings about incompatible QoS, which would not be read. Without their event handlers,
@@ -147,7 +147,7 @@ class Probe:
         self.write({'event': event, 'clock_ns': self.clock_ns, **facts})
 
     def write(self, line: dict[str, Any]) -> None:
-        """Write one line to the grader."""
+        """Write one line of JSON to the grader."""
         print(json.dumps(line, allow_nan=False), file=self.output, flush=True)
 
     def message(self, topic: str, message: Any, info: Any, **facts: Any) -> None:

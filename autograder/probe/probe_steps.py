@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from probe_wire import (  # type: ignore[import-not-found]  # beside this file
+from probe_wire import (  # type: ignore[import-not-found]  # next to this file
     fill,
     load_type,
     policy_name,
@@ -87,7 +87,7 @@ def _of_the_only_node(probe: Any, step: dict[str, Any]) -> Any:
     if other == service or not probe.wait_until(client.service_is_ready, CONNECT_S):
         probe.node.destroy_client(client)
         return None
-    probe.services[service] = client  # for the next call
+    probe.services[service] = client  # later calls use this client too
     return client
 
 

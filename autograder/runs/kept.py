@@ -35,7 +35,7 @@ class Kept:
     A recording, with its timing and the name of its file.
 
     :param timing: times of the run [s]; empty for a stored recording
-    :param name: of its file; empty if the recording is not stored
+    :param name: name of its file; empty if the recording is not stored
     """
 
     recording: Recording

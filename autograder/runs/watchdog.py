@@ -25,9 +25,9 @@ PROBE_S = 10.0
 # because a thread that waits for a disk looks like one that waits for a child of vfork, and
 # because a person may stop the probe and continue it.
 OUTSIDE_S, DISK_S, BUILD_S = 0.3, 3.0, 20.0
-# A program that prints waits until the grader reads. It has made progress if it printed more than
-# a pipe holds.
-PIPE = 1 << 16  # bytes
+# A program that prints waits until the grader reads. Printed output shows progress only if it is
+# longer than the capacity of a pipe [bytes].
+PIPE = 1 << 16
 MOST_WALL_S = 600.0  # real time after which the machine is too busy for a verdict
 
 

@@ -140,7 +140,7 @@ class Confined:
             signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
         except ProcessLookupError:
             pass
-        if not self.namespaces and not self.supervised:  # the whole process group
+        if not self.namespaces and not self.supervised:  # nothing else ends the descendants
             end_group(self.process)
         self.process.kill()
         self.process.wait()

@@ -92,7 +92,7 @@ def banner(mode: str) -> str:
     return '\n'.join([*lines, '  Every result of this run says so.'])
 
 
-# -- repairs -------------------------------------------------------------------------------
+# -- fixes ---------------------------------------------------------------------------------
 
 SECTION = 'See environment.md, section "Grading refuses".'
 FIX_MISSING = (

@@ -32,7 +32,7 @@ class Input:
 @dataclass(frozen=True)
 class Order:
     """
-    The description of a simulation: what to run, for how long, and what to send.
+    The input of a simulation: what to run, for how long, and what to send.
 
     :param file: node file
     :param seconds: how long to run, in virtual time from the start of the program [s]

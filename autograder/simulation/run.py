@@ -34,8 +34,8 @@ def record(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Recordin
     Run a program in a sandbox on the virtual clock.
 
     :param files: relative path to text, including the node file
-    :returns: the recording for :func:`autograder.simulation.result.read_simulation`; if a limit
-        ended the run, it ends there
+    :returns: the recording for :func:`autograder.simulation.result.read_simulation`; if the run
+        exceeded a limit, the recording ends at that time
     :raises UsageError: if a time is wrong, an input cannot be sent, or a topic is missing
     :raises GraderError: if the grader failed
     """

@@ -121,7 +121,7 @@ def _broken_json(data: bytes, error: ValueError) -> tuple[str, str]:
 def _read_cells(
     content: object, where: str
 ) -> tuple[tuple[StudentCell, ...] | None, tuple[Problem, ...]]:
-    """Read the cells of parsed JSON, ignoring everything unexpected."""
+    """Return the cells of a parsed notebook, or the problem; unexpected data is ignored."""
     cells = content.get('cells') if isinstance(content, dict) else None
     if not isinstance(cells, list):
         old = isinstance(content, dict) and 'worksheets' in content

@@ -138,7 +138,7 @@ def _fill_in(
 
 
 def _missing_answer(cell: Notebook, by_file: Mapping[str, StudentCell], spot: str) -> Problem:
-    """Return the problem of a missing answer; it names another cell for the same file if any."""
+    """Return the problem of a missing answer; it names any other cell for the same file."""
     grade_id, wanted = marks_of(cell)['grade_id'], _path(cell['source'])
     got = 'no such cell'
     if wanted in by_file:
