@@ -15,32 +15,44 @@ def _interrupt():
 def test_an_interrupt_comes_when_the_step_is_done():
     """Nothing of the step is lost."""
     done = []
-    with pytest.raises(KeyboardInterrupt), HeldInterrupts():
-        _interrupt()
-        done.append('the step')
 
+    def step():
+        with HeldInterrupts():
+            _interrupt()
+            done.append('the step')
+
+    with pytest.raises(KeyboardInterrupt):
+        step()
     assert done == ['the step']
 
 
 def test_an_inner_step_passes_its_interrupt_to_the_outer_one():
     """Otherwise the outer step would end between creating a node and registering it."""
     done = []
-    with pytest.raises(KeyboardInterrupt), HeldInterrupts():
-        with HeldInterrupts():
-            _interrupt()
-        done.append('the outer step')
 
+    def outer():
+        with HeldInterrupts():
+            with HeldInterrupts():
+                _interrupt()
+            done.append('the outer step')
+
+    with pytest.raises(KeyboardInterrupt):
+        outer()
     assert done == ['the outer step']
 
 
 def test_an_interrupt_that_came_before_is_delivered_where_it_is_allowed():
     """A learner's constructor does not begin after an interrupt."""
     begun = []
-    with pytest.raises(KeyboardInterrupt), HeldInterrupts() as interrupts:
-        _interrupt()
-        with interrupts.allowed():
-            begun.append('the constructor')
 
+    def construct():
+        with HeldInterrupts() as interrupts:
+            _interrupt()
+            with interrupts.allowed():
+                begun.append('the constructor')
+
+    with pytest.raises(KeyboardInterrupt):
+        construct()
     assert not begun
 
 
