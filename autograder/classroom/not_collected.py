@@ -1,8 +1,8 @@
 """
-Remember what ``collect`` found but could not collect: from whom, and why.
+Save which work ``collect`` could not collect: the student and the reason.
 
-An entry is kept until a submission of that student is collected. Otherwise a file in the wrong
-format would appear only in the table of one collection, and later reports would not explain why
+An entry is kept until a submission of that student is collected.  Without it, a file in the wrong
+format would appear only in the table of one collection, and later reports could not explain why
 the student is missing.
 """
 
@@ -20,11 +20,11 @@ from autograder.submission.reading import read_file
 @dataclass(frozen=True)
 class NotCollected:
     """
-    A delivery that was not collected.
+    Work of one student that was not collected.
 
-    :param assignment: empty if the delivery does not tell
-    :param why: one sentence
-    :param person: a name for people, empty if the id is one
+    :param assignment: the assignment, empty if it is not known
+    :param why: the reason, without a full stop
+    :param person: the student's name, empty if the id is a name
     :param handed_in: time of delivery in UTC, empty if it is not known
     """
 
@@ -36,16 +36,16 @@ class NotCollected:
 
     @property
     def reason(self) -> str:
-        """Return why it was not collected, with the time of delivery."""
+        """Return a sentence with the reason and the time of delivery."""
         when = f' (handed in {self.handed_in} UTC)' if self.handed_in else ''
         return f'Not collected: {self.why}{when}.'
 
 
 def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
     """
-    Return the entries of students from whom nothing has been collected since.
+    Return the entries of students whose work has not been collected since.
 
-    :returns: nothing if the file is missing or damaged
+    :returns: the entries, empty if the file is missing or damaged
     """
     data, _ = read_file(layout.not_collected, layout.not_collected.name)
     try:
@@ -57,9 +57,9 @@ def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
 
 def keep_not_collected(layout: Layout, found: Iterable[NotCollected]) -> None:
     """
-    Add entries; keep only the last delivery of each student and assignment.
+    Add entries; keep only the latest entry per student and assignment.
 
-    :raises OSError: if it cannot be written
+    :raises OSError: if the file cannot be written
     """
     known = {(one.student, one.assignment): one for one in read_not_collected(layout)}
     for one in sorted(found, key=lambda one: one.handed_in):
@@ -72,7 +72,7 @@ def forget_not_collected(layout: Layout, student: str) -> None:
     """
     Remove the entries of a student.
 
-    :raises OSError: if it cannot be written
+    :raises OSError: if the file cannot be written
     """
     _write(layout, [one for one in read_not_collected(layout) if one.student != student])
 
@@ -86,7 +86,7 @@ def not_collected(
     layout: Layout, assignment: str, graded: Collection[str]
 ) -> tuple[NotCollected, ...]:
     """
-    Return the entries of students who are missing in the results of an assignment.
+    Return the entries of students who are missing from the results of an assignment.
 
     :param graded: students who have a result
     """
@@ -98,10 +98,10 @@ def not_collected(
 
 
 def names_to_write_to(missing: Sequence[NotCollected]) -> str:
-    """Return the students to write to, as a list for an e-mail."""
+    """Return the names or ids of students, separated by commas, for an e-mail to them."""
     return ', '.join(dict.fromkeys(one.person or one.student for one in missing))
 
 
 def _arrived(layout: Layout, one: NotCollected) -> bool:
-    """Return whether a notebook of the student is in ``submitted/``."""
+    """Return whether ``submitted/`` contains a notebook of the student for the assignment."""
     return any((layout.submitted / one.student).glob(f'{one.assignment or "*"}/*.ipynb'))

@@ -14,15 +14,11 @@ from autograder.submission.reading import read_file
 
 LONGEST_NAME = 200
 KEPT = frozenset('\t\n\r\u200c\u200d')
-"""Kept although they are not printable: line ends become spaces, Persian words need joiners."""
+"""Unprintable characters to keep: line breaks become spaces, and Persian words need joiners."""
 
 
 def read_people(layout: Layout) -> dict[str, str]:
-    """
-    Return the known names, by student id.
-
-    :returns: nothing if the file is missing or damaged
-    """
+    """Return the known names, by student id; empty if the file is missing or damaged."""
     data, _ = read_file(layout.people, layout.people.name)
     try:
         found = json.loads(data or b'{}')
@@ -35,8 +31,8 @@ def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
     """
     Return the id of the student with this id or display name.
 
-    :param students: ids of those who may be meant
-    :raises GraderError: if none of them has it, or several have the name
+    :param students: ids of the students to search
+    :raises GraderError: if no student has this id or name, or several have the name
     """
     if name in students:
         return name
@@ -52,8 +48,8 @@ def namesake(layout: Layout, name: str, students: Collection[str]) -> str:
     """
     Return the id of the student with this display name, or an empty string.
 
-    :param students: ids of those who may be meant
-    :raises GraderError: if several have the name
+    :param students: ids of the students to search
+    :raises GraderError: if several students have the name
     """
     people = {one: named for one, named in read_people(layout).items() if one in students}
     found = sorted(one for one, named in people.items() if _folded(named) == _folded(name))
@@ -66,16 +62,16 @@ def namesake(layout: Layout, name: str, students: Collection[str]) -> str:
 
 
 def _folded(name: str) -> str:
-    """Return a name without differences in capitals and spaces."""
+    """Normalise the case and the spaces of a name for comparison."""
     return ' '.join(unicodedata.normalize('NFKC', name).casefold().split())
 
 
 def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
     """
-    Save names; a new name of a student replaces the old one.
+    Save display names; a new name of a student replaces the old name.
 
-    :param names: by student id, as a source has them
-    :raises OSError: if they cannot be written
+    :param names: names by student id, as written in a source
+    :raises OSError: if the file cannot be written
     """
     known = read_people(layout)
     merged = dict(sorted({**known, **_clean(names)}.items()))
@@ -84,7 +80,7 @@ def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
 
 
 def _clean(names: Mapping[Any, Any]) -> dict[str, str]:
-    """Return a name as one printable line of limited length."""
+    """Return each name as one printable line of limited length; leave out empty names."""
     found = {}
     for student, name in names.items():
         if isinstance(student, str) and isinstance(name, str):

@@ -35,7 +35,7 @@ from autograder.sandboxes.isolation import MODES, WEAK
 
 Marked = Sequence[tuple[ClassResults, Sequence[Mark]]]
 Made = tuple[Mapping[Path, bytes | None], bool, str]
-"""Content by path, None to remove the file; whether a score is missing; text to print."""
+"""Content by path (None removes the file), whether a score is missing, and text to print."""
 Make = Callable[[Layout, argparse.Namespace, Path], Made]
 VISIBILITY = option(
     '--visibility',
@@ -62,7 +62,7 @@ def _points(default: str) -> Option:
 
 
 def _formats(parser: argparse.ArgumentParser) -> None:
-    """Describe the formats and their options."""
+    """Add a subcommand with its options for each format."""
     formats = parser.add_subparsers(required=True, metavar='FORMAT', dest='format')
     for name, (make, _, text) in FORMATS.items():
         describe(formats.add_parser(name, help=text, description=text), make, *COMMON)
@@ -70,7 +70,7 @@ def _formats(parser: argparse.ArgumentParser) -> None:
 
 @takes(_formats)
 def run(chosen: argparse.Namespace) -> int:
-    """Write one format."""
+    """Export the results in one format."""
     layout = Layout.here()
     make, ending, _ = FORMATS[chosen.format]
     name = layout.assignment_named(chosen.assignment) if chosen.assignment else 'all'
@@ -87,7 +87,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _marked(layout: Layout, chosen: argparse.Namespace) -> Marked:
-    """Return the chosen results, with the marks of all students."""
+    """Return the results of each chosen assignment, with the marks of all students."""
     source = getattr(chosen, 'points', AUTOMATIC)
     return [(one, marks(layout, one, source)) for one in graded(layout, chosen.assignment)]
 
@@ -139,7 +139,8 @@ def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
 def _gradescope(layout: Layout, chosen: argparse.Namespace, folder: Path) -> Made:
     ((found, given),) = marked = _marked(layout, chosen)
     files = {
-        folder / safe_name(one.student) / RESULTS: None  # removes the file of an earlier grading
+        # None removes a file of an earlier grading.
+        folder / safe_name(one.student) / RESULTS: None
         if mark.points is None
         else results_bytes(one, chosen.visibility)
         for one, mark in zip(found.results, given)
@@ -194,4 +195,4 @@ FORMATS: Mapping[str, tuple[Make, str, str]] = {
         'pack an autograder zip file for Gradescope',
     ),
 }
-"""By the name of the format: how it is made, the ending of the file, the text for ``--help``."""
+"""Function, file name ending and description for ``--help`` of each format, by its name."""

@@ -19,7 +19,7 @@ CAUSE_CHARS = 100
 
 @takes(ASSIGNMENT_OR_ALL)
 def report(chosen: argparse.Namespace) -> int:
-    """Write the pages."""
+    """Write the class page of each assignment and print its path."""
     layout = Layout.here()
     for one in graded(layout, chosen.assignment):
         print(write_class_report(layout, one))

@@ -1,8 +1,8 @@
 """
-Export everything about the last grading as JSON; docs/results.schema.json describes it.
+Export all results of the last grading as JSON; docs/results.schema.json describes the format.
 
-``points`` of a submission and of its exams and checks are null while there is no mark: it is for
-review, or only visible checks were run.
+``points`` of a submission, its exams and its checks are null if there is no mark: the submission
+is for review, or only visible checks were run.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ VERSION = 1
 
 
 def results_json(classes: Iterable[ClassResults]) -> bytes:
-    """Return the document, in UTF-8."""
+    """Return the results as a JSON document in UTF-8."""
     data = {
         'format': FORMAT,
         'version': VERSION,

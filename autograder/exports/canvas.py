@@ -1,12 +1,17 @@
 """
 Fill the column of one assignment in a gradebook file exported from Canvas.
 
-What Canvas writes and reads again (its own ``gradebook_exporter.rb``, ``gradebook_importer.rb``):
-a header with ``Student`` (or ``LastName``, ``FirstName``), ``ID``, perhaps ``SIS User ID``,
-``SIS Login ID`` and more, ``Section``, columns of its own, assignments as ``Name (id)``, and
-totals; perhaps a line of posting policies; a line ``Points Possible`` with ``(read only)`` where
-nothing may be changed; then the students.  Fields are separated by commas, or by semicolons where
-the user's language wants that.  A student is found by an id, never by a name.
+The file has the format of Canvas's ``gradebook_exporter.rb`` and ``gradebook_importer.rb``:
+
+* a header with ``Student`` (or ``LastName``, ``FirstName``), ``ID``, optional columns such as
+  ``SIS User ID`` and ``SIS Login ID``, ``Section``, custom columns, assignments as ``Name (id)``,
+  and totals;
+* an optional line of posting policies;
+* a line ``Points Possible``, with ``(read only)`` in columns that cannot be changed;
+* one line per student.
+
+Fields are separated by commas or, in some languages, by semicolons.  Students are matched by id,
+never by name.
 """
 
 from __future__ import annotations
@@ -30,7 +35,7 @@ ID_COLUMNS = ('SIS Login ID', 'SIS User ID', 'ID')
 ASSIGNMENT = re.compile(r'^(?P<title>.*\S) \((?P<id>\d+)\)$')
 READ_ONLY = re.compile(r'read\s+only')
 KEPT = {'EX': 'is excused in Canvas', 'N/A': 'does not have this assignment in Canvas'}
-"""Cells that say why there is no score; they are kept."""
+"""Cell contents that Canvas uses instead of a score; such cells are kept."""
 BOM = '\N{ZERO WIDTH NO-BREAK SPACE}'
 SHOWN = 12
 
@@ -42,7 +47,8 @@ class Gradebook:
 
     :param possible: index of the line ``Points Possible``
     :param delimiter: comma or semicolon
-    :param newline: how its lines end
+    :param newline: line ending
+    :param bom: whether the file begins with a byte order mark
     """
 
     rows: list[list[str]]
@@ -61,7 +67,7 @@ class Gradebook:
         return range(self.possible + 1, len(self.rows))
 
     def to_bytes(self) -> bytes:
-        """Return the file with its new cells."""
+        """Return the content of the file, in UTF-8."""
         text = io.StringIO()
         writer = csv.writer(text, delimiter=self.delimiter, lineterminator=self.newline)
         writer.writerows(self.rows)
@@ -71,12 +77,14 @@ class Gradebook:
 @dataclass
 class Filled:
     """
-    The changes to the file.
+    A gradebook file with entered marks, and the changes to it.
 
+    :param data: the new content of the file
     :param column: header of the column
-    :param replaced: student, what the cell held, what it holds now
-    :param left_out: student, and why nothing was entered
-    :param untouched: lines of Canvas without a submission
+    :param filled: number of entered scores
+    :param replaced: student, old content and new content of a cell
+    :param left_out: student, and why no score was entered
+    :param untouched: number of students in the file without a submission
     """
 
     data: bytes = b''
@@ -100,11 +108,12 @@ def fill(data: bytes, where: str, column: str, marks: Sequence[Mark], scale: boo
     """
     Enter marks in one column of a Canvas gradebook.
 
-    :param data: the file from Canvas
-    :param where: how to name it in messages
-    :param column: its header, its title or its id
-    :param scale: convert the points if Canvas has another maximum
-    :raises GraderError: if this is not such a file, the column is missing, or the points differ
+    :param data: content of the file from Canvas
+    :param where: name of the file in messages
+    :param column: header, title or id of the column
+    :param scale: whether to convert the points if Canvas has a different maximum
+    :raises GraderError: if the data is not a Canvas gradebook, the column is missing, or the
+        maxima differ and ``scale`` is False
     """
     book = read(data, where)
     index = _column(book, where, column)
@@ -122,7 +131,8 @@ def read(data: bytes, where: str) -> Gradebook:
     """
     Read a gradebook file from Canvas.
 
-    :raises GraderError: if the data is not such a file
+    :param where: name of the file in messages
+    :raises GraderError: if the data is not a Canvas gradebook
     """
     try:
         text = data.decode('utf-8')
@@ -152,9 +162,9 @@ def read(data: bytes, where: str) -> Gradebook:
 
 def read_file(path: Path) -> bytes:
     """
-    Read a gradebook file from Canvas, from the disk.
+    Return the content of a gradebook file from Canvas.
 
-    :raises GraderError: if it cannot be read
+    :raises GraderError: if the file cannot be read
     """
     try:
         return path.read_bytes()
@@ -174,7 +184,7 @@ def _no_gradebook(where: str, got: str) -> GraderError:
 
 
 def _column(book: Gradebook, where: str, wanted: str) -> int:
-    """Return the index of the assignment column with this name or id."""
+    """Return the index of the assignment column with this header, title or id."""
     there = {
         index: found
         for index, name in enumerate(book.header)
@@ -203,7 +213,7 @@ def _column(book: Gradebook, where: str, wanted: str) -> int:
 
 
 def _factor(book: Gradebook, where: str, index: int, marks: Sequence[Mark], scale: bool) -> float:
-    """Return the factor for points: 1 unless scaling is requested."""
+    """Return the factor by which points are multiplied; it is 1 if ``scale`` is False."""
     most = max((mark.max_points for mark in marks), default=0.0)
     possible = _number(book.rows[book.possible][index])
     if possible is None or most <= 0 or abs(possible - most) < 0.005:
@@ -225,7 +235,7 @@ def _factor(book: Gradebook, where: str, index: int, marks: Sequence[Mark], scal
 
 
 def _number(text: str) -> float | None:
-    """Read a number as Canvas writes it, with a point or a comma; None if it is not a number."""
+    """Parse a number with a decimal point or comma, as Canvas writes it; None if it is invalid."""
     parts = re.split('[.,]', text.strip())
     joined = f'{"".join(parts[:-1])}.{parts[-1]}' if len(parts) > 1 else parts[0]
     try:
@@ -235,13 +245,13 @@ def _number(text: str) -> float | None:
 
 
 def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, Mark]:
-    """Return the line of each student; leave out students with no line or with several."""
+    """Return each student's mark by line; leave out students with no line or with several."""
     columns = [book.header.index(name) for name in ID_COLUMNS if name in book.header]
     lines: dict[str, set[int]] = {}
     for row in book.students():
         for column in columns:
             text = book.rows[row][column].strip()
-            # collect changes names that nbgrader does not accept as ids, such as
+            # The command collect changes names that nbgrader does not accept as ids, such as
             # ann+x@example.org.
             for name in {text, student_id(text)} - {''}:
                 lines.setdefault(name, set()).add(row)
@@ -264,7 +274,7 @@ def _matched(book: Gradebook, marks: Sequence[Mark], done: Filled) -> dict[int, 
 
 
 def _enter(row: list[str], index: int, mark: Mark, factor: float, done: Filled) -> None:
-    """Write one cell, unless there is no mark or Canvas allows none."""
+    """Write one cell, unless there is no mark or Canvas allows no score for the student."""
     old = row[index].strip()
     if mark.points is None:
         kept = f'; Canvas keeps {old}' if old else ''

@@ -1,10 +1,11 @@
 """
 Write JUnit XML for CI servers: one suite per exam and submission, one case per check.
 
-There is no standard; this module writes what the schema of Jenkins' xUnit plugin (junit-10.xsd)
-and the readers of Jenkins and GitLab have in common. A failed check is a ``failure``, a check that
-waits for another check is ``skipped``, and a submission for review is an ``error``: it has no
-verdict. XML 1.0 has no control characters, not even escaped, so they are replaced.
+The format has no standard.  This module writes the elements that the schema of Jenkins' xUnit
+plugin (junit-10.xsd) and the parsers of Jenkins and GitLab have in common.  A failed check is a
+``failure``, a check that depends on a failed check is ``skipped``, and a submission for review is
+an ``error``, because it has no verdict.  XML 1.0 does not allow control characters, even if they
+are escaped, so they are replaced.
 """
 
 from __future__ import annotations
@@ -17,13 +18,13 @@ from autograder.classroom.results_of_class import ClassResults, seconds_of_exam
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
 NO_XML = re.compile('[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
-"""What the production Char of XML 1.0 (section 2.2) leaves out."""
+"""Characters that XML 1.0 does not allow (production ``Char`` in section 2.2)."""
 
 COUNTS = {'failures': 'failure', 'errors': 'error', 'skipped': 'skipped'}
 
 
 def junit_xml(classes: Iterable[ClassResults]) -> bytes:
-    """Return the document, in UTF-8."""
+    """Return the results as an XML document in UTF-8."""
     suites = ElementTree.Element('testsuites', name='autograder')
     for graded in classes:
         for result in graded.results:
@@ -40,7 +41,7 @@ def junit_xml(classes: Iterable[ClassResults]) -> bytes:
 
 
 def clean(text: str) -> str:
-    """Return a text without characters that XML cannot hold."""
+    """Replace the characters that XML does not allow."""
     return NO_XML.sub('\N{REPLACEMENT CHARACTER}', text)
 
 
@@ -63,7 +64,7 @@ def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
 
 
 def _review(result: SubmissionResult) -> ElementTree.Element:
-    """Return the suite of a submission for review."""
+    """Return the test suite of a submission for review."""
     suite = _new_suite(f'{result.assignment}/{result.student}/for review')
     case = _case(suite, result, 'grading')
     error = ElementTree.SubElement(case, 'error', message=clean(result.review), type='for_review')
@@ -76,13 +77,13 @@ def _new_suite(name: str) -> ElementTree.Element:
 
 
 def _case(suite: ElementTree.Element, result: SubmissionResult, name: str) -> ElementTree.Element:
-    """Add a case; its class name and name are unique in the class of students."""
+    """Add a test case; its class name and name together are unique in the document."""
     where = clean(f'{result.assignment}.{result.student}')
     return ElementTree.SubElement(suite, 'testcase', classname=where, name=clean(name))
 
 
 def _counted(suite: ElementTree.Element, seconds: float) -> ElementTree.Element:
-    """Set the counts of a suite from its cases."""
+    """Set the counts of a test suite from its cases, and its time; return the suite."""
     suite.set('tests', str(len(suite.findall('testcase'))))
     for attribute, tag in COUNTS.items():
         suite.set(attribute, str(len(suite.findall(f'testcase/{tag}'))))
@@ -95,7 +96,7 @@ def _seconds(seconds: float) -> str:
 
 
 def _five_things(check: CheckResult) -> str:
-    """Return what a learner reads about a check, one line per item."""
+    """Return the feedback on a check as text, one line per item."""
     points = f'{check.points:g} of {check.max_points:g}'
     facts = {'checked': check.title, **check.facts, 'points': points}
     return '\n'.join(f'{name}: {text}' for name, text in facts.items())

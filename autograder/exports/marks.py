@@ -1,8 +1,8 @@
 """
 Return one mark per student, from the automatic checks or from nbgrader's gradebook.
 
-The gradebook's mark includes manual grades and late penalties; it exists only if nothing in the
-submission waits for manual grading.
+A mark in the gradebook includes manual grades and late penalties; it exists only if no part of the
+submission still needs manual grading.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Mark:
     The mark of a student in an assignment.
 
     :param points: None if there is no mark yet, which is not the same as zero
-    :param status: one of the words above; why there is none
+    :param status: one of the five strings above; explains why there is no mark
     """
 
     student: str
@@ -48,7 +48,7 @@ def marks(layout: Layout, graded: ClassResults, source: str) -> tuple[Mark, ...]
     Return the marks of all students, in the order of the results.
 
     :param source: one of :data:`SOURCES`
-    :raises GraderError: if the gradebook is wanted and does not have the assignment
+    :raises GraderError: if the source is the gradebook and does not have the assignment
     """
     if source == AUTOMATIC:
         return tuple(automatic(result) for result in graded.results)
@@ -56,7 +56,7 @@ def marks(layout: Layout, graded: ClassResults, source: str) -> tuple[Mark, ...]
 
 
 def automatic(result: SubmissionResult) -> Mark:
-    """Return the mark of the automatic checks; visible checks alone give none."""
+    """Return the mark from the automatic checks; visible checks alone give no mark."""
     if result.review:
         return Mark(result.student, None, result.max_points, REVIEW)
     if not has_mark(result):
@@ -68,7 +68,7 @@ def from_gradebook(
     layout: Layout, assignment: str, results: Sequence[SubmissionResult]
 ) -> tuple[Mark, ...]:
     """
-    Return the marks in nbgrader's gradebook.
+    Return the marks in nbgrader's gradebook, in the order of the results.
 
     :raises GraderError: if there is no gradebook, or it does not have the assignment
     """
@@ -81,7 +81,7 @@ def from_gradebook(
         'Try: make grade, or --points automatic for the points of the checks alone',
     )
     if not has_gradebook(layout):
-        raise missing  # opening it would create an empty gradebook
+        raise missing  # Opening the gradebook would create an empty one.
     entered: dict[str, Mark] = {}
     with opened_gradebook(layout) as gradebook:
         try:
@@ -97,8 +97,9 @@ def from_gradebook(
 
 
 def _entered(result: SubmissionResult, entered: dict[str, Mark], most: float) -> Mark:
-    """Return one student's mark, or why it does not belong to the last grading."""
+    """Return the mark of a student in the gradebook, or a mark without points and the reason."""
     last = automatic(result)
-    if last.points is None and not result.unusable:  # an unusable submission can be graded by hand
+    # An unusable submission has no automatic mark, but an instructor can grade it by hand.
+    if last.points is None and not result.unusable:
         return Mark(result.student, None, most, last.status)
     return entered.get(result.student) or Mark(result.student, None, most, NOT_ENTERED)

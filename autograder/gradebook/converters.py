@@ -1,8 +1,8 @@
 """
 Run nbgrader's commands in this process, with the course's ``nbgrader_config.py``.
 
-A command line costs two seconds of imports each time; this module enters a whole class in about
-that time.
+Each start of nbgrader's command line spends two seconds on imports; this module enters a whole
+class in about that time.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from autograder.layout import Layout
 from autograder.results import SubmissionResult
 
 MAX_LINES = 6
-"""Lines of nbgrader's output that are repeated: two lines each for three students."""
+"""Maximum number of nbgrader's log lines in an error: two lines each for three students."""
 
 
 def generate(layout: Layout, assignment: str, release: Path, database: bool) -> None:
@@ -36,7 +36,8 @@ def generate(layout: Layout, assignment: str, release: Path, database: bool) -> 
     Write the student version of an assignment, as ``nbgrader generate_assignment`` does.
 
     :param release: folder that receives ``<assignment>/``
-    :param database: whether to enter the assignment in the gradebook; False is deterministic
+    :param database: whether to enter the assignment in the gradebook; without this, the output is
+        deterministic
     :raises GraderError: with nbgrader's message
     """
     config = load_config(layout)
@@ -61,10 +62,10 @@ def autograde(
     Enter results in the gradebook, as ``nbgrader autograde`` does.
 
     :param submitted: folder of rebuilt notebooks, ``<student>/<assignment>/<notebook>.ipynb``
-    :param results: by student; student code is not run again
-    :param same_work: students whose answers are those that were entered last
-    :raises GraderError: with nbgrader's message; the other students are recorded anyway
-    :raises GradebookRefusedError: if the database failed; the students after that are not recorded
+    :param results: results by student; no student code runs
+    :param same_work: students whose answers have not changed since their last entry
+    :raises GraderError: with nbgrader's message, if some students failed; the others are recorded
+    :raises GradebookRefusedError: if the database failed; no further students are recorded
     """
     config = load_config(layout)
     config.CourseDirectory.submitted_directory = str(submitted)
@@ -86,7 +87,7 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
     """
     Yield nbgrader's gradebook; create it if there is none.
 
-    :raises GraderError: if it has lost a table, or cannot be opened, read or written
+    :raises GraderError: if a table is missing, or the gradebook cannot be opened, read or written
     """
     refuse_incomplete(layout)
     try:
@@ -107,11 +108,11 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
 @contextmanager
 def _one_engine() -> Iterator[None]:
     """
-    Let nbgrader's gradebooks share SQLAlchemy's compiled queries and its list of tables.
+    Make all of nbgrader's gradebook objects share one SQLAlchemy engine.
 
-    nbgrader opens the gradebook seven times per submission, each time with a separate engine: it
-    compiles every query again, and checks for each of twenty tables whether it exists.  That took
-    half of the time for entering a submission.
+    nbgrader opens the gradebook seven times per submission, each time with a new engine.  Each
+    engine compiles every query again and checks whether each of twenty tables exists.  This took
+    half of the time to enter a submission.
     """
     make, tables = api.create_engine, api.Base.metadata
     api.create_engine = cache(make)
@@ -120,21 +121,21 @@ def _one_engine() -> Iterator[None]:
         yield
     finally:
         api.create_engine = make
-        del tables.create_all  # restores the method of the class
+        del tables.create_all  # Restore the method of the class.
 
 
 class _StopsAtDatabase(BaseConverter):
     """
-    A command of nbgrader that ends at the first failure of the database or of the disk.
+    An nbgrader command that stops at the first failure of the database or the disk.
 
-    nbgrader itself continues with the next student, who fails in the same way.  Only an
-    OperationalError ends it, and then it removes unfinished files.
+    nbgrader itself continues with the next student, whose entry fails in the same way.  It stops
+    only for an OperationalError, and then removes unfinished files.
     """
 
     failure: BaseException | None = None
 
     def init_assignment(self, assignment_id: str, student_id: str) -> None:
-        """Enter that a submission exists."""
+        """Create the entry of a submission in the gradebook."""
         with self._stopping():
             super().init_assignment(assignment_id, student_id)
 
@@ -171,24 +172,24 @@ def _start(layout: Layout, command: _StopsAtDatabase) -> None:
 
 
 class _Generator(_StopsAtDatabase, GenerateAssignment):
-    """nbgrader's GenerateAssignment."""
+    """nbgrader's GenerateAssignment, which stops if the database or the disk fails."""
 
 
 class _Recorder(_StopsAtDatabase, Autograde):
-    """nbgrader's Autograde for exactly the students whose results are known."""
+    """nbgrader's Autograde, limited to the students with results."""
 
     results: dict[str, SubmissionResult]
     same_work: frozenset[str]
 
     def init_notebooks(self) -> None:
-        """List the notebooks by name, because students' names may contain glob patterns."""
+        """List the notebooks of each student; nbgrader would read the ids as glob patterns."""
         self.assignments = {}
         for student in self.results:
             folder = Path(self._format_source(self.coursedir.assignment_id, student))
             self.assignments[str(folder)] = sorted(str(path) for path in folder.glob('*.ipynb'))
 
     def init_single_notebook_resources(self, notebook_filename: str) -> dict[str, Any]:
-        """Pass on the data that :mod:`autograder.gradebook.nbgrader_plugin` needs."""
+        """Add the data that :mod:`autograder.gradebook.nbgrader_plugin` needs."""
         resources: dict[str, Any] = super().init_single_notebook_resources(notebook_filename)
         student = resources['nbgrader']['student']
         resources['nbgrader']['result'] = self.results[student]
@@ -197,26 +198,26 @@ class _Recorder(_StopsAtDatabase, Autograde):
 
 
 class _Errors(logging.Handler):
-    """Keep the errors that nbgrader reports."""
+    """Collect the errors that nbgrader logs."""
 
     def __init__(self) -> None:
         super().__init__(logging.ERROR)
         self.lines: list[str] = []
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep the last line of a message; in a traceback, it has the reason."""
+        """Store the last line of a message; in a traceback, that line is the reason."""
         lines = record.getMessage().strip().splitlines()
         self.lines.append(lines[-1] if lines else '')
 
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep warnings of SQLAlchemy and tracebacks of nbgrader's gradebook off the terminal."""
-    gradebook = logging.getLogger('tornado.application')  # nbgrader.api writes to this logger
+    """Suppress SQLAlchemy's warnings and the tracebacks that nbgrader's gradebook logs."""
+    gradebook = logging.getLogger('tornado.application')  # nbgrader.api uses this logger.
     before, gradebook.disabled = gradebook.disabled, True
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter('ignore')  # from SQLAlchemy, about nbgrader's own queries
+            warnings.simplefilter('ignore')  # SQLAlchemy warns about nbgrader's own queries.
             yield
     finally:
         gradebook.disabled = before
@@ -224,8 +225,8 @@ def _quiet() -> Iterator[None]:
 
 @contextmanager
 def _logged(doing: str) -> Iterator[logging.Logger]:
-    """Give nbgrader a separate log, and turn its failure into one sentence."""
-    # Not in the hierarchy of loggers: nothing is printed.
+    """Yield a logger for nbgrader, and raise nbgrader's failure as a GraderError."""
+    # This logger is outside the hierarchy of loggers, so it prints nothing.
     log = logging.Logger('nbgrader', logging.WARNING)
     errors = _Errors()
     log.addHandler(errors)

@@ -1,8 +1,8 @@
 """
 Find the marks in the gradebook that new results would lower or clear.
 
-The current marks are compared with those after the entry: manual grades are kept, and the late
-policy applies to both.
+The current marks are compared with the marks after the entry, including manual grades and late
+penalties.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class LoweredMark:
     """
     A mark that would be lowered or cleared.
 
-    :param emptied: check cells that would have no score any more
+    :param emptied: grade ids of the check cells that would lose their score
     """
 
     student: str
@@ -46,11 +46,11 @@ def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> l
     """
     Return the marks that entering results would lower or clear.
 
-    :param graded: what is about to be entered
+    :param graded: the results that are about to be entered
     :raises GraderError: if the gradebook cannot be read
     """
     if not has_gradebook(layout):
-        return []  # opening it would create a gradebook
+        return []  # Opening the gradebook would create it.
     from nbformat import from_dict
     from nbgrader.api import MissingEntry
 
@@ -89,14 +89,14 @@ def _compare(
 
 
 def mark_of(submission: SubmittedAssignment) -> float:
-    """Return the points of a submission, minus the late penalty."""
+    """Return the points of a submission in the gradebook, minus its late penalty."""
     return max(0.0, float(submission.score) - float(submission.late_submission_penalty or 0.0))
 
 
 def _penalty(
     layout: Layout, graded: Graded, submission: SubmittedAssignment, score: float
 ) -> float:
-    """Return the penalty that the course's late policy sets for a score."""
+    """Return the penalty that the late policy of the course assigns to a score."""
     from nbgrader.preprocessors import AssignLatePenalties
     from nbgrader.utils import parse_utc
 
