@@ -55,6 +55,7 @@ def joining(
     stop: Callable[[Sequence[float], Sequence[float]], Any] = lambda now, ages: (0.0,) * len(now),
     for_good: bool = False,
     timer: bool = True,
+    same_is_new: bool = True,
 ) -> Rule:
     """
     Return the rule of a node that combines topics; with the default values, the correct one.
@@ -66,6 +67,7 @@ def joining(
         None publishes nothing
     :param for_good: whether the node stays stopped after its first stop
     :param timer: whether the node publishes from a timer; otherwise it publishes once per input
+    :param same_is_new: whether a value that equals the one before renews the age of its topic
     """
 
     def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
@@ -73,8 +75,9 @@ def joining(
         came_s, now_s, stopped = [0.0] * topics, 0.0, False
         found = []
         for topic, number, lasts_s in inputs:
+            if same_is_new or heard[topic][-1:] != [number]:
+                came_s[topic] = now_s
             heard[topic].append(number)
-            came_s[topic] = now_s
             row = []
             for tick in range(round(lasts_s / TICK_S) if timer else 1):
                 ages = [now_s + (tick + 0.5) * TICK_S - one for one in came_s]
@@ -148,6 +151,12 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
             f'A value counts as old at a greater age than {old_s:g} s.',
             f'Compare each age with {old_s:g} s: one second has 1_000_000_000 nanoseconds.',
             rule(old=lambda ages: max(ages) > 2 * old_s),
+        ),
+        Slip(
+            'same_is_old',
+            'A message with the same value as the one before does not count as a new one.',
+            'Store the time of each message, whatever its value.',
+            rule(same_is_new=False),
         ),
         Slip(
             'swapped',

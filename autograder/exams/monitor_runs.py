@@ -24,7 +24,7 @@ WORDS = (
     ('Lectura de {:.3f} {}', 'Demasiado caliente'),
     ('', 'hot!'),
 )
-"""Log texts of different monitors at INFO and at WARN; the last one logs no INFO line."""
+"""Log texts of different monitors at INFO and at WARN; the last one logs only WARN lines."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,7 @@ class MadeRun:
     :param slip: the monitor's mistake, None for a correct monitor
     :param steps_s: time before each reading [s]
     :param words: index of the monitor's log texts in :data:`WORDS`
+    :param lag_s: time from a reading to its WARN lines [s]
     """
 
     kind: str
@@ -46,6 +47,7 @@ class MadeRun:
     slip: Slip | None
     steps_s: Sequence[float]
     words: int
+    lag_s: float = 0.0
 
     @property
     def simulation(self) -> Simulation:
@@ -55,7 +57,7 @@ class MadeRun:
         data = tuple(one.message(number) for number, one in enumerate(self.readings))
         sent = TopicRecord(f'{TOPIC} (input)', TYPE, tuple(times), data, seconds)
         logs = [
-            LogRecord(time, level, NODE, text)
+            LogRecord(time + self.lag_s * (level == 'WARN'), level, NODE, text)
             for time, reading, count in zip(times, self.readings, self.answers)
             for level, text in self._lines(reading, count)
         ]
@@ -63,7 +65,7 @@ class MadeRun:
 
     def _lines(self, reading: Reading, count: int) -> list[tuple[str, str]]:
         info, warning = (one.format(reading.value, reading.unit) for one in WORDS[self.words])
-        refused = reading.celsius is None and not count
+        refused = info and reading.celsius is None and not count
         lines = [('INFO', info)] if info else []
         lines += [('ERROR', f'Unknown unit {reading.unit!r}')] if refused else []
         return lines + [('WARN', warning)] * count

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 import math
 import operator
 from typing import Any
@@ -100,6 +101,10 @@ def takes_for(known: Callable[[str], str]) -> Rule:
     return warns(celsius=lambda one: replace(one, unit=known(one.unit)).celsius)
 
 
+def _with_factor(factor: float, reading: Reading) -> float | None:
+    return (reading.value - 32.0) * factor if reading.unit == 'Fahrenheit' else reading.celsius
+
+
 NO_UNIT = Cause(
     'unit_text',
     'Your node logs an ERROR for readings in Celsius, as if their unit were unknown.',
@@ -136,6 +141,12 @@ NO_ERROR = Cause(
     'Your node logs no ERROR line for a reading in an unknown unit.',
     'For any unit that you do not know: self.get_logger().error(...), return.',
 )
+ERROR_ONCE = Cause(
+    'error_once',
+    'Your node logs an ERROR line for the first reading in an unknown unit, but not when the same '
+    'unit comes again.',
+    'Log it for each reading, without once= and without a list of units seen before.',
+)
 BURST_IS_CUT = Cause(
     'burst_is_cut',
     'Your node handles single readings, but only some of several readings that arrive at once.',
@@ -170,6 +181,15 @@ SLIPS = (
         'celsius = (value - 32) / 1.8, with / and not //. Try yours: 86 °F must give 30, and '
         '86.9 °F 30.5.',
         warns(celsius=lambda one: one.value if one.unit == 'Celsius' else None),
+    ),
+    Slip(
+        'rounded_factor',
+        'Your conversion from Fahrenheit uses a rounded number.',
+        'Write celsius = (value - 32) / 1.8, or * 5 / 9, and round nothing.',
+        *(
+            warns(celsius=partial(_with_factor, factor))
+            for factor in (0.5555, 0.5556, 0.556)
+        ),
     ),
     Slip(
         'first_letter',

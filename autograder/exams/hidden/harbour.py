@@ -4,4 +4,4 @@ from __future__ import annotations
 
 from autograder.exams.visible.harbour import build
 
-exam = build(seconds=20)
+exam = build(seconds=31)

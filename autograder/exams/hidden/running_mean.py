@@ -19,8 +19,8 @@ exam = build(
     # The first number is sent twice, so the mean stays the same.
     [
         *(_first[0], *_first, math.nan, *_numbers(2), 0.0),
-        *(_first[0], math.nan, *_numbers(4), *_numbers(4)),
+        *(_first[0], math.nan, *_numbers(4), *_numbers(8)),
     ],
-    burst=4,
+    burst=8,
     pause=3,
 )

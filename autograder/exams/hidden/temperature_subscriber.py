@@ -27,12 +27,14 @@ def edges(draw: random.Random) -> list[Reading]:
 
 
 def fahrenheit(draw: random.Random) -> list[Reading]:
-    """Return one reading above and one below the threshold in Fahrenheit, in a secret order."""
+    """Return readings around the threshold in Fahrenheit, some very close, in a secret order."""
     limit = THRESHOLD_C * 1.8 + 32.0
     warm, cool = draw.uniform(limit + 0.1, limit + 0.4), draw.uniform(limit - 0.5, limit - 0.1)
     readings = [
         Reading(round(warm, 2), 'a warm reading in °F', 'Fahrenheit'),
         Reading(round(cool, 2), 'a cool reading in °F', 'Fahrenheit'),
+        Reading(limit + 0.002, 'a reading in °F just above the threshold', 'Fahrenheit'),
+        Reading(limit - 0.002, 'a reading in °F just below the threshold', 'Fahrenheit'),
     ]
     draw.shuffle(readings)
     return readings
@@ -46,7 +48,7 @@ def odd(draw: random.Random) -> list[Reading]:
     """
     rest = ''.join(draw.choices('bdghjlqrtvwxz', k=5))
     units = [
-        (f'C{rest}', UNKNOWN),
+        *[(f'C{rest}', UNKNOWN)] * 2,
         (f'F{rest[::-1]}', UNKNOWN),
         ('celsius', 'a reading in celsius, in small letters'),
         ('', 'a reading without a unit'),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from autograder.exam.inputs import generator
 from autograder.exams.hidden.temperature_subscriber import cool, edges, fahrenheit, hot, odd
 from autograder.exams.monitor_runs import made_run, MadeRun, NAN, WORDS
 from autograder.exams.readings import Reading
-from autograder.exams.visible.warning_check import build, DUE, of_monitor
+from autograder.exams.visible.warning_check import build, DUE, LAGS, of_monitor
 
 _draw = generator('warning_check', 'runs')
 
@@ -38,6 +40,7 @@ MAKERS = {
     EDGES: lambda: [*edges(_draw), *_readings('hc')],
     'no reading above the limit': lambda: _readings('cccc'),
     'warm readings only': lambda: _readings('hhhh'),
+    'a warm reading at the end': lambda: _readings('cch'),
     'as many warm as cool readings': lambda: _readings('chhc'),
     'a reading far above the limit': lambda: [*_readings('c'), _far(), *_readings('hc')],
     UNITS: lambda: [*_readings('c'), *fahrenheit(_draw), AT_THE_LIMIT, *_readings('hc')],
@@ -49,6 +52,7 @@ SHOWN_BY = {
     PLAIN: ('no_warning', 'warns_ever_after', 'repeated_warning', 'one_late'),
     ROW: ('warns_once', 'warns_of_changes'),
     EDGES: ('warns_at_threshold', 'sign_ignored', 'cut_off'),
+    'a warm reading at the end': ('repeated_warning',),
     'as many warm as cool readings': ('comparison_reversed',),
     'a reading far above the limit': ('upper_bound',),
     UNITS: ('ignores_unit', 'wrong_conversion'),
@@ -68,5 +72,6 @@ def _run(kind: str, name: str, number: int) -> MadeRun:
 _wanted = [(kind, '') for kind in MAKERS]
 _wanted += [(kind, name) for kind, names in SHOWN_BY.items() for name in names]
 _runs = [_run(kind, name, number) for number, (kind, name) in enumerate(_wanted)]
+_runs += [replace(_run(PLAIN, '', 0), slip=LAGS, lag_s=0.2), _run(ODD, '', 3)]
 _draw.shuffle(_runs)
 exam = build(_runs)

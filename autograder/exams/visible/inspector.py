@@ -58,6 +58,12 @@ SLIPS = (
         'Set data to what inspect() returns: String(data=inspect(message.data)).',
         each(lambda picture: ('',)),
     ),
+    Slip(
+        'strips',
+        'Your code removes the blanks around the name of a picture.',
+        'Give inspect() the text as it came: inspect(message.data), without strip().',
+        each(lambda picture: (picture.strip().upper(),)),
+    ),
     *leaving_out(looked_at),
 )
 
@@ -102,7 +108,8 @@ def build(pictures: Sequence[str], burst: int) -> Exam:
     """
     Return the exam for some pictures.
 
-    :param pictures: texts; one is sent twice in a row, one again later, and one is empty
+    :param pictures: texts; one is sent twice in a row, one again later, one is empty, and
+        one has blanks around it
     :param burst: number of pictures at the end that are sent at once
     """
     sent = [{'data': picture} for picture in pictures]
@@ -135,4 +142,4 @@ def build(pictures: Sequence[str], burst: int) -> Exam:
     return exam
 
 
-exam = build(['cat', 'dog', 'dog', '', 'cat', 'owl', 'fox', 'bee'], burst=3)
+exam = build(['cat', 'dog', 'dog', '', 'cat', ' owl ', 'fox', 'bee', 'ant'], burst=3)

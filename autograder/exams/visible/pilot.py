@@ -132,14 +132,16 @@ def build(inputs: Sequence[Told]) -> Exam:
 
 def journey(values: Sequence[float], first: int = 0) -> list[Told]:
     """
-    Return inputs in which the messages of each topic begin, pause and resume.
+    Return inputs in which the messages of each topic begin, pause, resume and repeat a value.
 
-    :param values: fourteen different numbers other than 0.0
+    :param values: fifteen different numbers other than 0.0
     :param first: topic of the first message
     """
     one, two = first, 1 - first
-    topics = (one, two, one, two, one, two, one, one, two, one, two, two, two, two, one)
-    numbers = [*values[:4], 0.0, *values[4:]]
+    topics = [one, two, one, two, one, two, one, one, two, one, two, two, two, two, one]
+    topics += [two, one] * 3
+    # Each topic has a 0.0, and at the end the same value three times.
+    numbers = [*values[:4], 0.0, *values[4:7], 0.0, *values[7:13], *list(values[13:]) * 3]
     lasts = {5: LONG_S, 10: MIDDLE_S, 12: MIDDLE_S}
     return [
         Told(topic, number, lasts.get(place, SHORT_S))
@@ -147,4 +149,11 @@ def journey(values: Sequence[float], first: int = 0) -> list[Told]:
     ]
 
 
-exam = build(journey([0.5, 0.2, 0.8, -0.3, 0.4, 0.6, -0.7, 0.1, 1.0, -0.2, 0.25, 0.9, 0.35, -0.6]))
+exam = build(
+    journey(
+        [
+            *(0.5, 0.2, 0.8, -0.3, 0.4, 0.6, -0.7, 0.1),
+            *(1.0, -0.2, 0.25, 0.9, 0.35, 0.7, 0.3),
+        ]
+    )
+)

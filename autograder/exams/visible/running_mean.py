@@ -257,7 +257,7 @@ def build(numbers: Sequence[float], burst: int = 0, pause: int = 0) -> Exam:
     Return the exam for some numbers.
 
     :param numbers: the first three and the last are not NaN; at least one between them is
-    :param burst: number of messages at the end that are sent at once, at most five, none of them
+    :param burst: number of messages at the end that are sent at once, at most ten, none of them
         NaN
     :param pause: number of messages before a long pause, which precedes the first NaN; 0 for no
         pause

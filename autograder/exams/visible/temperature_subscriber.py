@@ -242,6 +242,11 @@ def _why_unknown_unit(run: Run, group: Followed) -> Cause | None:
     if group.count(WARN):
         came = warnings_after([one.row for one in groups])
         return run.asked('warnings').cause(came, groups.index(group)) or monitor.UNKNOWN_UNIT
+    before = [
+        one for one in groups[: groups.index(group)] if one.inputs[0].unit == group.inputs[0].unit
+    ]
+    if any(one.count(ERROR) for one in before):
+        return monitor.ERROR_ONCE
     return why_left_out(run, ERROR, run.recording.logs(level=ERROR)) or monitor.NO_ERROR
 
 

@@ -43,6 +43,12 @@ LATE = Slip(
     'Compare the reading of this message, not one that was kept.',
     lambda readings: [0, *DUE(readings)[:-1]],
 )
+LAGS = Slip(
+    'warns_later',
+    'The warning comes some time after its reading.',
+    'Compare in the callback of the subscription, and log the warning there.',
+    DUE,
+)
 MISSES = ('no_warning', 'warns_once', 'warns_of_changes', 'upper_bound', 'cut_off')
 UNITS = (
     *('ignores_unit', 'wrong_conversion', 'unknown_unit'),
@@ -106,7 +112,19 @@ OTHER_FIXES = {'unknown_unit': 'No warning is due for a unit that is neither of 
 
 def compares(like: Callable[[int, int], bool] = operator.eq, due: Rule = DUE) -> Rule:
     """Return the rule of a check that compares actual and expected warnings per reading."""
-    return each(lambda run: all(map(like, run.answers, due(run.readings))))
+    return each(lambda run: not run.lag_s and all(map(like, run.answers, due(run.readings))))
+
+
+def _moments(counts: Sequence[int]) -> list[int]:
+    """Return the index of the reading for each warning."""
+    return [place for place, count in enumerate(counts) for _ in range(count)]
+
+
+def compares_first(run: MadeRun) -> bool:
+    """Return the answer of a check that compares only as many warnings as are due."""
+    return not run.lag_s and all(
+        map(operator.eq, _moments(run.answers), _moments(DUE(run.readings)))
+    )
 
 
 def of_monitor(name: str, readings: Sequence[Reading]) -> Slip:
@@ -148,6 +166,18 @@ SLIPS = (
         'Your check finds warnings without a reason, and no warning that is missing.',
         'Also ask whether each reading that is too warm has its WARN line.',
         compares(operator.le),
+    ),
+    Slip(
+        'tolerant',
+        'A warning some time after its reading is right for your check.',
+        'The times are exact: compare them with ==.',
+        each(lambda run: list(run.answers) == list(DUE(run.readings))),
+    ),
+    Slip(
+        'ends_early',
+        'Your check compares only as far as the shorter of two lists, as zip() does.',
+        'Also compare the lengths, or compare whole lists: warned == due.',
+        each(compares_first),
     ),
     Slip(
         'repeats',
