@@ -186,10 +186,7 @@ SLIPS = (
         'rounded_factor',
         'Your conversion from Fahrenheit uses a rounded number.',
         'Write celsius = (value - 32) / 1.8, or * 5 / 9, and round nothing.',
-        *(
-            warns(celsius=partial(_with_factor, factor))
-            for factor in (0.5555, 0.5556, 0.556)
-        ),
+        *(warns(celsius=partial(_with_factor, factor)) for factor in (0.5555, 0.5556, 0.556)),
     ),
     Slip(
         'first_letter',
