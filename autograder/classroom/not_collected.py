@@ -1,5 +1,5 @@
 """
-Remember what ``collect`` found but could not collect: from whom, and why.
+Remember what ``collect`` could not collect, and find who handed in nothing.
 
 An entry is kept until a submission of that student is collected. Otherwise a file in the wrong
 format would appear only in the table of one collection, and later reports would not explain why
@@ -12,15 +12,18 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import asdict, dataclass
 import json
 
+from autograder.classroom.class_list import class_list
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
+
+NOTHING = 'Nothing handed in'
 
 
 @dataclass(frozen=True)
 class NotCollected:
     """
-    A delivery that was not collected.
+    A delivery that was not collected, or a student of the class who has handed in nothing.
 
     :param assignment: empty if the delivery does not tell
     :param why: one sentence
@@ -37,6 +40,8 @@ class NotCollected:
     @property
     def reason(self) -> str:
         """Return why it was not collected, with the time of delivery."""
+        if self.why == NOTHING:
+            return f'{NOTHING}.'
         when = f' (handed in {self.handed_in} UTC)' if self.handed_in else ''
         return f'Not collected: {self.why}{when}.'
 
@@ -86,15 +91,35 @@ def not_collected(
     layout: Layout, assignment: str, graded: Collection[str]
 ) -> tuple[NotCollected, ...]:
     """
-    Return the entries of students who are missing in the results of an assignment.
+    Return the students who are missing in the results of an assignment.
+
+    These are students whose delivery could not be collected, and students on the class list.
 
     :param graded: students who have a result
+    :raises GraderError: if the class list is wrong
     """
-    return tuple(
+    found = [
         one
         for one in read_not_collected(layout)
         if one.assignment in ('', assignment) and one.student not in graded
-    )
+    ]
+    known = {*graded, *(one.student for one in found)}
+    found += [
+        NotCollected(student, assignment, NOTHING, name)
+        for student, name in class_list(layout).items()
+        if student not in known
+    ]
+    return tuple(sorted(found, key=lambda one: one.student))
+
+
+def not_listed(layout: Layout, students: Collection[str]) -> tuple[str, ...]:
+    """
+    Return the students who are not on the class list; none if there is no list.
+
+    :raises GraderError: if the class list is wrong
+    """
+    known = class_list(layout)
+    return tuple(one for one in students if one not in known) if known else ()
 
 
 def names_to_write_to(missing: Sequence[NotCollected]) -> str:

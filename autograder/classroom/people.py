@@ -7,6 +7,7 @@ import json
 from typing import Any
 import unicodedata
 
+from autograder.classroom.class_list import class_list
 from autograder.errors import GraderError
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
@@ -19,7 +20,16 @@ KEPT = frozenset('\t\n\r\u200c\u200d')
 
 def read_people(layout: Layout) -> dict[str, str]:
     """
-    Return the known names, by student id.
+    Return the known names, by student id: from sources of ``collect``, else from the class list.
+
+    :raises GraderError: if the class list is wrong
+    """
+    return {**_clean(class_list(layout)), **saved_people(layout)}
+
+
+def saved_people(layout: Layout) -> dict[str, str]:
+    """
+    Return the names that ``collect`` has saved, by student id.
 
     :returns: nothing if the file is missing or damaged
     """
@@ -77,7 +87,7 @@ def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
     :param names: by student id, as a source has them
     :raises OSError: if they cannot be written
     """
-    known = read_people(layout)
+    known = saved_people(layout)
     merged = dict(sorted({**known, **_clean(names)}.items()))
     if merged != known:
         keep(layout.people, json_bytes(merged))

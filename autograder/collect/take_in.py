@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from autograder.classroom.delivered import Delivered, keep_delivered
 from autograder.classroom.not_collected import keep_not_collected, NotCollected
 from autograder.classroom.people import keep_people
 from autograder.collect.choice import choose, Chosen, look, of_all
@@ -58,6 +59,14 @@ def collect(
         names = {row.student: row.person for row in rows if row.done != LEFT and row.person}
         numbers = [(one.handed, one.assignment) for one, row in taken if row.done != LEFT]
         left = list(_not_collected(rows, layout))
+        names_there = {
+            (one.assignment, row.student): Delivered(there.kind, row.place)
+            for one, row in taken
+            if row.done != LEFT
+        }
+        rows += _kept(
+            layout.delivered, 'names of files', lambda: keep_delivered(layout, names_there)
+        )
         rows += _kept(layout.people, 'names', lambda: keep_people(layout, names))
         rows += _kept(
             layout.namesakes,
