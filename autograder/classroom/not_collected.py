@@ -9,7 +9,7 @@ the student is missing.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 import json
 
 from autograder.classroom.class_list import class_list
@@ -98,15 +98,16 @@ def not_collected(
     :param graded: students who have a result
     :raises GraderError: if the class list is wrong
     """
+    names = class_list(layout)
     found = [
-        one
+        replace(one, person=names.get(one.student) or one.person)
         for one in read_not_collected(layout)
         if one.assignment in ('', assignment) and one.student not in graded
     ]
     known = {*graded, *(one.student for one in found)}
     found += [
         NotCollected(student, assignment, NOTHING, name)
-        for student, name in class_list(layout).items()
+        for student, name in names.items()
         if student not in known
     ]
     return tuple(sorted(found, key=lambda one: one.student))

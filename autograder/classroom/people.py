@@ -20,11 +20,13 @@ KEPT = frozenset('\t\n\r\u200c\u200d')
 
 def read_people(layout: Layout) -> dict[str, str]:
     """
-    Return the known names, by student id: from sources of ``collect``, else from the class list.
+    Return the known names, by student id: from the class list, else from ``collect``.
+
+    Platforms shorten names, as Canvas does to ``exampleann``; the list has them as people do.
 
     :raises GraderError: if the class list is wrong
     """
-    return {**_clean(class_list(layout)), **saved_people(layout)}
+    return {**saved_people(layout), **_clean(class_list(layout))}
 
 
 def saved_people(layout: Layout) -> dict[str, str]:

@@ -40,11 +40,11 @@ def test_ids_are_those_of_collect_and_other_columns_are_ignored(listed):
 
 
 def test_names_of_the_list_are_shown_but_not_saved(listed):
-    """What a platform says about a student comes first."""
-    keep_people(listed, {'zoe': 'Zoe Zed'})
+    """The instructor's list comes first: platforms shorten names."""
+    keep_people(listed, {'zoe': 'zedzoe', 'eve': 'adamseve'})
 
-    assert read_people(listed) == {'ann': 'Ann Example', 'zoe': 'Zoe Zed'}
-    assert saved_people(listed) == {'zoe': 'Zoe Zed'}
+    assert read_people(listed) == {'ann': 'Ann Example', 'zoe': 'Zoe Z', 'eve': 'adamseve'}
+    assert saved_people(listed) == {'zoe': 'zedzoe', 'eve': 'adamseve'}
 
 
 def test_a_student_without_a_submission_is_missing_and_has_no_mark(listed):
