@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from autograder.classroom.class_list import extensions
 from autograder.classroom.delivered import Delivered, keep_delivered
 from autograder.classroom.not_collected import keep_not_collected, NotCollected
 from autograder.classroom.people import keep_people
@@ -42,9 +43,10 @@ def collect(
     :param prefix: the beginning to remove from the names of students' folders
     :param trust_names: whether to collect deliveries of an exchange that other users own
     :returns: the table
-    :raises GraderError: if the source as a whole cannot be used
+    :raises GraderError: if the source as a whole cannot be used, or ``extensions.csv`` is wrong
     """
     course = Course(layout)
+    extensions(layout)  # report a wrong file before anything is copied
     with opened(source) as tree:
         there = handed_in(tree, course, kind, prefix)
         if there.kind == EXCHANGE:

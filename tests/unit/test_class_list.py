@@ -5,6 +5,8 @@ from __future__ import annotations
 from datetime import timedelta
 
 from collect_sources import (
+    collect,
+    GOOD,
     laid,
     layout,  # noqa: F401 - a fixture
     LISTEN,
@@ -135,3 +137,7 @@ def test_a_wrong_extension_is_refused_with_its_place(layout, row, why):
 
     with pytest.raises(GraderError, match=why):
         extensions(layout)
+    source = laid(layout.root / 'class', {f'{name}/talk.ipynb': GOOD for name in ('ann', 'bob')})
+    with pytest.raises(GraderError, match=why):
+        collect(source, layout, layout.submitted)
+    assert not layout.submitted.exists()
