@@ -163,6 +163,21 @@ class Layout:
         return self.work / 'not_collected.json'
 
     @property
+    def class_list(self) -> Path:
+        """Return the file with the students of the class, which instructors write."""
+        return self.work / 'class_list.csv'
+
+    @property
+    def extensions(self) -> Path:
+        """Return the file with the extra time of single students, which instructors write."""
+        return self.work / 'extensions.csv'
+
+    @property
+    def delivered(self) -> Path:
+        """Return the file with the names that platforms gave to collected files."""
+        return self.work / 'delivered.json'
+
+    @property
     def recordings(self) -> Path:
         """Return the folder of the recordings, whose names are digests of files and scenario."""
         return self.work / 'recordings'

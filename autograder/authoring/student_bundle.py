@@ -44,6 +44,8 @@ ALLOWED = (
     'autograder/simulated.py',
     'autograder/simulation/',
     'autograder/submission/',
+    # What GitHub Actions runs on every push.
+    'autograder/workflow/',
 )
 """Files and folders of this project that students receive; folders end with a slash."""
 AT_THE_TOP = Path(__file__).parent / 'for_students'
@@ -60,7 +62,10 @@ def bundled_files(layout: Layout) -> dict[str, Path]:
     own = ['course.toml', 'notebooks/', f'{layout.exams.relative_to(layout.root)}/']
     own += [f'{package}/{folder}/' for folder in ('config', 'launch') if package]
     parts = [*((layout.root, one) for one in own), *((PROJECT, one) for one in ALLOWED)]
-    parts += [(AT_THE_TOP, path.name) for path in AT_THE_TOP.iterdir()]
+    parts += [
+        (AT_THE_TOP, f'{path.name}/' if path.is_dir() else path.name)
+        for path in AT_THE_TOP.iterdir()
+    ]
     found = {name: layout.root / source for name, source in UNDER_ANOTHER_NAME.items()}
     for root, part in parts:
         start = root / part

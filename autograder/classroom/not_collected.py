@@ -1,5 +1,5 @@
 """
-Save which work ``collect`` could not collect: the student and the reason.
+Remember what ``collect`` could not collect, and find who handed in nothing.
 
 An entry is kept until a submission of that student is collected.  Without it, a file in the wrong
 format would appear only in the table of one collection, and later reports could not explain why
@@ -9,18 +9,21 @@ the student is missing.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 import json
 
+from autograder.classroom.class_list import class_list
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
+
+NOTHING = 'Nothing handed in'
 
 
 @dataclass(frozen=True)
 class NotCollected:
     """
-    Work of one student that was not collected.
+    A delivery that was not collected, or a student of the class who has handed in nothing.
 
     :param assignment: the assignment, empty if it is not known
     :param why: the reason, without a full stop
@@ -36,7 +39,9 @@ class NotCollected:
 
     @property
     def reason(self) -> str:
-        """Return a sentence with the reason and the time of delivery."""
+        """Return why it was not collected, with the time of delivery."""
+        if self.why == NOTHING:
+            return f'{NOTHING}.'
         when = f' (handed in {self.handed_in} UTC)' if self.handed_in else ''
         return f'Not collected: {self.why}{when}.'
 
@@ -86,15 +91,36 @@ def not_collected(
     layout: Layout, assignment: str, graded: Collection[str]
 ) -> tuple[NotCollected, ...]:
     """
-    Return the entries of students who are missing from the results of an assignment.
+    Return the students who are missing in the results of an assignment.
+
+    These are students whose delivery could not be collected, and students on the class list.
 
     :param graded: students who have a result
+    :raises GraderError: if the class list is wrong
     """
-    return tuple(
-        one
+    names = class_list(layout)
+    found = [
+        replace(one, person=names.get(one.student) or one.person)
         for one in read_not_collected(layout)
         if one.assignment in ('', assignment) and one.student not in graded
-    )
+    ]
+    known = {*graded, *(one.student for one in found)}
+    found += [
+        NotCollected(student, assignment, NOTHING, name)
+        for student, name in names.items()
+        if student not in known
+    ]
+    return tuple(sorted(found, key=lambda one: one.student))
+
+
+def not_listed(layout: Layout, students: Collection[str]) -> tuple[str, ...]:
+    """
+    Return the students who are not on the class list; none if there is no list.
+
+    :raises GraderError: if the class list is wrong
+    """
+    known = class_list(layout)
+    return tuple(one for one in students if one not in known) if known else ()
 
 
 def names_to_write_to(missing: Sequence[NotCollected]) -> str:

@@ -7,6 +7,7 @@ import json
 from typing import Any
 import unicodedata
 
+from autograder.classroom.class_list import class_list
 from autograder.errors import GraderError
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
@@ -18,7 +19,22 @@ KEPT = frozenset('\t\n\r\u200c\u200d')
 
 
 def read_people(layout: Layout) -> dict[str, str]:
-    """Return the known names, by student id; empty if the file is missing or damaged."""
+    """
+    Return the known names, by student id: from the class list, else from ``collect``.
+
+    Platforms shorten names, as Canvas does to ``exampleann``; the list has them as people do.
+
+    :raises GraderError: if the class list is wrong
+    """
+    return {**saved_people(layout), **_clean(class_list(layout))}
+
+
+def saved_people(layout: Layout) -> dict[str, str]:
+    """
+    Return the names that ``collect`` has saved, by student id.
+
+    :returns: nothing if the file is missing or damaged
+    """
     data, _ = read_file(layout.people, layout.people.name)
     try:
         found = json.loads(data or b'{}')
@@ -73,7 +89,7 @@ def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
     :param names: names by student id, as written in a source
     :raises OSError: if the file cannot be written
     """
-    known = read_people(layout)
+    known = saved_people(layout)
     merged = dict(sorted({**known, **_clean(names)}.items()))
     if merged != known:
         keep(layout.people, json_bytes(merged))

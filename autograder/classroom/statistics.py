@@ -17,6 +17,7 @@ from pathlib import Path
 import statistics
 from typing import Any
 
+from autograder.classroom.not_collected import not_collected
 from autograder.classroom.results_of_class import (
     ClassResults,
     has_mark,
@@ -83,10 +84,11 @@ class ClassNumbers:
     """
     The statistics of one assignment.
 
-    :param marks: None if no student has a mark
-    :param review: pairs of a student and the reason why there is no score
-    :param flagged: pairs of a student and a flag for the instructor
-    :param slowest: pairs of a student and the duration of the runs when they were recorded [s]
+    :param marks: None if nobody has a mark
+    :param review: student, and why there is no score
+    :param missing: student, and why there is no submission to grade
+    :param flagged: student, and what an instructor should look at
+    :param slowest: student, and how long the runs took, whenever they took place [s]
     :param repeated: students whose runs were repeated, because the first run may have failed for a
         reason outside the program
     :param recorded: number of submissions that needed no run in the last grading
@@ -102,6 +104,7 @@ class ClassNumbers:
     marks: Marks | None
     checks: tuple[CheckNumbers, ...]
     review: tuple[tuple[str, str], ...]
+    missing: tuple[tuple[str, str], ...]
     flagged: tuple[tuple[str, str], ...]
     slowest: tuple[tuple[str, float], ...]
     repeated: tuple[str, ...]
@@ -116,7 +119,8 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
     """
     Return the statistics of a class.
 
-    :param layout: the course, whose recordings contain the digests and versions
+    :param layout: where the recordings are, whose headers name digests, and the class list
+    :raises GraderError: if the class list is wrong
     """
     results = graded.results
     marked = [result for result in results if not result.review]
@@ -129,6 +133,12 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
         marks=_marks([result for result in results if has_mark(result)]),
         checks=_checks(marked),
         review=tuple((one.student, one.review) for one in results if one.review),
+        missing=tuple(
+            (one.student, one.reason)
+            for one in not_collected(
+                layout, graded.assignment, {result.student for result in results}
+            )
+        ),
         flagged=tuple((one.student, flag) for one in results for flag in one.flags),
         slowest=tuple((one.student, ran_s(one)) for one in slowest[:SLOWEST]),
         repeated=tuple(

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from autograder.classroom.class_list import extensions
+from autograder.classroom.delivered import Delivered, keep_delivered
 from autograder.classroom.not_collected import keep_not_collected, NotCollected
 from autograder.classroom.people import keep_people
 from autograder.collect.choice import choose, Chosen, look, of_all
@@ -38,12 +40,13 @@ def collect(
     :param assignment: the only assignment to collect; empty to recognise it from the notebooks
     :param kind: platform of the source; empty to recognise it
     :param write: False to only report what would be done
-    :param prefix: prefix to remove from the names of students' folders
-    :param trust_names: whether to collect work in an exchange that a different user owns
-    :returns: the rows of the table, sorted by student
-    :raises GraderError: if the source as a whole cannot be used
+    :param prefix: the beginning to remove from the names of students' folders
+    :param trust_names: whether to collect deliveries of an exchange that other users own
+    :returns: the table
+    :raises GraderError: if the source as a whole cannot be used, or ``extensions.csv`` is wrong
     """
     course = Course(layout)
+    extensions(layout)  # report a wrong file before anything is copied
     with opened(source) as tree:
         there = handed_in(tree, course, kind, prefix)
         if there.kind == EXCHANGE:
@@ -58,6 +61,14 @@ def collect(
         names = {row.student: row.person for row in rows if row.done != LEFT and row.person}
         numbers = [(one.handed, one.assignment) for one, row in taken if row.done != LEFT]
         left = list(_not_collected(rows, layout))
+        names_there = {
+            (one.assignment, row.student): Delivered(there.kind, row.place)
+            for one, row in taken
+            if row.done != LEFT
+        }
+        rows += _kept(
+            layout.delivered, 'names of files', lambda: keep_delivered(layout, names_there)
+        )
         rows += _kept(layout.people, 'names', lambda: keep_people(layout, names))
         rows += _kept(
             layout.namesakes,

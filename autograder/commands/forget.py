@@ -19,8 +19,9 @@ import time
 from sqlalchemy import text
 
 from autograder.classroom.course_lock import alone
+from autograder.classroom.delivered import forget_delivered
 from autograder.classroom.not_collected import forget_not_collected, read_not_collected
-from autograder.classroom.people import namesake, read_people
+from autograder.classroom.people import namesake, saved_people
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.namesakes import keep_namesakes, read_namesakes
 from autograder.commands import flag, OK, option, takes
@@ -84,7 +85,7 @@ def traces(layout: Layout, student: str) -> Traces:
     student = _student(layout, student)
     has_results = [name for name, graded in _results(layout).items() if student in graded]
     entered = [one for one in layout.assignments() if student in noted(journal(layout, one))]
-    name = read_people(layout).get(student)
+    name = saved_people(layout).get(student)
     folders = tuple(above / student for above in _made(layout) if student in _folders(above))
     lines = [
         *(f'gradebook: {mark}' for mark in _marks(layout).get(student, ())),
@@ -116,7 +117,7 @@ def _student(layout: Layout, name: str) -> str:
     """
     folders = (_folders(above) for above in (layout.submitted, *_made(layout)))
     refused = (one.student for one in read_not_collected(layout))
-    known = {*_marks(layout), *read_people(layout), *refused}.union(
+    known = {*_marks(layout), *saved_people(layout), *refused}.union(
         *folders, *_results(layout).values()
     )
     if name in known:
@@ -161,6 +162,7 @@ def forget(layout: Layout, student: str) -> Path | None:
         place.parent.mkdir(exist_ok=True)
         found.moved.rename(place)
     forget_not_collected(layout, student)
+    forget_delivered(layout, student)
     forget_made(layout, {student})
     for folder in found.made:
         shutil.rmtree(folder)
@@ -209,6 +211,6 @@ def _forget_name(layout: Layout, student: str) -> None:
     known = read_namesakes(layout)
     if known.numbers.pop(student, None):
         keep_namesakes(layout, known, ())
-    people = read_people(layout)
+    people = saved_people(layout)
     if people.pop(student, ''):
         keep(layout.people, json_bytes(people))

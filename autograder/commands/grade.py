@@ -21,9 +21,10 @@ import time
 from rich.console import Console
 
 from autograder.authoring.sample_class import write_sample_class
+from autograder.classroom.class_list import extensions
 from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.course_lock import alone
-from autograder.classroom.not_collected import not_collected
+from autograder.classroom.not_collected import not_collected, not_listed
 from autograder.classroom.pages import print_table
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import modes, results_of_others
@@ -242,6 +243,8 @@ class Grading:
         :raises GraderError: if the gradebook is damaged, or a check cell and its exam give
             different points
         """
+        not_listed(self.layout, ())  # a wrong class list is reported here, not after the runs
+        extensions(self.layout)
         if self.enters:
             refuse_damaged(self.layout)
             for assignment in assignments:
@@ -287,7 +290,7 @@ class Grading:
         parts = [
             *_about_runs(results, time.monotonic() - began, graded_s, totals),
             *self._about_marks(assignment, len(results) - new),
-            *self._about_others(others),
+            *self._about_others(results, others),
         ]
         unwritten = self._report(assignment, results, others, ' '.join(parts))
         lowered = self.guard.lowered_in(assignment)
@@ -307,8 +310,13 @@ class Grading:
             said = 'Fewer points than before' if self.guard.yes else 'Unchanged in the gradebook'
             yield f'{said}: {first_of(lowered, MAX_NAMED)}.'
 
-    def _about_others(self, others: Sequence[SubmissionResult]) -> Iterator[str]:
-        """Yield sentences about folders and students that were not graded."""
+    def _about_others(
+        self, results: Sequence[SubmissionResult], others: Sequence[SubmissionResult]
+    ) -> Iterator[str]:
+        """Yield whose work was not graded, and who is not on the class list."""
+        if unknown := not_listed(self.layout, [one.student for one in results]):
+            some = printable(first_of(unknown, MAX_NAMED))
+            yield f'Not on the class list: {some}.'
         if folders := without_notebooks(self.submitted, self.layout.assignments()):
             some = printable(first_of(folders, MAX_NAMED))
             yield f'Folders without a notebook of the course were not graded: {some}.'

@@ -42,6 +42,7 @@ def stats_text(numbers: ClassNumbers) -> str:
         f'{numbers.assignment}: {numbers.submissions} submission{"s" * (numbers.submissions != 1)}'
     ]
     lines += [f'  for review: {student}: {fault}' for student, fault in numbers.review]
+    lines += [f'  missing: {student}: {why}' for student, why in numbers.missing]
     lines += _marks_lines(numbers)
     if numbers.checks:
         lines.append('  failed  not run  mean points  check')

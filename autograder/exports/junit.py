@@ -1,20 +1,21 @@
 """
 Write JUnit XML for CI servers: one suite per exam and submission, one case per check.
 
-The format has no standard.  This module writes the elements that the schema of Jenkins' xUnit
-plugin (junit-10.xsd) and the parsers of Jenkins and GitLab have in common.  A failed check is a
-``failure``, a check that depends on a failed check is ``skipped``, and a submission for review is
-an ``error``, because it has no verdict.  XML 1.0 does not allow control characters, even if they
-are escaped, so they are replaced.
+There is no standard; this module writes what the schema of Jenkins' xUnit plugin (junit-10.xsd)
+and the readers of Jenkins and GitLab have in common. A failed check is a ``failure``, a check that
+waits for another check is ``skipped``, and a submission for review is an ``error``: it has no
+verdict. A student without a submission is ``skipped``. XML 1.0 has no control characters, not
+even escaped, so they are replaced.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 import re
 from xml.etree import ElementTree
 
 from autograder.classroom.results_of_class import ClassResults, seconds_of_exam
+from autograder.exports.marks import ABSENT, Mark
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
 NO_XML = re.compile('[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
@@ -23,15 +24,22 @@ NO_XML = re.compile('[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
 COUNTS = {'failures': 'failure', 'errors': 'error', 'skipped': 'skipped'}
 
 
-def junit_xml(classes: Iterable[ClassResults]) -> bytes:
-    """Return the results as an XML document in UTF-8."""
+def junit_xml(marked: Iterable[tuple[ClassResults, Sequence[Mark]]]) -> bytes:
+    """
+    Return the document, in UTF-8.
+
+    :param marked: results and marks; a student without a submission has only a mark
+    """
     suites = ElementTree.Element('testsuites', name='autograder')
-    for graded in classes:
+    for graded, marks in marked:
         for result in graded.results:
             for exam in result.exams:
                 suites.append(_suite(result, exam))
             if result.review:
                 suites.append(_review(result))
+        for mark in marks:
+            if mark.status in ABSENT:
+                suites.append(_missing(graded.assignment, mark))
     for name in ('tests', 'failures', 'errors'):
         suites.set(name, str(sum(int(suite.get(name, '0')) for suite in suites)))
     suites.set('time', _seconds(sum(float(suite.get('time', '0')) for suite in suites)))
@@ -48,7 +56,7 @@ def clean(text: str) -> str:
 def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
     suite = _new_suite(f'{result.assignment}/{result.student}/{exam.exam}')
     for check in exam.checks:
-        case = _case(suite, result, f'{exam.exam}/{check.check}')
+        case = _case(suite, result.assignment, result.student, f'{exam.exam}/{check.check}')
         if check.verdict is Verdict.FAILED:
             message = check.cause or check.observed or check.title
             failure = ElementTree.SubElement(case, 'failure', message=clean(message))
@@ -66,9 +74,17 @@ def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
 def _review(result: SubmissionResult) -> ElementTree.Element:
     """Return the test suite of a submission for review."""
     suite = _new_suite(f'{result.assignment}/{result.student}/for review')
-    case = _case(suite, result, 'grading')
+    case = _case(suite, result.assignment, result.student, 'grading')
     error = ElementTree.SubElement(case, 'error', message=clean(result.review), type='for_review')
     error.text = 'There is no score. A person has to look.'
+    return _counted(suite, 0.0)
+
+
+def _missing(assignment: str, mark: Mark) -> ElementTree.Element:
+    """Return the suite of a student without a submission: skipped, neither passed nor failed."""
+    suite = _new_suite(f'{assignment}/{mark.student}/missing')
+    case = _case(suite, assignment, mark.student, 'submission')
+    ElementTree.SubElement(case, 'skipped', message=mark.status)
     return _counted(suite, 0.0)
 
 
@@ -76,9 +92,11 @@ def _new_suite(name: str) -> ElementTree.Element:
     return ElementTree.Element('testsuite', name=clean(name))
 
 
-def _case(suite: ElementTree.Element, result: SubmissionResult, name: str) -> ElementTree.Element:
-    """Add a test case; its class name and name together are unique in the document."""
-    where = clean(f'{result.assignment}.{result.student}')
+def _case(
+    suite: ElementTree.Element, assignment: str, student: str, name: str
+) -> ElementTree.Element:
+    """Add a case; its class name and name are unique in the class of students."""
+    where = clean(f'{assignment}.{student}')
     return ElementTree.SubElement(suite, 'testcase', classname=where, name=clean(name))
 
 

@@ -11,7 +11,7 @@ written unchanged.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 import csv
 import io
 import re
@@ -19,6 +19,7 @@ import re
 from autograder.classroom.results_of_class import ClassResults
 from autograder.explaining.feedback import headline, number, printable
 from autograder.exports.marks import automatic, Mark
+from autograder.results import SubmissionResult
 
 FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠')
 """First characters of cells that a spreadsheet may run, including full-width signs."""
@@ -26,7 +27,17 @@ FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '�
 LATER_CELL = re.compile(r'(?<![;"\s])((?=["\s]*[;\t\r\n])[;"\s]+)([=+\-@＝＋－＠])')
 """Start of a formula after a semicolon, tab or line break, where a spreadsheet may split cells."""
 
-MARKS = ['assignment', 'student', 'name', 'status', 'points', 'max_points', 'first_cause', 'flags']
+MARKS = [
+    'assignment',
+    'student',
+    'name',
+    'status',
+    'points',
+    'max_points',
+    'late_points',
+    'first_cause',
+    'flags',
+]
 CHECKS = [
     'assignment',
     'student',
@@ -47,10 +58,10 @@ def marks_csv(
     classes: Iterable[tuple[ClassResults, Sequence[Mark]]], people: Mapping[str, str]
 ) -> bytes:
     """
-    Return a CSV table with one row per submission.
+    Return one row per student.
 
-    :param classes: results of each class, with the marks in the same order
-    :param people: known names by student id
+    :param classes: results and marks; a student without a submission has only a mark
+    :param people: names by student id, as far as they are known
     """
     rows = [
         (
@@ -60,13 +71,22 @@ def marks_csv(
             mark.status,
             mark.points,
             mark.max_points,
-            headline(result),
-            '; '.join(result.flags),
+            mark.late_points or None,
+            headline(result) if result else '',
+            '; '.join(result.flags) if result else '',
         )
         for graded, marks in classes
-        for result, mark in zip(graded.results, marks)
+        for result, mark in _with_results(graded, marks)
     ]
     return csv_bytes(MARKS, rows)
+
+
+def _with_results(
+    graded: ClassResults, marks: Sequence[Mark]
+) -> Iterator[tuple[SubmissionResult | None, Mark]]:
+    """Yield each mark with its result; None for a student without a submission."""
+    results = {result.student: result for result in graded.results}
+    yield from ((results.get(mark.student), mark) for mark in marks)
 
 
 def checks_csv(classes: Iterable[ClassResults]) -> bytes:

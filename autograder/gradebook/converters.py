@@ -12,11 +12,18 @@ from contextlib import contextmanager
 from functools import cache
 import logging
 from pathlib import Path
+import tempfile
 from typing import Any
 import warnings
 
 from nbgrader import api
-from nbgrader.converters import Autograde, BaseConverter, GenerateAssignment, NbGraderException
+from nbgrader.converters import (
+    Autograde,
+    BaseConverter,
+    GenerateAssignment,
+    GenerateFeedback,
+    NbGraderException,
+)
 from nbgrader.coursedir import CourseDirectory
 from sqlalchemy.exc import OperationalError, SQLAlchemyError
 
@@ -79,7 +86,31 @@ def autograde(
         coursedir = CourseDirectory(config=config, log=log)
         recorder = _Recorder(coursedir=coursedir, config=config, log=log, force=True)
         recorder.results, recorder.same_work = dict(results), frozenset(same_work)
+        recorder.students = recorder.results
         _start(layout, recorder)
+
+
+def feedback(layout: Layout, assignment: str, students: Collection[str]) -> dict[str, bytes]:
+    """
+    Return the feedback page of each student, with the current marks of the gradebook.
+
+    :returns: HTML by student; a student whose work nbgrader has not entered has none
+    :raises GraderError: with nbgrader's message
+    """
+    config = load_config(layout)
+    config.CourseDirectory.assignment_id = assignment
+    with tempfile.TemporaryDirectory(prefix='feedback_', dir=layout.work) as folder:
+        config.CourseDirectory.feedback_directory = folder
+        with _logged(f'writing feedback for {assignment}') as log, _one_engine():
+            coursedir = CourseDirectory(config=config, log=log)
+            writer = _FeedbackWriter(coursedir=coursedir, config=config, log=log, force=True)
+            there = layout.work / 'autograded'
+            writer.students = [one for one in students if (there / one / assignment).is_dir()]
+            _start(layout, writer)
+        return {
+            path.parents[1].name: path.read_bytes()
+            for path in Path(folder).glob(f'*/{assignment}/*.html')
+        }
 
 
 @contextmanager
@@ -175,18 +206,28 @@ class _Generator(_StopsAtDatabase, GenerateAssignment):
     """nbgrader's GenerateAssignment, which stops if the database or the disk fails."""
 
 
-class _Recorder(_StopsAtDatabase, Autograde):
-    """nbgrader's Autograde, limited to the students with results."""
+class _OfStudents(_StopsAtDatabase):
+    """A command of nbgrader for exactly some students."""
 
-    results: dict[str, SubmissionResult]
-    same_work: frozenset[str]
+    students: Collection[str]
 
     def init_notebooks(self) -> None:
         """List the notebooks of each student; nbgrader would read the ids as glob patterns."""
         self.assignments = {}
-        for student in self.results:
+        for student in self.students:
             folder = Path(self._format_source(self.coursedir.assignment_id, student))
             self.assignments[str(folder)] = sorted(str(path) for path in folder.glob('*.ipynb'))
+
+
+class _FeedbackWriter(_OfStudents, GenerateFeedback):
+    """nbgrader's GenerateFeedback for exactly these students."""
+
+
+class _Recorder(_OfStudents, Autograde):
+    """nbgrader's Autograde for exactly the students whose results are known."""
+
+    results: dict[str, SubmissionResult]
+    same_work: frozenset[str]
 
     def init_single_notebook_resources(self, notebook_filename: str) -> dict[str, Any]:
         """Add the data that :mod:`autograder.gradebook.nbgrader_plugin` needs."""

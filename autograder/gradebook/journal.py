@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
+from datetime import timedelta
 from functools import cached_property
 import hashlib
 import json
@@ -22,6 +23,7 @@ from typing import Any
 
 from sqlalchemy import inspect, text
 
+from autograder.classroom.class_list import extensions
 from autograder.files import keep
 from autograder.gradebook.connection import connected, query, refused
 from autograder.gradebook.settings import gradebook_file, load_config
@@ -116,6 +118,11 @@ class Journal:
         return shown(self.layout, self.lesson.assignment)
 
     @cached_property
+    def _more(self) -> Mapping[tuple[str, str], timedelta] | None:
+        """Return the extra time of single students."""
+        return extensions(self.layout)
+
+    @cached_property
     def _common(self) -> bytes:
         """Return a digest of the release and the settings, on which all entries depend."""
         settings = (self.layout.root / 'nbgrader_config.py').read_bytes()
@@ -163,7 +170,10 @@ class Journal:
             exam.pop('timing', None)
             exam.pop('pictures', None)
         stamp, _ = read_file(graded.submission.folder / 'timestamp.txt', 'timestamp.txt')
+        more = self._more and self._more.get((graded.result.student, self.lesson.assignment))
         parts = [result, graded.opened.notebook, (stamp or b'')[:100].decode('latin-1')]
+        if more:
+            parts.append(str(more))
         text = json.dumps(parts, sort_keys=True, default=list).encode('utf-8', 'replace')
         digest = hashlib.sha256(self._common + text).hexdigest()[:32]
         return {'digest': digest, 'shown': rows.get(graded.result.student, {})}

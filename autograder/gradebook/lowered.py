@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
 
+from autograder.classroom.class_list import extensions
 from autograder.explaining.feedback import number, printable
 from autograder.gradebook.record import timestamp_of
 from autograder.gradebook.settings import has_gradebook, load_config
@@ -93,6 +95,16 @@ def mark_of(submission: SubmittedAssignment) -> float:
     return max(0.0, float(submission.score) - float(submission.late_submission_penalty or 0.0))
 
 
+def _due(layout: Layout, graded: Graded, submission: SubmittedAssignment) -> datetime | None:
+    """Return the due date that the entry will set; None if there is none."""
+    due, more = submission.assignment.duedate, extensions(layout)
+    if due is None:
+        return None
+    if more is None:
+        return due + (submission.extension or timedelta())
+    return due + more.get((graded.result.student, submission.assignment.name), timedelta())
+
+
 def _penalty(
     layout: Layout, graded: Graded, submission: SubmittedAssignment, score: float
 ) -> float:
@@ -102,10 +114,11 @@ def _penalty(
 
     stamp = timestamp_of(graded.submission.folder)
     when = parse_utc(stamp) if stamp else submission.timestamp
-    if when is None or submission.duedate is None or when <= submission.duedate:
+    due = _due(layout, graded, submission)
+    if when is None or due is None or when <= due:
         return 0.0
     policy = AssignLatePenalties(config=load_config(layout))
     policy.init_plugin()
-    late_s = (when - submission.duedate).total_seconds()
+    late_s = (when - due).total_seconds()
     penalty = policy.plugin_inst.late_submission_penalty(graded.result.student, score, late_s)
     return min(max(0.0, penalty or 0.0), score)

@@ -3,11 +3,11 @@ Plug-ins that replace steps of nbgrader's commands; ``nbgrader_config.py`` names
 
 nbgrader itself runs student code and tests in one kernel and trusts the outputs.  Instead:
 
-* :class:`SubmissionExporter` reads any submitted file and rebuilds the notebook from the release
-  and the student's answers;
-* :class:`GradeOutside` replaces the execution of the notebook: it grades in the sandbox and writes
-  the feedback and the score of each check cell as outputs;
-* :class:`SaveGrades` records the scores; a check cell without a score needs manual grading;
+* :class:`SubmissionExporter` reads the submitted file, whatever it contains, and continues with
+  the release plus the student's answers;
+* :class:`GradeOutside` replaces nbgrader's execution of the notebook: it grades in the sandbox
+  and writes each check cell's feedback and score as outputs;
+* :class:`SaveGrades` records them, and nothing where there is no score, and extra time;
 * :class:`ClearSolutionsByKind` creates the stubs of a release.
 
 nbgrader's formgrader, feedback and export work unchanged.
@@ -24,6 +24,7 @@ from nbconvert.exporters import HTMLExporter, NotebookExporter
 from nbconvert.filters import markdown2html
 from nbformat import NotebookNode
 from nbgrader import utils
+from nbgrader.api import Gradebook
 from nbgrader.preprocessors import (
     ClearSolutions,
     GetGrades,
@@ -33,6 +34,7 @@ from nbgrader.preprocessors import (
 from traitlets import Unicode
 from traitlets.utils.importstring import import_item
 
+from autograder.classroom.class_list import extensions
 from autograder.explaining.feedback import printable
 from autograder.explaining.feedback_html import with_unique_ids
 from autograder.gradebook.cell_points import refuse_unfit_points
@@ -253,10 +255,21 @@ class SaveGrades(SaveAutoGrades):
     every answer again.
     """
 
+    root = Unicode('', help='Folder of the course; empty for the one of this package.').tag(
+        config=True
+    )
+
     _unusable = False
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
-        """Record the scores of a notebook in the gradebook."""
+        """Record the extra time of the student and the scores of a notebook."""
+        facts = resources['nbgrader']
+        more = extensions(Layout(Path(self.root)) if self.root else Layout.here())
+        if more is not None:
+            with Gradebook(facts['db_url']) as gradebook:
+                submission = gradebook.find_submission(facts['assignment'], facts['student'])
+                submission.extension = more.get((facts['student'], facts['assignment']))
+                gradebook.db.commit()
         self._unusable = any(problem.unusable for problem in from_node(nb).problems)
         found: Step = super().preprocess(nb, resources)
         return found

@@ -9,6 +9,7 @@ import re
 
 from sqlalchemy import DateTime, Interval, text
 
+from autograder.classroom.class_list import extensions
 from autograder.errors import GraderError
 from autograder.gradebook.connection import query
 from autograder.layout import Layout
@@ -108,21 +109,28 @@ def due_dates(layout: Layout) -> DueDates:
     """
     Read the due dates from the gradebook, without creating a gradebook.
 
+    Extra time comes from ``extensions.csv`` if it exists, else from the gradebook.
+
     The database is queried directly, because nbgrader takes seconds to import.
+
+    :raises GraderError: if ``extensions.csv`` is wrong
     """
     if not (layout.root / 'nbgrader_config.py').is_file():
         return DueDates()
     dates = text(_DATES).columns(duedate=DateTime())
-    extensions = text(_EXTENSIONS).columns(extension=Interval())
+    granted = text(_EXTENSIONS).columns(extension=Interval())
+    given = extensions(layout)
     try:
         return DueDates(
             {
                 str(name): date.replace(tzinfo=timezone.utc)
                 for name, date in query(layout, dates, 'assignment')
             },
-            {
+            given
+            if given is not None
+            else {
                 (str(one), str(name)): more
-                for one, name, more in query(layout, extensions, 'assignment')
+                for one, name, more in query(layout, granted, 'assignment')
             },
         )
     except (GraderError, ValueError, ImportError) as error:
