@@ -17,6 +17,7 @@ from roslab.ros2.interface import definition
 from roslab.ros2.topic_echo import _selected
 
 VERBS = {
+    'bag': ('info', 'play', 'record'),
     'daemon': ('start', 'status', 'stop'),
     'interface': ('list', 'package', 'packages', 'proto', 'show'),
     'launch': (),
