@@ -92,8 +92,10 @@ def _recorded(session: Session, path: Path, sources: Sequence[object], seconds: 
                 with HeldInterrupts():
                     recorder.drain()
         finally:
-            for subscription in recorder.subscriptions.values():
-                session.forget(node, subscription)
+            with HeldInterrupts():
+                for subscription in recorder.subscriptions.values():
+                    session.forget(node, subscription)
+                recorder.drain()
         refused = ' '.join(why for name, why in recorder.refused.items() if name in names)
         if not writer.count:
             silent = ' and '.join(names) or 'any topic'

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 from datetime import datetime
 from pathlib import Path
+import signal
 import sys
 import time
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from roslab.bags.bag import Bag, to_yaml
@@ -98,6 +99,8 @@ def record(args: argparse.Namespace) -> Outcome:
     folder = Path(args.output or f'{datetime.now():rosbag2_%Y_%m_%d-%H_%M_%S}')
     if folder.exists():
         return f"[ERROR] [ros2bag]: Output folder '{folder}' already exists."
+    # Ctrl-C shuts ROS down, which ends the loop; KeyboardInterrupt could cut off a write.
+    signal.signal(signal.SIGINT, lambda *_: None)
     with ros_node(args, 'rosbag2_recorder') as node:
         try:
             folder.mkdir(parents=True)
@@ -124,13 +127,17 @@ def _record(node: Node, file: Path, topics: list[str]) -> Bag | None:
             lambda name: say(f"Subscribed to topic '{name}'"),
         )
         say('Listening for topics...')
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
         try:
             while rclpy.ok():
                 recorder.look()
-                rclpy.spin_once(node, timeout_sec=_LOOK_S)
+                executor.spin_once(timeout_sec=_LOOK_S)
                 recorder.drain()
-        except (KeyboardInterrupt, ExternalShutdownException):
-            pass
+        except Exception:
+            # After a signal has shut the context down, an exception of rclpy is no error.
+            if rclpy.ok():
+                raise
         recorder.drain()
     for why in recorder.refused.values():
         print(f'[WARN] [ros2bag]: {why}', file=sys.stderr)
