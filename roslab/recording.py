@@ -55,11 +55,11 @@ def record_to(
 
 def replay_from(session: Session, file: str | Path, topics: Sequence[str], rate: float) -> None:
     """
-    Publish the messages of a recording again, from a node of this kernel.
+    Publish the messages of a bag again, from a node of this kernel.
 
     :param topics: only these; none for all
     :param rate: 2.0 for twice as fast as recorded
-    :raises RoslabError: if the recording cannot be used, or an argument is wrong
+    :raises RoslabError: if the bag cannot be used, or an argument is wrong
     """
     speed = _positive('rate', rate)
     if session.executor.is_this_thread:

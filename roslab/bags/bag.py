@@ -1,4 +1,4 @@
-"""What a recording holds, in the words of ``ros2 bag info`` and of ``metadata.yaml``."""
+"""What a bag holds, in the words of ``ros2 bag info`` and of ``metadata.yaml``."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class BagTopic:
 @dataclass(frozen=True)
 class Bag:
     """
-    The summary of a recording.
+    The summary of a bag.
 
     :param path: the file, or the folder that ``ros2 bag record`` has written
     :param files: its MCAP files, oldest first

@@ -1,4 +1,4 @@
-"""The definition of a message type as a recording stores it, so that readers need no ROS."""
+"""The definition of a message type as a bag stores it, so that readers need no ROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Publish a recording again, with its types, its quality of service and its rhythm."""
+"""Publish a bag again, with its types, its quality of service and its rhythm."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _ACKNOWLEDGED = Duration(seconds=2.0)
 
 class Player:
     """
-    Publishes the messages of a recording.
+    Publishes the messages of a bag.
 
     :param node: has the publishers
-    :param bag: the recording
+    :param bag: the bag
     :param topics: only these, by full name; none for all
     :raises BagError: if a topic is missing, or a type is not installed or has other fields
     """
@@ -73,7 +73,7 @@ class Player:
         :param rate: 2.0 for twice as fast as recorded
         :param wait: waits for a time [s]
         :returns: how many messages were published
-        :raises BagError: if a part of the recording is damaged
+        :raises BagError: if a part of the bag is damaged
         """
         began, count = time.monotonic(), 0
         for topic, received_ns, data in messages_of(self._bag):

@@ -1,4 +1,4 @@
-"""Read a recording: an MCAP file, or the folder that ``ros2 bag record`` has written."""
+"""Read a bag: an MCAP file, or the folder that ``ros2 bag record`` has written."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MAGIC = b'\x89MCAP0\r\n'
 
 
 class BagError(RoslabError, RuntimeError):
-    """A recording that cannot be used; the ``ros2`` command prints a RuntimeError as one line."""
+    """A bag that cannot be used; the ``ros2`` command prints a RuntimeError as one line."""
 
 
 class BagMessage(NamedTuple):
@@ -41,7 +41,7 @@ class BagMessage(NamedTuple):
 
 def open_bag(path: Path) -> Bag:
     """
-    Return the summary of a recording.
+    Return the summary of a bag.
 
     :param path: an MCAP file, or a folder with such files
     :raises BagError: if there is none, or it is damaged or does not hold ROS 2 messages
@@ -91,7 +91,7 @@ def _files_in(folder: Path) -> tuple[Path, ...]:
             told = yaml.safe_load(about.read_text(encoding='utf-8'))
             names = list(told['rosbag2_bagfile_information']['relative_file_paths'])
         except (yaml.YAMLError, UnicodeDecodeError, KeyError, TypeError):
-            raise BagError(f'{about}: this is not the metadata of a recording.') from None
+            raise BagError(f'{about}: this is not the metadata of a bag.') from None
     if not names:
         raise BagError(
             f'{folder}: no .mcap file is in this folder. Try: the folder of ros2 bag record'
@@ -126,7 +126,7 @@ def _reading(file: Path) -> Iterator[SeekingReader]:
 def _foreign(file: Path) -> BagError:
     if file.suffix == '.db3':
         return BagError(
-            f'{file}: this recording is in SQLite format. Try: convert it to MCAP with the '
+            f'{file}: this bag is in SQLite format. Try: convert it to MCAP with the '
             'command ros2 bag convert of a full installation'
         )
     return BagError(f'{file}: this is not an MCAP file. Try: a file that record() has written')

@@ -1,4 +1,4 @@
-"""Save what a simulated program did as a recording."""
+"""Save what a simulated program did as a bag."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ def _add_storage(parser: argparse.ArgumentParser) -> None:
 
 
 def info(args: argparse.Namespace) -> Outcome:
-    """Print the summary of a recording."""
+    """Print the summary of a bag."""
     bag = open_bag(args.bag_path)
     if args.topic_name:
         print('\n'.join(topic.name for topic in bag.topics))
@@ -77,7 +77,7 @@ def info(args: argparse.Namespace) -> Outcome:
 
 
 def play(args: argparse.Namespace) -> Outcome:
-    """Publish the messages of a recording."""
+    """Publish the messages of a bag."""
     bag = open_bag(args.bag_path)
     with ros_node(args, 'rosbag2_player') as node:
         player = Player(node, bag, [node.resolve_topic_name(topic) for topic in args.topics])
@@ -92,7 +92,7 @@ def play(args: argparse.Namespace) -> Outcome:
 
 
 def record(args: argparse.Namespace) -> Outcome:
-    """Record topics until Ctrl-C; the recording is complete then."""
+    """Record topics until Ctrl-C; the bag is complete then."""
     topics = [*args.topics_positional, *args.topics]
     if not topics and not args.all:
         return '[ERROR] [ros2bag]: Need to specify at least one option out of --all, --topics'
