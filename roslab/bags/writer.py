@@ -23,7 +23,7 @@ class BagWriter:
     """
     Writes one MCAP file; use it in a ``with`` statement.
 
-    The file gets its name at the end, also after an interrupt.  Without a message, no file is
+    The file gets its name at the end, even after an interrupt.  Without a message, no file is
     written, and a file of that name is kept.
 
     :param path: the file, which is replaced at the end

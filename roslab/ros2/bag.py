@@ -135,7 +135,7 @@ def _record(node: Node, file: Path, topics: list[str]) -> Bag | None:
                 executor.spin_once(timeout_sec=_LOOK_S)
                 recorder.drain()
         except Exception:
-            # After a signal has shut the context down, an exception of rclpy is no error.
+            # After a signal has shut the context down, ignore exceptions of rclpy.
             if rclpy.ok():
                 raise
         recorder.drain()
