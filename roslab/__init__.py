@@ -31,7 +31,7 @@ from roslab.errors import NameRefusedError, NotHereError, RoslabError
 from roslab.gallery import explain
 from roslab.interrupts import watch_cells
 from roslab.lifecycle_picture import lifecycle
-from roslab.live_plot import paint_all
+from roslab.live_picture import paint_all
 from roslab.logtable import record_logs
 from roslab.lost_line import refuse_programs
 from roslab.magics import register
