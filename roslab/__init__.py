@@ -43,6 +43,7 @@ from roslab.pages import lay_out
 from roslab.progress import progress
 from roslab.qos_table import qos_table
 from roslab.quiz import quiz
+from roslab.robot import robot
 from roslab.simulating import recorded_runs, simulate
 from roslab.spinning import make_spinning_interruptible, refuse_to_spin_twice
 from roslab.worked_answers import answer
@@ -70,6 +71,7 @@ __all__ = [
     'qos_table',
     'quiz',
     'recorded_runs',
+    'robot',
     'simulate',
     'start',
     'stop',
