@@ -369,6 +369,25 @@ def test_timers_are_stopped_and_started(world):
     assert ticks == []
 
 
+@claim('Q24')
+def test_timer_that_each_message_resets_ticks_once_in_a_silence(simulated):
+    """Messages keep it quiet for longer than its period; afterwards it ticks once."""
+    stops = []
+
+    def stop():
+        timer.cancel()
+        stops.append(simulated.subject.get_clock().now().nanoseconds)
+
+    timer = simulated.subject.create_timer(0.5, stop, autostart=False)
+    for tenths in (10, 14, 18, 22):  # a message comes
+        clock_at(simulated, tenths * 100_000_000)
+        timer.reset()
+    for tenths in range(23, 40):
+        clock_at(simulated, tenths * 100_000_000)
+
+    assert stops == [2_700_000_000]
+
+
 @claim('X18')
 def test_rate_in_a_callback_never_wakes(world):
     """It waits for a timer that only the thread it blocks could serve."""
