@@ -16,7 +16,7 @@ from roslab.bags.qos import profile_to_offer
 from roslab.bags.reader import BagError, messages_of
 from roslab.ros2.interface_files import interface_class
 
-CONNECT_S = 1.0
+CONNECT_S = 3.0
 """How long subscriptions of other nodes may take to connect before the first message [s]."""
 _ACKNOWLEDGED = Duration(seconds=2.0)
 

@@ -494,7 +494,7 @@ def test_command_records_until_it_is_stopped_and_plays(session, command, tmp_pat
     assert f'Topic: /chatter | Type: std_msgs/msg/String | Count: {count} |' in told
     heard = Listener(session, 'chatter', String, KEPT)
     played = command('bag', 'play', 'run', '--loop')
-    assert heard.wait(1, LIMIT_S)[0].data == '1'
+    assert heard.wait(1, LIMIT_S)[0].data in texts_of(tmp_path / 'run')
     played.send_signal(signal.SIGINT)
     words, _ = played.communicate(timeout=LIMIT_S)
     assert 'Traceback' not in words
