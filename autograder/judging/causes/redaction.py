@@ -91,7 +91,7 @@ def quoted(run: Run, text: str) -> str:
 def drawn_values(run: Run) -> Iterator[Any]:
     """Yield the values that were sent to the student's node, and the fractions it was asked."""
     for event in run.recording.of('input'):
-        yield from event['data'].values()
+        yield from _leaves(event['data'])
     for event in asked(run):
         # Whole numbers are also the ids of transitions, or one of the words 'takes 0 arguments'.
         yield from (one for one in _leaves(event['request']) if isinstance(one, float) and one % 1)
