@@ -91,7 +91,7 @@ def quoted(run: Run, text: str) -> str:
 def drawn_values(run: Run) -> Iterator[Any]:
     """Yield the values in the inputs, and the fractional numbers in the service requests."""
     for event in run.recording.of('input'):
-        yield from event['data'].values()
+        yield from _leaves(event['data'])
     for event in asked(run):
         # Omit integers: they are also ids of transitions, or part of texts such as 'takes 0
         # arguments'.

@@ -1,0 +1,51 @@
+"""The exam of the safety stop, without a program: its rule, its inputs and a cause."""
+
+from __future__ import annotations
+
+import pytest
+
+from autograder.exam import catalog
+from autograder.exam.exam import Failed, Run
+from autograder.exams.visible import safety_stop
+from autograder.exams.visible.safety_stop import Command, guarding, LIMIT, places
+from autograder.recording import Recording
+
+
+def test_command_is_limited_and_a_silence_has_one_stop():
+    """Only the speed is limited, in both directions."""
+    drive = [Command(0.3, 0.2, 0.3), Command(-0.8, 0.9, 0.4), Command(0.5, 0.1, 1.6)]
+
+    assert guarding()(drive) == [((0.3, 0.2),), ((-0.5, 0.9),), ((0.5, 0.1), (0.0, 0.0))]
+
+
+@pytest.mark.parametrize('secret', [str(number) for number in range(10)])
+def test_drawn_commands_are_as_the_exam_needs_them(secret):
+    """No stop is sent, and a wrong limit shows where commands are fast, and nowhere else."""
+    asked = catalog.drawn('safety_stop', secret).asks['commands']
+    silent = places(asked, silent=True)
+    before_silence = [one for place in silent for one in asked.row(place)]
+    fast = [asked.inputs[place].speed for place in places(asked, silent=False, fast=True)]
+
+    assert all(one.speed and one.turn for one in asked.inputs)
+    assert all(max(one[:2]) <= LIMIT for one in before_silence)
+    assert min(fast) < -LIMIT
+    assert max(fast) > 1.0
+    assert len(silent) == 4
+
+
+def test_stop_between_two_commands_is_explained_by_a_timer_that_is_not_reset():
+    """Where no slip gives all answers, the stop itself is the evidence."""
+    events = []
+    for index, one in enumerate(safety_stop.exam.facts['commands'].inputs):
+        data = {'linear': {'x': one.speed}, 'angular': {'z': one.turn}}
+        place = {'clock_ns': index * 10**9, 'after_input': index}
+        events.append({'event': 'input', 'data': data, **place})
+        messages = [data] if index else [data, {'linear': {'x': 0.0}, 'angular': {'z': 0.0}}]
+        for message in messages:
+            events.append({'event': 'message', 'topic': '/cmd_vel', 'data': message, **place})
+    run = Run({}, Recording({}, tuple(events)), safety_stop.exam.facts)
+
+    with pytest.raises(Failed) as failed:
+        safety_stop.passes_commands_on(run)
+
+    assert failed.value.why == safety_stop.EARLY
