@@ -32,9 +32,10 @@ quick: prepare
 	$(PY) -m mypy
 	@exec $(WITH_ROS) python -m pytest -q -n 2 --dist loadfile -m 'not ros and not slow' tests/unit $(ARGS)
 
-# Files side by side, each file's tests in their order; ARGS='-n 0' runs one after the other.
+# Files side by side, more than there are processors, because most tests wait for something; each
+# file's tests in their order. ARGS='-n 0' runs one after the other.
 test: prepare
-	@exec $(WITH_ROS) python -m pytest -n auto --maxprocesses 4 --dist loadfile $(ARGS)
+	@exec $(WITH_ROS) python -m pytest -n 6 --dist loadfile $(ARGS)
 
 # HUB=FILE names other settings than deploy/hub/hub.toml.
 hub: export HUB := $(HUB)

@@ -71,6 +71,7 @@ c.Autograde.autograde_preprocessors = [
     'nbgrader.preprocessors.CheckCellMetadata',
 ]
 c.GradeOutside.root = str(root)
+c.SaveGrades.root = str(root)
 
 # SQLAlchemy about queries of nbgrader's own, which give the right result.
 warnings.filterwarnings('ignore', message='Object of type .* not in session')

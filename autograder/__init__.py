@@ -1,7 +1,7 @@
 """
-Run student code that the grader does not trust, and judge what it did on the wire.
+Run untrusted student code, and judge the ROS messages and log lines that it sent.
 
-The folders, as the data flow::
+Data flows between the folders as follows::
 
-    submission -> extract -> sandbox + probe (observe) -> recording -> judge -> record, report
+    submission -> runs (with sandboxes and probe) -> recording -> judging -> gradebook, classroom
 """

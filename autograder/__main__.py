@@ -52,7 +52,7 @@ COMMANDS = {
         'create an exercise: a lesson and its two exams',
     ),
 }
-"""Commands by name: the function in ``commands``, and the help text."""
+"""Commands by name: the function below ``autograder.commands``, and the help text."""
 GOES_ON = {
     'grade': 'Finished runs are kept; run the same command again to continue.',
     'collect': 'Collected files are kept; run the same command again to continue.',
@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             end_runs()
             return UNREAD
         if isinstance(error, ModuleNotFoundError) and str(error.name).partition('.')[0] in OURS:
-            raise  # a defect of the grader, not of the Python in use
+            raise  # a missing module of the project is a defect, not a problem of the environment
         refuse(error, chosen.command == 'check' and chosen.json)
         return USAGE
     except KeyboardInterrupt:
@@ -100,10 +100,10 @@ def _nobody_reads() -> bool:
     """
     try:
         output = sys.stdout.fileno()
-    except (OSError, ValueError):  # not a file of the operating system
+    except (OSError, ValueError):  # standard output has no file descriptor
         return False
     looked_at = select.poll()
-    looked_at.register(output, 0)  # poll() reports errors without being asked
+    looked_at.register(output, 0)  # poll() always reports errors
     if not any(what & select.POLLERR for _, what in looked_at.poll(0)):
         return False
     os.dup2(os.open(os.devnull, os.O_WRONLY), output)
@@ -111,7 +111,7 @@ def _nobody_reads() -> bool:
 
 
 def _how_to_go_on(chosen: argparse.Namespace) -> str:
-    """Return what a stopped command has kept and how to continue."""
+    """Return a message that says what a stopped command has kept and how to continue."""
     if chosen.command not in GOES_ON:
         return 'Run the same command again; it starts from the beginning.'
     if getattr(chosen, 'fresh', False):
@@ -123,7 +123,7 @@ def _how_to_go_on(chosen: argparse.Namespace) -> str:
 
 
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
-    """Describe the command line."""
+    """Return the parser of the command line, with only the options of the requested command."""
     parser = argparse.ArgumentParser(prog='python -m autograder', description=__doc__)
     parser.add_argument(
         '--course',
@@ -135,7 +135,7 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
 
     for name, (run, text) in COMMANDS.items():
         command = commands.add_parser(name, help=text)
-        if name in arguments:  # the modules of other commands need not be imported
+        if name in arguments:  # do not import the modules of other commands
             made = resolve_name(f'autograder.commands.{run}')
             describe(command, made)
             command.set_defaults(run=made)

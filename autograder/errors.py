@@ -1,15 +1,15 @@
 """
-The faults of the grader, as classes of exceptions.
+Define the exceptions for faults of the grader.
 
 ::
 
-    GraderError                  ours: the submission is flagged for a person, never scored
-    |- SandboxUnavailable        no isolation that may run hidden exams; carries the fix
-    |- ProbeFailed               the probe died or broke off: there is no evidence to judge
-    |- TooBusy                   the machine gave a program too little of its time
-    |- RecordingInvalid          a recording does not follow its format
-    |- ExamInvalid               an exam contradicts itself
-    `- UsageError                a command line names something that does not exist
+    GraderError                  the grader failed: the submission is for review and has no score
+    |- SandboxUnavailable        no isolation mode works that may run hidden exams; has the fix
+    |- ProbeFailed               the probe failed, so there is no evidence to judge
+    |- TooBusy                   the machine gave a program too little processor time
+    |- RecordingInvalid          a recording is damaged or has a different format
+    |- ExamInvalid               an exam is inconsistent
+    `- UsageError                the arguments of a command or a simulation are wrong
 
 A mistake in a *submission* is never an exception that leaves this package: it is a
 :class:`~autograder.results.Problem` or a failed check.
@@ -24,21 +24,21 @@ from traceback import walk_tb
 
 class GraderError(Exception):
     """
-    The grader failed, so there is no verdict.
+    Report that the grader failed, so that there is no verdict.
 
-    :param what: one sentence, what happened and where
+    :param what: one sentence that says what happened and where
     :param fix: what the instructor can do about it
     """
 
     def __init__(self, what: str, fix: str = '') -> None:
-        """Keep both parts, so that a report can show them separately."""
+        """Store both parts, so that a report can show them separately."""
         super().__init__(f'{what} {fix}'.strip())
         self.what = what
         self.fix = fix
 
 
 class UsageError(GraderError):
-    """The command line names something that does not exist."""
+    """Report that the arguments of a command or a simulation are wrong."""
 
 
 def is_disk_full(error: BaseException) -> bool:
@@ -48,9 +48,9 @@ def is_disk_full(error: BaseException) -> bool:
 
 def of_system(error: OSError, where: str = 'the system') -> GraderError:
     """
-    Return the error that explains a refusal of the operating system in one line.
+    Convert an error of the operating system to a grader error with a one-line explanation.
 
-    :param where: the place, if the system does not name one
+    :param where: the file or place for the message, if the error does not name a file
     """
     where = where if error.filename is None else error.filename
     if is_disk_full(error):
@@ -66,9 +66,9 @@ def of_system(error: OSError, where: str = 'the system') -> GraderError:
 
 def defect(error: Exception, where: str) -> GraderError:
     """
-    Return the error that explains a defect of the grader in one line.
+    Convert an unexpected exception in the grader to a grader error with a one-line message.
 
-    :param where: what was being done, such as the exam's name
+    :param where: what the grader was working on, such as the exam's name
     """
     if isinstance(error, OSError) and is_disk_full(error):
         return of_system(error, where)
@@ -80,9 +80,9 @@ def defect(error: Exception, where: str) -> GraderError:
 
 def line_in(folder: Path, error: BaseException) -> str:
     """
-    Return file and line of the innermost frame in a folder, or an empty string.
+    Return file and line of the innermost frame of a traceback in a folder; empty if there is none.
 
-    :param folder: such as that of the exams; files are named from its parent
+    :param folder: a folder such as that of the exams; paths are relative to its parent
     """
     places = [(frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__)]
     if isinstance(error, SyntaxError):
@@ -95,20 +95,20 @@ def line_in(folder: Path, error: BaseException) -> str:
 
 
 class SandboxUnavailable(GraderError):
-    """No sandbox strong enough for hidden exams works on this machine."""
+    """Report that no sandbox strong enough for hidden exams works on this machine."""
 
 
 class ProbeFailed(GraderError):
-    """The probe did not finish its work."""
+    """Report that the probe failed, or that something outside ended the program."""
 
 
 class TooBusy(GraderError):
-    """The machine was too busy for a fair verdict."""
+    """Report that the machine was too busy for a fair verdict."""
 
 
 class RecordingInvalid(GraderError):
-    """A recording cannot be read: wrong version, cut off, or changed."""
+    """Report that a recording cannot be read: wrong version, truncated, or changed."""
 
 
 class ExamInvalid(GraderError):
-    """An exam contradicts itself: unknown dependency, no points, a name used twice."""
+    """Report that an exam is inconsistent: unknown dependency, no points, or duplicate name."""

@@ -15,16 +15,16 @@ import uuid
 from autograder.errors import GraderError
 
 LONGEST_NAME = 150
-"""Bytes of a name from :func:`safe_name`; file systems allow 255, with the suffix."""
+"""Limit of names from :func:`safe_name` [bytes]; file systems allow 255 with the suffix."""
 DIGEST_CHARS = 16
 
 
 def refuse_existing(paths: Iterable[Path], force: bool) -> None:
     """
-    Raise if files exist, unless replacing them is allowed.
+    Check that files can be written without replacing others by mistake.
 
-    :param force: whether replacing is wanted
-    :raises GraderError: naming the first file that exists, or a folder in its place
+    :param force: whether existing files may be replaced
+    :raises GraderError: if a file exists and may not be replaced, or a path is a folder
     """
     for path in paths:
         if path.is_dir():
@@ -37,17 +37,17 @@ def refuse_existing(paths: Iterable[Path], force: bool) -> None:
 
 
 def json_bytes(data: Any) -> bytes:
-    """Return a JSON document in UTF-8, even if a string holds half a surrogate pair."""
+    """Return a JSON document in UTF-8, in which question marks replace lone surrogates."""
     text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
     return f'{text}\n'.encode('utf-8', 'replace')
 
 
 def safe_name(student: str) -> str:
     """
-    Return a safe file name for any student id; different ids get different names.
+    Return a safe file name for any student id; different ids have different names.
 
-    A letter outside ASCII takes six characters or more.  If the name becomes too long, a digest of
-    the whole id replaces its end, after two characters that never follow each other otherwise.
+    The name has six characters or more for each letter outside ASCII.  If the name is too long, a
+    digest of the whole id replaces its end, after ``~~``, which no other name contains.
     """
     name = quote(student, safe='').replace('~', '~7E').replace('%', '~') or '~'
     if name.startswith('.'):
@@ -62,18 +62,18 @@ def keep(path: Path, data: bytes, mode: int = 0o666) -> None:
     """
     Write a file atomically.
 
-    The file gets its name after its content is on the disk; otherwise a power cut could leave an
-    empty file.
+    The temporary file is renamed only after its content is on the disk; otherwise a power failure
+    could leave an empty file.
 
-    :param path: the file; its folder is created
-    :param mode: permissions, less what the process's umask takes away
+    :param path: the file; its folder is created if it is missing
+    :param mode: permissions, from which the process's umask is removed
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_name(f'.{path.name}.{uuid.uuid4().hex}')
     try:
         descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
         with os.fdopen(descriptor, 'wb') as file:
-            # Keeps the clean-up of another command from removing it.
+            # The lock prevents the clean-up of another command from removing the file.
             fcntl.flock(file, fcntl.LOCK_EX)
             file.write(data)
             file.flush()

@@ -1,8 +1,8 @@
 """
 Read ``course.toml``, and find the folders and files of a course.
 
-The grader serves any course.  It uses the one that ``--course`` names, else the one around the
-current folder, else the course that the grader came with.
+The grader works with any course.  It uses the course that ``--course`` names; without this option,
+the course that contains the current folder; if there is none, the course in the project itself.
 """
 
 from __future__ import annotations
@@ -32,13 +32,14 @@ class Facts:
     """
     The content of a ``course.toml``.
 
-    :param name: what nbgrader calls the course
-    :param exams: the Python package with ``visible`` and ``hidden`` exams, found from the root
+    :param name: name of the course in nbgrader
+    :param exams: dotted name of the Python package with the ``visible`` and ``hidden`` exams,
+        importable from the root
     :param package: the course's own ROS package, a folder of the root; ``''`` if there is none.
-        Programs see only its messages, as its nodes would be answers
-    :param work: folder of everything that grading writes, from the root
-    :param messages: the course's own message types -> the field that advice suggests if a learner
-        uses a whole message instead of a value
+        Student programs can import only its messages, because its nodes are solutions
+    :param work: folder for everything that grading writes, relative to the root
+    :param messages: the course's own message types to the field that feedback suggests if a
+        student uses a whole message instead of a value
     """
 
     name: str = 'course'
@@ -52,7 +53,8 @@ def read_facts(path: Path) -> Facts:
     """
     Return the content of a ``course.toml``, with the defaults of :class:`Facts`.
 
-    :raises GraderError: if it is not valid TOML, or a name or a type in it is wrong
+    :param path: the file; if it is missing, the result is all defaults
+    :raises GraderError: if the file is not valid TOML, or has a wrong name or type
     """
     try:
         found = tomllib.loads(path.read_text(encoding='utf-8')) if path.is_file() else {}
@@ -74,11 +76,11 @@ def read_facts(path: Path) -> Facts:
 
 def lesson_files(folder: Path) -> list[Path]:
     """
-    Return the notebooks of the lessons in their order.
+    Return the notebooks of all lessons, in the order of the lessons.
 
     :param folder: ``solutions/`` or ``notebooks/`` of a course
     """
-    # Not *: JupyterLab keeps a copy of START_HERE.ipynb in .ipynb_checkpoints/.
+    # Skip hidden folders: JupyterLab writes START_HERE.ipynb to .ipynb_checkpoints/ too.
     return sorted(folder.glob('[!.]*/*.ipynb'))
 
 
@@ -117,17 +119,17 @@ class Layout:
 
     @property
     def solutions(self) -> Path:
-        """Return the folder with the source of every notebook."""
+        """Return the folder with the source of every lesson."""
         return self.root / 'solutions'
 
     @property
     def notebooks(self) -> Path:
-        """Return the folder of the generated notebooks that students receive."""
+        """Return the folder with the release of every lesson."""
         return self.root / 'notebooks'
 
     @property
     def exams(self) -> Path:
-        """Return the folder of the package of the exams."""
+        """Return the folder of the Python package with the exams."""
         return self.root.joinpath(*self.facts.exams.split('.'))
 
     @property
@@ -142,7 +144,7 @@ class Layout:
 
     @property
     def secret(self) -> Path:
-        """Return the file with the secret from which hidden inputs are drawn."""
+        """Return the file with the course secret, from which hidden inputs are drawn."""
         return self.work / 'course_secret'
 
     @property
@@ -152,17 +154,32 @@ class Layout:
 
     @property
     def namesakes(self) -> Path:
-        """Return the file with names that two people have, and with Moodle's numbers."""
+        """Return the file with ids that two students share, and with the participants' numbers."""
         return self.work / 'namesakes.json'
 
     @property
     def not_collected(self) -> Path:
-        """Return the file with the deliveries that could not be collected."""
+        """Return the file with the submissions that ``collect`` found but could not collect."""
         return self.work / 'not_collected.json'
 
     @property
+    def class_list(self) -> Path:
+        """Return the file with the students of the class, which instructors write."""
+        return self.work / 'class_list.csv'
+
+    @property
+    def extensions(self) -> Path:
+        """Return the file with the extra time of single students, which instructors write."""
+        return self.work / 'extensions.csv'
+
+    @property
+    def delivered(self) -> Path:
+        """Return the file with the names that platforms gave to collected files."""
+        return self.work / 'delivered.json'
+
+    @property
     def recordings(self) -> Path:
-        """Return the folder of recordings, named by the digest of what was run."""
+        """Return the folder of the recordings, whose names are digests of files and scenario."""
         return self.work / 'recordings'
 
     @property
@@ -176,18 +193,18 @@ class Layout:
         return self.root / 'tests' / 'submissions'
 
     def assignments(self) -> tuple[str, ...]:
-        """Return the names of all released assignments, sorted."""
+        """Return the sorted names of all released assignments."""
         if not self.notebooks.is_dir():
             return ()
         return tuple(sorted({path.parent.name for path in lesson_files(self.notebooks)}))
 
     def assignment_named(self, name: str) -> str:
         """
-        Return the assignment with this name, with or without its number.
+        Return the full name of an assignment.
 
-        :param name: with or without its number, ``07_temperature_monitor`` or
+        :param name: with or without the number: ``07_temperature_monitor`` or
             ``temperature_monitor``
-        :raises GraderError: if there is none of that name, with the nearest one
+        :raises GraderError: if there is no such assignment, with the most similar name
         """
         known = self.assignments()
         for one in known:
@@ -203,7 +220,7 @@ class Layout:
         """
         Return the released notebook of an assignment.
 
-        :raises FileNotFoundError: if the assignment has no notebook, with the fix
+        :raises FileNotFoundError: if the assignment has no released notebook, with the fix
         """
         found = sorted((self.notebooks / assignment).glob('*.ipynb'))
         if not found:

@@ -1,23 +1,24 @@
 """
-The recording of one run: what the probe received, as one JSON event per line.
+Read and write the recording of one run, which has one JSON event per line.
 
 Recordings are stored and can be judged again.  ``docs/recording.schema.json`` describes every line
-and its fields.  The first line, the header, has digests of files, scenario and environment, and a
-checksum that shows whether the file was cut off.  Its other facts (time, versions, ``repeated``)
-are for people, never for a verdict.  Then come events of the probe, in order of observation:
+and its fields.  The first line, the header, contains digests of files, scenario and environment,
+and a checksum that shows whether the file was truncated.  Its other fields (time, versions,
+``repeated``) are informative and do not affect a verdict.  The probe's events follow in the order
+of observation:
 
-* of the graph: ``seen`` (first nodes), ``graph``, ``asked`` (after the steps: is a node spun?),
-  ``imitated`` (a node has the name of the probe's own)
-* what arrived: ``message``, ``log``, ``answer``, ``no_answer``
-* what the probe did: ``input``, ``not_connected`` (nobody listened where an input was due),
-  ``joined``, ``offered``, ``left``, ``mark`` (a phase begins), ``end`` (complete, or why not)
+* about the graph: ``seen`` (first nodes), ``graph``, ``asked`` (after the steps: whether a node is
+  spun), ``imitated`` (another node has the name of the probe's node)
+* received data: ``message``, ``log``, ``answer``, ``no_answer``
+* actions of the probe: ``input``, ``not_connected`` (no subscription for an input), ``joined``,
+  ``offered``, ``left``, ``mark`` (a phase begins), ``end`` (complete, or the reason why not)
 
-and ``process``, in which the grader records how the program ended.  Printed text can *explain* a
-verdict; it is never evidence.  The recording has no messages and log entries from the time in
-which nodes are asked, and nothing from after the end of the program.
+The last event is ``process``, in which the grader records how the program ended.  Printed text can
+*explain* a verdict; it is never evidence.  The recording contains no messages or log lines that
+arrive after the last step, and no events after the end of the program.
 
-``clock_ns`` is virtual time since the program started, exact to the nanosecond; null where a limit
-ended the run.  Non-finite floats are the strings 'nan', 'inf' and '-inf'.
+``clock_ns`` is virtual time since the program started, exact to the nanosecond; it is null in the
+``end`` event if a limit ended the run.  Non-finite floats are the strings 'nan', 'inf' and '-inf'.
 """
 
 from __future__ import annotations
@@ -37,19 +38,19 @@ FORMAT = 'ros2-course-recording'
 VERSION = 3
 Event = Mapping[str, Any]
 PLUMBING = ('/rosout', '/parameter_events', '/clock', '/transition_event')
-"""Topics that come with every node, regardless of its code."""
+"""Topics that ROS itself creates for nodes."""
 
 WARN = 30
 INFO = 20
 ERROR = 40
 LEVELS = {10: 'DEBUG', INFO: 'INFO', WARN: 'WARN', ERROR: 'ERROR', 50: 'FATAL'}
-"""Levels of log lines by their number (rcl_interfaces/msg/Log)."""
+"""Names of log levels by their numbers (rcl_interfaces/msg/Log)."""
 
 
 @dataclass(frozen=True)
 class Recording:
     """
-    One run, read-only.
+    The immutable recording of one run.
 
     :param header: first line of the file
     :param events: the other lines, in order
@@ -60,9 +61,10 @@ class Recording:
 
     def of(self, kind: str, **where: Any) -> list[Event]:
         """
-        Return the events of one kind whose facts equal ``where``.
+        Return the events of one kind whose fields have the given values.
 
-        :param kind: an event name, see the module's documentation
+        :param kind: an event name, see the docstring of the module
+        :param where: names and values of fields
         """
         found = self._by_kind.get(kind, [])
         for name, value in where.items():
@@ -71,7 +73,7 @@ class Recording:
 
     @cached_property
     def _by_kind(self) -> dict[str, list[Event]]:
-        """Return the events by their kind, because checks ask for them a hundred times."""
+        """Return the events by kind; cached, because checks look up events a hundred times."""
         kinds: dict[str, list[Event]] = {}
         for event in self.events:
             kinds.setdefault(event['event'], []).append(event)
@@ -79,19 +81,18 @@ class Recording:
 
     def messages(self, topic: str, listener: str | None = None) -> list[Event]:
         """
-        Return what was received on a topic, in order.
+        Return the messages that the probe received on a topic, in order.
 
-        :param listener: the subscription that joined under this name; None for the one that
-            existed from the beginning and receives from every publisher, whatever its quality of
-            service
+        :param listener: name of a subscription that joined later; None for the subscription that
+            existed from the start and matches every publisher, regardless of its QoS profile
         """
         return self.of('message', topic=topic, listener=listener)
 
     def phase(self, name: str) -> Recording:
         """
-        Return the part of the run from one mark to the next; empty if it was never reached.
+        Return the part of the run from one mark to the next; empty if the run has no such mark.
 
-        :param name: see :class:`autograder.exam.scenario.Mark`
+        :param name: name of a :class:`autograder.exam.scenario.Mark`
         """
         inside, events = False, []
         for event in self.events:
@@ -103,7 +104,7 @@ class Recording:
 
     def answers(self, service: str) -> list[Event]:
         """
-        Return the outcomes of the calls of a service, in order, including missing answers.
+        Return the outcomes of all calls of a service, in order, including missing answers.
 
         :param service: full name, such as ``/thermometer/get_state``
         """
@@ -115,9 +116,10 @@ class Recording:
 
     def logs(self, *, level: int | None = None, after_input: int | None = None) -> list[Event]:
         """
-        Return log entries, optionally of one level and after one input.
+        Return the log lines, optionally of one level and after one input.
 
         :param level: 10 DEBUG, 20 INFO, 30 WARN, 40 ERROR, 50 FATAL (rcl_interfaces/msg/Log)
+        :param after_input: index of the last input before the log line
         """
         return [
             entry
@@ -128,7 +130,7 @@ class Recording:
 
     @cached_property
     def nodes(self) -> tuple[str, ...]:
-        """Return the full names of all nodes that were seen, sorted, without repeats."""
+        """Return the sorted distinct full names of all nodes in the run."""
         return tuple(sorted({name for graph in self.of('graph') for name in graph['nodes']}))
 
     def endpoints(self, kind: str, topic: str | None = None) -> list[Event]:
@@ -149,25 +151,25 @@ class Recording:
 
     @cached_property
     def end_reason(self) -> str:
-        """Return why the scenario ended; ``'complete'`` if it ran to its end."""
+        """Return why the scenario ended; ``'complete'`` if all steps were executed."""
         ends = self.of('end')
         return str(ends[-1]['reason']) if ends else 'broken_off'
 
     @cached_property
     def process(self) -> Event:
-        """Return how the student's process ended; empty if unknown."""
+        """Return the ``process`` event, which describes the program's end; empty if missing."""
         found = self.of('process')
         return found[-1] if found else {}
 
     # -- files -----------------------------------------------------------------------------
 
     def lines(self) -> Iterator[str]:
-        """Return the file's lines, without its checksum."""
+        """Yield the lines of the file, without the checksum."""
         for line in (self.header, *self.events):
             yield json.dumps(line, allow_nan=False)
 
     def to_bytes(self) -> bytes:
-        """Return the file, in which the header has the number of events and their CRC-32."""
+        """Return the content of the file; its header has the number of events and their CRC-32."""
         _, *events = self.lines()
         rest = ''.join(f'{line}\n' for line in events).encode()
         first = {**self.header, 'seal': _seal(len(events), rest)}
@@ -176,15 +178,15 @@ class Recording:
     @classmethod
     def from_bytes(cls, data: bytes, where: str = 'a recording') -> Recording:
         """
-        Read what :meth:`to_bytes` wrote.
+        Read the output of :meth:`to_bytes`.
 
-        :param where: how to name it in messages
-        :raises RecordingInvalid: if it is not a complete recording of this version
+        :param where: name of the recording in messages
+        :raises RecordingInvalid: if the data is not a complete recording of this version
         """
         first, _, rest = data.partition(b'\n')
         try:
             found = json.loads(first)
-            # One call for all lines is three times faster; the seal counts them.
+            # One call for all lines is three times faster; the seal has their number.
             events = json.loads(b'[' + b','.join(rest.splitlines()) + b']')
         except ValueError as error:
             raise RecordingInvalid(f'{where}: not readable as JSON Lines ({error}).') from error
@@ -204,15 +206,15 @@ class Recording:
         return cls(header, events)
 
     def save(self, path: Path) -> None:
-        """Write the file atomically, even if a process is killed or the power fails."""
+        """Write the recording to a file, atomically even if the process is killed."""
         keep(path, self.to_bytes())
 
     @classmethod
     def load(cls, path: Path) -> Recording:
         """
-        Read a file.
+        Read a recording from a file.
 
-        :raises RecordingInvalid: if it is not a complete recording of this version
+        :raises RecordingInvalid: if the file is not a complete recording of this version
         """
         try:
             return cls.from_bytes(path.read_bytes(), str(path))
@@ -228,5 +230,5 @@ def _seal(count: int, events: bytes) -> dict[str, Any]:
 
 
 def header(exam: str, mode: str) -> dict[str, Any]:
-    """Return the first line of a new recording."""
+    """Return the header of a new recording."""
     return {'format': FORMAT, 'version': VERSION, 'exam': exam, 'mode': mode}

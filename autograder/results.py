@@ -1,7 +1,7 @@
 """
-The documents that the grader's stages exchange, as immutable data classes.
+Define the results of grading as immutable data classes, which the stages of the grader exchange.
 
-This module does not depend on ROS, Jupyter or nbgrader.  Everything converts to and from JSON
+This module does not depend on ROS, Jupyter or nbgrader.  All classes convert to and from JSON
 types.
 """
 
@@ -14,7 +14,7 @@ from typing import Any
 
 
 class Verdict(str, Enum):
-    """The three outcomes of a check; a fault of the grader is an exception instead."""
+    """The three outcomes of a check; a fault of the grader is an exception, not a verdict."""
 
     PASSED = 'PASSED'
     FAILED = 'FAILED'
@@ -23,15 +23,15 @@ class Verdict(str, Enum):
 
 def shortened(text: str, most: int = 60) -> str:
     """
-    Return a text, or its beginning with an ellipsis if it is too long.
+    Return a text, shortened with an ellipsis if it is too long.
 
-    :param most: length of what is returned [characters]
+    :param most: maximum length of the result [characters]
     """
     return text if len(text) <= most else f'{text[: most - 1]}\N{HORIZONTAL ELLIPSIS}'
 
 
 def first_of(names: Sequence[str], most: int, between: str = ', ') -> str:
-    """Return the first of some names, and how many more there are."""
+    """Return up to ``most`` names as one string, with the number of the remaining names."""
     more = f' and {len(names) - most} more' if len(names) > most else ''
     return between.join(names[:most]) + more
 
@@ -39,11 +39,11 @@ def first_of(names: Sequence[str], most: int, between: str = ', ') -> str:
 @dataclass(frozen=True)
 class Problem:
     """
-    Bad input in one line: where, what was expected, what was found, what to try.
+    A mistake in a submission: where, what was expected, what was found, what to try.
 
-    :param where: file, cell or folder, as the reader knows it
-    :param cells: the grade ids whose answers are missing because of it, empty if none
-    :param unusable: whether nothing of the student's work could be read because of it
+    :param where: name of the file, cell or folder for the reader
+    :param cells: grade ids of the answers that are missing because of the problem
+    :param unusable: whether the problem makes the whole submission unreadable
     """
 
     where: str
@@ -54,30 +54,30 @@ class Problem:
     unusable: bool = False
 
     def line(self) -> str:
-        """Return the problem as one line for people."""
+        """Return the problem as one line of text."""
         return f'{self.where}: expected {self.expected}, got {self.got}. Try: {self.try_this}.'
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Problem:
-        """Rebuild a problem from :func:`dataclasses.asdict` output."""
+        """Return the problem for the output of :func:`dataclasses.asdict`."""
         return cls(**{**data, 'cells': tuple(data.get('cells', ()))})
 
 
 @dataclass(frozen=True)
 class CheckResult:
     """
-    The verdict of one check, with the five items that a learner reads if it fails.
+    The verdict of one check, with the feedback for the student if it fails.
 
     :param check: name of the check, unique in its exam
     :param title: the sentence that is checked, from the check's docstring
-    :param points: points given, 0 <= points <= max_points
-    :param expected: what the exercise asks for
-    :param observed: what the probe saw
-    :param cause: the likely reason, in words; empty when unknown
+    :param points: awarded points, 0 <= points <= max_points
+    :param expected: the behaviour that the exercise requires
+    :param observed: the behaviour that the probe recorded
+    :param cause: the likely cause as text; empty if unknown
     :param cause_id: short stable name of the cause, for statistics and tests
-    :param try_this: the next thing to do
-    :param read: where to read about it
-    :param waits_for: name of the check that has to pass first, for NOT_RUN
+    :param try_this: what the student can do next
+    :param read: where the student can read more
+    :param waits_for: name of the check that must pass first, if the verdict is NOT_RUN
     """
 
     check: str
@@ -95,7 +95,7 @@ class CheckResult:
 
     @property
     def facts(self) -> dict[str, str]:
-        """Return the items that are not empty, by name."""
+        """Return the parts of the feedback that are not empty, by name."""
         facts = {
             'expected': self.expected,
             'observed': self.observed,
@@ -107,7 +107,7 @@ class CheckResult:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> CheckResult:
-        """Rebuild a result from :meth:`ExamResult.to_json` output."""
+        """Return the result for one check in the output of :meth:`ExamResult.to_json`."""
         return cls(**{**data, 'verdict': Verdict(data['verdict'])})
 
 
@@ -118,15 +118,15 @@ class ExamResult:
 
     :param exam: name of the exam
     :param checks: in the order of the exam
-    :param note: one sentence about the run as a whole, empty if there is nothing to say
-    :param mode: isolation mode the code ran in, see :mod:`autograder.sandboxes.isolation`
-    :param not_protected: what that mode lacks, in words; empty for full isolation
-    :param flags: what an instructor should look at, in words
-    :param timing: wall-clock facts [s]; never part of a verdict.  ``run_s`` is the time of a run
-        in this grading, ``kept_run_s`` the time of the earlier run whose recording was judged
-    :param recording: name of the stored recording, empty if there is none
-    :param pictures: by the name of a check, what its picture shows; JSON types, see
-        :mod:`autograder.explaining.picture_data`; never part of a verdict
+    :param note: one sentence about the whole run, may be empty
+    :param mode: isolation mode of the run, see :mod:`autograder.sandboxes.isolation`
+    :param not_protected: what that mode does not protect, as text; empty for full isolation
+    :param flags: observations that an instructor should look at, as text
+    :param timing: wall-clock times [s], which do not affect verdicts.  ``run_s`` is the duration
+        of a run in this grading, ``kept_run_s`` that of the run in a stored recording
+    :param recording: file name of the stored recording, empty if there is none
+    :param pictures: data of pictures by the name of the check, as JSON types, see
+        :mod:`autograder.explaining.picture_data`; they do not affect verdicts
     """
 
     exam: str
@@ -141,17 +141,17 @@ class ExamResult:
 
     @property
     def points(self) -> float:
-        """Return the sum of points given."""
+        """Return the sum of the awarded points."""
         return sum(check.points for check in self.checks)
 
     @property
     def max_points(self) -> float:
-        """Return the sum of the points that could be earned."""
+        """Return the sum of the maximum points of all checks."""
         return sum(check.max_points for check in self.checks)
 
     @property
     def ran_s(self) -> float:
-        """Return how long its run took, now or when it was recorded [s]; 0.0 if unknown."""
+        """Return the duration of the run, now or when it was recorded [s]; 0.0 if unknown."""
         return self.timing.get('run_s', self.timing.get('kept_run_s', 0.0))
 
     @property
@@ -160,12 +160,12 @@ class ExamResult:
         return tuple(check for check in self.checks if check.verdict is Verdict.FAILED)
 
     def to_json(self) -> dict[str, Any]:
-        """Return JSON types only."""
+        """Convert the result to JSON types."""
         return asdict(self)
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> ExamResult:
-        """Rebuild a result from :meth:`to_json` output."""
+        """Return the result for the output of :meth:`to_json`."""
         texts = {name: tuple(data.get(name, ())) for name in ('flags', 'not_protected')}
         checks = tuple(CheckResult.from_json(check) for check in data['checks'])
         return cls(**{**data, **texts, 'checks': checks})
@@ -174,10 +174,10 @@ class ExamResult:
 @dataclass(frozen=True)
 class SubmissionResult:
     """
-    All results for one student's notebook.
+    All results of one submission.
 
-    :param fault: a fault of the grader as text; then the submission is for review and has no grade
-    :param noticed: what an instructor should look at in the notebook itself, as text
+    :param fault: a fault of the grader as text; if not empty, the submission is for review
+    :param noticed: observations about the notebook that an instructor should look at, as text
     """
 
     student: str
@@ -189,12 +189,12 @@ class SubmissionResult:
 
     @property
     def points(self) -> float:
-        """Return the sum of points over the exams."""
+        """Return the sum of the awarded points of all exams."""
         return sum(exam.points for exam in self.exams)
 
     @property
     def max_points(self) -> float:
-        """Return the sum of points that the exams could give."""
+        """Return the sum of the maximum points of all exams."""
         return sum(exam.max_points for exam in self.exams)
 
     @property
@@ -209,17 +209,17 @@ class SubmissionResult:
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Return what an instructor should look at, as text without repeats."""
+        """Return the distinct observations that an instructor should look at, as text."""
         exams = (flag for exam in self.exams for flag in exam.flags)
         return tuple(dict.fromkeys((*self.noticed, *exams)))
 
     def to_json(self) -> dict[str, Any]:
-        """Return JSON types only."""
+        """Convert the result to JSON types."""
         return asdict(self)
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> SubmissionResult:
-        """Rebuild a result from :meth:`to_json` output."""
+        """Return the result for the output of :meth:`to_json`."""
         exams = tuple(ExamResult.from_json(exam) for exam in data['exams'])
         problems = tuple(Problem.from_json(problem) for problem in data['problems'])
         noticed = tuple(data.get('noticed', ()))

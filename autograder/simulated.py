@@ -1,9 +1,9 @@
 """
-What a program did in some time on the virtual clock, for a person who looks at it.
+Represent what a program did in virtual time, for notebooks, pytest and students' checks.
 
-Nothing is judged.  The classes have what the pictures of a notebook ask of a listener, so these
-draw a simulation like live messages.  A learner's check of a recorded run gets the same object in
-the sandbox, so this file imports only the standard library and ``autograder/probe/probe_wire.py``.
+The classes have the same interface as a notebook's listener, so its pictures can show a simulation
+like live messages.  A student's check of recorded runs gets the same objects in the sandbox, so
+this file imports only the standard library and ``autograder/probe/probe_wire.py``.
 """
 
 from __future__ import annotations
@@ -25,19 +25,20 @@ ENDS = {
     'waits_outside': 'it waited for something outside of Python and ROS',
     'busy_before_node': 'it computed for 3 s before its first node',
 }
-"""Why a simulation ended, by the reason in its recording."""
+"""Descriptions of why a simulation ended, by the reason in its recording."""
 
 
 @dataclass(frozen=True)
 class TopicRecord:
     """
-    The messages of a topic, with the properties of a listener that has ended.
+    The messages of a topic, with the interface of a stopped listener.
 
-    :param topic: full name, with a remark if it is not what everyone receives
-    :param type: such as ``std_msgs/msg/String``
-    :param times: when each was received, or sent [s since the program started]
-    :param data: fields of each, None for one of more than 64 KB
-    :param seconds: how long the simulation took in virtual time [s]
+    :param topic: full name of the topic, followed by ``(late)`` for a late subscription and
+        ``(input)`` for inputs
+    :param type: type of the messages, such as ``std_msgs/msg/String``
+    :param times: when each message was received, or sent [s since the program started]
+    :param data: fields of each message, None for a message of more than 64 KB
+    :param seconds: duration of the simulation in virtual time [s]
     """
 
     topic: str
@@ -53,9 +54,9 @@ class TopicRecord:
         """
         The class of the messages.
 
-        :raises ModuleNotFoundError: if the package of the type cannot be imported here
+        :raises ModuleNotFoundError: if the package of the type cannot be imported
         """
-        # Not at the top: the grader's own process never imports rclpy.
+        # Import this only here: the grader's own process never imports rclpy.
         from autograder.probe.probe_wire import load_type
 
         return load_type(self.type)
@@ -69,7 +70,7 @@ class TopicRecord:
         return [None if data is None else fill(made(), dict(data)) for data in self.data]
 
     def wait(self, count: int = 1, timeout: float = 0.0) -> list[Any]:
-        """Return the messages at once, because no more arrive."""
+        """Return the messages without waiting, because no more messages arrive."""
         return self.messages
 
     def stop(self) -> None:
@@ -87,7 +88,7 @@ class LogRecord:
     """
     A log line.
 
-    :param time_s: when the node logged it [s since the program started]
+    :param time_s: when the probe received the log line [s since the program started]
     :param level: 'DEBUG', 'INFO', 'WARN', 'ERROR' or 'FATAL'
     :param logger: name of the logger
     """
@@ -104,17 +105,20 @@ class LogRecord:
 @dataclass(frozen=True)
 class Simulation:
     """
-    A program's messages and log lines in virtual time; two equal runs are equal.
+    A program's messages and log lines in virtual time.
 
-    :param program: its name
-    :param heard: messages that it published, by the full name of the topic
-    :param late: what the late subscriptions received, likewise
-    :param sent: the inputs, likewise
+    Simulations with the same messages and log lines compare equal.
+
+    :param program: name of the program
+    :param heard: messages that the program published, by the full name of the topic
+    :param late: messages that late subscriptions received, by the full name of the topic
+    :param sent: inputs that were sent, by the full name of the topic
     :param logs: log lines, oldest first
-    :param reason: why it ended, a key of :data:`ENDS`; ``'complete'`` at the end of its time
-    :param seconds: how long it was observed, in virtual time [s]
-    :param exit: exit code of a program that ended
-    :param printed: the beginning and the end of what it printed, standard error last
+    :param reason: why the simulation ended, a key of :data:`ENDS`; ``'complete'`` if it lasted as
+        long as requested
+    :param seconds: duration of the simulation in virtual time [s]
+    :param exit: exit code of the program, None if it did not end
+    :param printed: the beginning and the end of the printed output, standard error last
     :param mode: isolation mode of the sandbox
     """
 
@@ -131,7 +135,7 @@ class Simulation:
 
     @property
     def listeners(self) -> list[TopicRecord]:
-        """Everything that a timeline can show: inputs, messages, late subscriptions."""
+        """The rows of a timeline: inputs, published messages and late subscriptions."""
         return [*self.sent.values(), *self.heard.values(), *self.late.values()]
 
     def __getitem__(self, topic: str) -> TopicRecord:
@@ -145,17 +149,17 @@ class Simulation:
         """
         Return the messages that the program published on a topic, oldest first.
 
-        :param topic: its name
-        :raises KeyError: if the program has no publisher there
+        :param topic: name of the topic, with or without the leading slash
+        :raises KeyError: if the program has no publisher on the topic
         """
         return self[topic].messages
 
     def times(self, topic: str) -> list[float]:
         """
-        Return when the program published on a topic [s since it started].
+        Return when the program published on a topic [s since the program started].
 
-        :param topic: its name
-        :raises KeyError: if the program has no publisher there
+        :param topic: name of the topic, with or without the leading slash
+        :raises KeyError: if the program has no publisher on the topic
         """
         return list(self[topic].times)
 
@@ -163,13 +167,13 @@ class Simulation:
         """
         Return the log lines of one level.
 
-        :param level: such as ``'WARN'``
+        :param level: name of the level, such as ``'WARN'``
         """
         return [line for line in self.logs if line.level == level.upper()]
 
     @property
     def ended(self) -> str:
-        """Why and when it ended, in one sentence."""
+        """One sentence that says when and why the simulation ended."""
         why = ENDS.get(self.reason, f'a limit was reached ({self.reason})')
         words = f'After {self.seconds:g} s of virtual time, {why}'
         if self.exit is not None:
@@ -178,12 +182,12 @@ class Simulation:
         return f'{words}: {said[-1].strip()}' if self.exit and said else f'{words}.'
 
     def to_json(self) -> dict[str, Any]:
-        """Return it as JSON types, for :meth:`from_json`."""
+        """Convert the simulation to JSON types."""
         return asdict(self)
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Simulation:
-        """Return what :meth:`to_json` has made JSON types of."""
+        """Return the simulation for the output of :meth:`to_json`."""
         topics = {
             kind: {topic: TopicRecord(**one) for topic, one in data[kind].items()}
             for kind in ('heard', 'late', 'sent')

@@ -19,6 +19,8 @@ from roslab.api import (
     logs,
     nodes,
     plot,
+    record,
+    replay,
     start,
     stop,
     stop_all,
@@ -31,7 +33,7 @@ from roslab.errors import NameRefusedError, NotHereError, RoslabError
 from roslab.gallery import explain
 from roslab.interrupts import watch_cells
 from roslab.lifecycle_picture import lifecycle
-from roslab.live_plot import paint_all
+from roslab.live_picture import paint_all
 from roslab.logtable import record_logs
 from roslab.lost_line import refuse_programs
 from roslab.magics import register
@@ -43,6 +45,7 @@ from roslab.pages import lay_out
 from roslab.progress import progress
 from roslab.qos_table import qos_table
 from roslab.quiz import quiz
+from roslab.robot import robot
 from roslab.simulating import recorded_runs, simulate
 from roslab.spinning import make_spinning_interruptible, refuse_to_spin_twice
 from roslab.worked_answers import answer
@@ -69,7 +72,10 @@ __all__ = [
     'progress',
     'qos_table',
     'quiz',
+    'record',
     'recorded_runs',
+    'replay',
+    'robot',
     'simulate',
     'start',
     'stop',

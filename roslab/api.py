@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, TypeVar
+from pathlib import Path
+from typing import Any, TYPE_CHECKING, TypeVar
 
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -17,6 +18,9 @@ from roslab.logtable import log_table, LogTable
 from roslab.session import session
 from roslab.timeline_picture import make_timeline, Timeline
 from roslab.waiting import wait_until_in
+
+if TYPE_CHECKING:
+    from roslab.bags.bag import Bag
 
 T = TypeVar('T')
 
@@ -189,3 +193,36 @@ def topics(types: bool = True) -> None:
     :param types: print the type of each topic too
     """
     print_topics(session(), types)
+
+
+def record(file: str | Path, *sources: str | Simulation, seconds: float = 5.0) -> Bag:
+    """
+    Record messages in an MCAP file, as ``ros2 bag record`` does, while nodes run.
+
+    An interrupt ends the recording and keeps what has arrived.
+
+    :param file: a name that ends in .mcap; an existing file is replaced
+    :param sources: names of topics; none for all topics. Or one simulation, to save it
+    :param seconds: how long to record [s]
+    :returns: the summary of the file, as ``ros2 bag info`` prints it
+    :raises RoslabError: if an argument is wrong, or the file cannot be written
+    :raises TimeoutError: if no message arrived; then no file is written
+    """
+    # Not at the top: mcap takes a quarter of a second, and few notebooks record.
+    from roslab.recording import record_to
+
+    return record_to(session(), file, sources, seconds)
+
+
+def replay(file: str | Path, *topics: str, rate: float = 1.0) -> None:
+    """
+    Publish recorded messages again, with their types, QoS and rhythm, as ``ros2 bag play`` does.
+
+    :param file: an MCAP file, or the folder that ``ros2 bag record`` has written
+    :param topics: only these topics
+    :param rate: 2.0 for twice as fast as recorded
+    :raises RoslabError: if the file is damaged or foreign, or a type has changed since
+    """
+    from roslab.recording import replay_from
+
+    replay_from(session(), file, topics, rate)

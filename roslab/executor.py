@@ -220,7 +220,7 @@ class BackgroundExecutor:
             self._executor.remove_node(node)
             destroy_wholly(node)
 
-        if self.is_this_thread or self._do(go, patience_s):
+        if self._do(go, patience_s):
             return
         running = self.running
         if running is not None and running[0] is node:

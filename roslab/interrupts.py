@@ -41,6 +41,7 @@ class HeldInterrupts:
     """
     Delays SIGINT during a short, bounded step, and delivers it afterwards.
 
+    One inside another passes its interrupt on, so that only the end of the outer step delivers it.
     Python delivers signals only in the main thread; in other threads this does nothing.
     """
 
@@ -63,7 +64,7 @@ class HeldInterrupts:
         if self._active:
             signal.signal(signal.SIGINT, self._previous)
         if self._held and error is None:
-            raise KeyboardInterrupt
+            self._pass_on()
 
     @contextmanager
     def allowed(self) -> Iterator[None]:
@@ -73,7 +74,8 @@ class HeldInterrupts:
             return
         signal.signal(signal.SIGINT, self._previous)
         if self._held:
-            raise KeyboardInterrupt
+            self._held = False
+            self._pass_on()
         try:
             yield
         finally:
@@ -81,6 +83,13 @@ class HeldInterrupts:
 
     def _hold(self, number: int, frame: FrameType | None) -> None:
         self._held = True
+
+    def _pass_on(self) -> None:
+        outer = getattr(self._previous, '__self__', None)
+        if isinstance(outer, HeldInterrupts):
+            outer._held = True
+        else:
+            raise KeyboardInterrupt
 
 
 @contextmanager

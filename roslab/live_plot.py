@@ -1,33 +1,18 @@
-"""
-Plot a number of a topic against time, redrawn in its own cell while other cells run.
-
-A separate thread draws, at most five times a second and only if there is something new.  It ends
-with its listener, with the session, or when another cell plots the same field.
-"""
+"""Plot a number of a topic against time, redrawn in its own cell while other cells run."""
 
 from __future__ import annotations
 
-import atexit
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 import math
-import threading
-from typing import Any
 
 from autograder.simulated import TopicRecord
 from roslab.errors import RoslabError
 from roslab.fields import number_getter
-from roslab.interrupts import HeldInterrupts
 from roslab.introspection import listen_as_found
 from roslab.listening import Listener
-from roslab.output import current_cell, has_frontend, shell
+from roslab.live_picture import LivePicture
 from roslab.plot_picture import Curve, curve_html, curve_text
 from roslab.session import Session
-
-_PERIOD_S = 0.2
-_STOPPING_S = 1.0
-
-_plots: dict[tuple[str, str, bool], Plot] = {}
 
 
 class Plot:
@@ -59,11 +44,6 @@ class Plot:
         self.seconds = seconds
         self.threshold = threshold
         self.marks = {label: tuple(times) for label, times in (marks or {}).items()}
-        self._handle: Any = None
-        self._painting = threading.Lock()
-        self._painted: tuple[int, float] | None = None
-        self._ended = threading.Event()
-        self._thread: threading.Thread | None = None
         self.listener: Listener | TopicRecord = (
             topic if isinstance(topic, TopicRecord) else listen_as_found(session, topic)
         )
@@ -72,8 +52,11 @@ class Plot:
         except RoslabError:
             self.listener.stop()
             raise
-        cell = current_cell()
-        self._shown_in = cell.number if cell else None
+        # A picture of a simulation does not end the one that follows the topic of that name.
+        key = 'plot', self.topic, field, isinstance(topic, TopicRecord)
+        self._picture = LivePicture(
+            key, self._bundle, self._newest, lambda: self.listener.alive, self.listener.stop
+        )
 
     @property
     def topic(self) -> str:
@@ -98,71 +81,21 @@ class Plot:
         try:
             self.listener.wait(count, timeout)
         finally:
-            self._keep_up()
-            self.paint()
+            self._picture.keep_up()
+            self._picture.paint()
         return self.values
-
-    def stop(self) -> None:
-        """Stop listening and drawing; the picture no longer changes."""
-        with HeldInterrupts():
-            self._ended.set()
-            self.listener.stop()
-            if self._thread is not None and self._thread is not threading.current_thread():
-                self._thread.join(_STOPPING_S)
-            if _plots.get(self._key) is self:
-                del _plots[self._key]
-            self.paint()
 
     def begin(self) -> None:
         """Show the picture in the running cell and keep it up to date."""
-        with HeldInterrupts():
-            older = _plots.pop(self._key, None)
-            if older is not None:
-                older.stop()
-            _plots[self._key] = self
-            if shell() is None:
-                return
-            from IPython.display import display
+        self._picture.begin()
 
-            self._handle = display(self._bundle(), raw=True, display_id=True)
-        self._keep_up()
-
-    def _keep_up(self) -> None:
-        """Make the picture follow the topic, even after stop_all() has ended its subscription."""
-        with HeldInterrupts():
-            if self._handle is None or self._ended.is_set():
-                return
-            _plots.setdefault(self._key, self)
-            running = self._thread is not None and self._thread.is_alive()
-            if has_frontend() and not running:
-                # Without a frontend, redrawing in wait() and at the end of each cell is enough.
-                self._thread = threading.Thread(
-                    target=self._follow, name='roslab plot', daemon=True
-                )
-                self._thread.start()
-
-    def paint(self) -> None:
-        """Redraw if there is something new; never raise."""
-        with HeldInterrupts(), self._painting:
-            newest = self._newest()
-            if self._handle is None or newest == self._painted:
-                return
-            self._painted = newest
-            with suppress(Exception):  # a closed connection must not end a cell or a thread
-                self._handle.update(self._bundle(), raw=True)
-
-    @property
-    def _key(self) -> tuple[str, str, bool]:
-        # A picture of a simulation does not end the one that follows the topic of that name.
-        return self.topic, self.field, isinstance(self.listener, TopicRecord)
+    def stop(self) -> None:
+        """Stop listening and drawing; the picture no longer changes."""
+        self._picture.stop()
 
     def _newest(self) -> tuple[int, float]:
         times = self.listener.times
         return len(times), times[-1] if times else -1.0
-
-    def _follow(self) -> None:
-        while not self._ended.wait(_PERIOD_S) and self.listener.alive:
-            self.paint()
 
     def _curve(self) -> Curve:
         times, messages = self.listener.times, self.listener.messages
@@ -187,29 +120,7 @@ class Plot:
         return str(self)
 
     def _ipython_display_(self) -> None:
-        """Show a copy if a later cell returns the picture; only the first picture is updated."""
-        cell = current_cell()
-        if cell is None or cell.number != self._shown_in:
-            from IPython.display import display
-
-            display(self._bundle(), raw=True)
-
-
-def paint_all(_: Any = None) -> None:
-    """Update the pictures at the end of a cell, and drop those that have ended."""
-    for key, plot in tuple(_plots.items()):
-        plot.paint()
-        if not plot.listener.alive:
-            _plots.pop(key, None)
-
-
-def _stop_all() -> None:
-    """End the threads before the interpreter shuts down."""
-    for plot in tuple(_plots.values()):
-        plot.stop()
-
-
-atexit.register(_stop_all)
+        self._picture.show_again()
 
 
 def _require_numbers(seconds: float, threshold: float | None) -> None:

@@ -27,7 +27,7 @@ def why_silent(node: Node, topic: str, msg_type: type, qos: QoSProfile) -> str:
     """
     publishers = node.get_publishers_info_by_topic(topic)
     if not publishers:
-        return _no_publisher(node, topic)
+        return no_publisher(node, topic)
     for publisher in publishers:
         name = publisher.node_name
         if publisher.topic_type != type_name(msg_type):
@@ -42,7 +42,8 @@ def why_silent(node: Node, topic: str, msg_type: type, qos: QoSProfile) -> str:
     return f'{names} publishes there and is connected, but sends too little or too slowly.'
 
 
-def _no_publisher(node: Node, topic: str) -> str:
+def no_publisher(node: Node, topic: str) -> str:
+    """Return one sentence on a topic without publisher, with a similar name or all others."""
     known = [name for name, _ in node.get_topic_names_and_types() if name not in _OWN_TOPICS]
     published = [name for name in known if node.count_publishers(name)]
     near = get_close_matches(node.resolve_topic_name(topic), published, n=1, cutoff=0.75)

@@ -1,1 +1,1 @@
-"""Tools for authors of a course: release, checks of lessons and exams, the students' copy."""
+"""Tools for authors: release a course, check its lessons and exams, pack the students' copy."""

@@ -1,9 +1,9 @@
 """
-Find mistakes in an exam before a class is graded; report each in one line with its place.
+Find mistakes in an exam before a class is graded; report each mistake in one line.
 
-An exam checks its own scenario when it is created: steps that name an unknown topic, a malformed
-type.  ``release check`` and ``self-check`` test the rest: whether the types exist and can hold the
-values needs an installed ROS, and whether a section to read exists needs the lessons.
+An exam validates its own scenario when it is created, for example that each step names a known
+topic.  ``release check`` and ``self-check`` test the rest: checking that message types exist and
+can hold the values needs an installed ROS, and checking the sections to read needs the lessons.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from autograder.exam.exam import Exam
 
 SECRETS = 200
-"""With so many secrets an exam is drawn to see that its inputs do, whatever they are."""
+"""Number of different secrets for which the drawn inputs of an exam are tested."""
 ADVICE = 'Try: correct it, or name further packages in environment/messages.txt'
 _ELSEWHERE = re.compile(r'^lesson (\d\d), (.+)$')
 
@@ -39,7 +39,9 @@ def unsendable(exams: Iterable[Exam]) -> list[str]:
     """
     Return types that are not installed, and messages that the probe cannot send, one line each.
 
-    The probe's own code tries them all, in one process that may import ROS.
+    The probe's own code tests all of them, in one separate process that imports ROS.
+
+    :raises GraderError: if this process cannot use ROS
     """
     places: list[str] = []
     pairs: list[tuple[str, Mapping[str, Any] | None]] = []
@@ -59,7 +61,7 @@ def unsendable(exams: Iterable[Exam]) -> list[str]:
     probe = Path(__file__).parents[1] / 'probe'
     done = subprocess.run(
         [ros.python, str(Path(__file__).with_name('exam_values.py')), str(probe)],
-        input=json.dumps(pairs, default=repr),  # what JSON lacks, the probe cannot send either
+        input=json.dumps(pairs, default=repr),  # The probe sends only values that JSON has.
         env={**os.environ, **ros.variables, 'ROS_PYTHON_CHECK_FIELDS': '1'},
         capture_output=True,
         text=True,
@@ -77,9 +79,10 @@ def unsendable(exams: Iterable[Exam]) -> list[str]:
 
 def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:
     """
-    Yield the facts in which a hidden exam differs from the visible one, apart from inputs.
+    Yield one line for each attribute that must be equal in both versions of an exam but differs.
 
-    :param visible: what ``check(...)`` runs in their notebook
+    :param exam: the hidden exam
+    :param visible: the visible exam, which ``check(...)`` runs in a notebook
     """
     for what in ('cells', 'requires', 'part', 'assignment'):
         if getattr(exam, what) != getattr(visible, what):
@@ -91,7 +94,7 @@ def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:
 
 def inseparable_slips(exam: Exam) -> Iterator[str]:
     """
-    Yield slips that some secret's inputs cannot distinguish from right answers or other slips.
+    Yield slips that some drawn inputs cannot distinguish from right answers or other slips.
 
     With these inputs, a program with such a slip would get full marks or a wrong cause.
     """
@@ -110,10 +113,10 @@ def inseparable_slips(exam: Exam) -> Iterator[str]:
 
 def read_mistakes(exam: Exam, headings: Mapping[str, AbstractSet[str]]) -> Iterator[str]:
     """
-    Yield checks that name no section to read, or a section that no lesson has.
+    Yield checks that name no section to read, or a section that does not exist.
 
-    :param headings: of each lesson, see :func:`lesson_headings`; without those of the exam's own
-        lesson, this only checks that a section is named
+    :param headings: headings by lesson, see :func:`lesson_headings`; if the exam's own lesson is
+        missing, the function only tests that a section is named
     """
     for check in exam.checks:
         where, section = f'exam {exam.name}, check {check.name}', check.read or exam.read
@@ -127,11 +130,11 @@ def read_mistakes(exam: Exam, headings: Mapping[str, AbstractSet[str]]) -> Itera
 
 def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str]]) -> str:
     """
-    Return what is wrong with a section to read, empty if it is a heading.
+    Return what is wrong with a section to read, empty if the section exists.
 
     :param section: such as ``Part 2: Names``, ``lesson 02, When a timer ticks``, or, without a
         heading, ``lesson 02, on clocks``
-    :param lesson: the lesson of a section that names none
+    :param lesson: the lesson to search if the section names no lesson
     """
     heading = section
     if elsewhere := _ELSEWHERE.match(section):
@@ -139,7 +142,7 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
         lesson = next((name for name in sorted(headings) if name.startswith(f'{number}_')), '')
         if not lesson:
             return f'expected a lesson to read, got {section!r}: there is no lesson {number}'
-        if heading.startswith('on '):  # the subject of a question, not a heading
+        if heading.startswith('on '):  # This names a subject, not a heading.
             return ''
     if heading in headings[lesson]:
         return ''
@@ -150,7 +153,7 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
 
 def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
     """
-    Return the headings of every released lesson that can be read, by its folder.
+    Return the headings of every readable released lesson, by the name of its folder.
 
     :param notebooks: folder of the released notebooks
     """
@@ -161,7 +164,7 @@ def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
         try:
             cells = read_release(path)['cells']
         except (OSError, ValueError):
-            continue  # this check is not about unreadable notebooks
+            continue  # Unreadable notebooks are not the subject of this check.
         texts = [cell['source'] for cell in cells if cell['cell_type'] == 'markdown']
         lines = '\n'.join(texts).splitlines()
         titles = {line.lstrip('#').strip() for line in lines if line.startswith('#')}
@@ -169,12 +172,12 @@ def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
     return found
 
 
-# -- all of it ------------------------------------------------------------------------------
+# -- all mistakes ---------------------------------------------------------------------------
 
 
 def mistakes_of(exams: Sequence[Exam], notebooks: Path) -> list[str]:
     """
-    Return all mistakes of hidden exams that can be found without running them, one line each.
+    Return all mistakes in hidden exams that can be found without running them, one line each.
 
     :param exams: hidden exams of the course
     :param notebooks: folder of the released notebooks

@@ -1,10 +1,11 @@
 """
-Try whether the probe can send what an exam sends; runs in a process with ROS.
+Test whether the probe can send the messages of an exam; runs in a separate process with ROS.
 
     python exam_values.py PROBE_FOLDER
 
 Standard input is a JSON list of pairs: a type, and the fields of a message or a request, or null
-for the type alone.  Standard output is a JSON list of reasons, empty where a pair can be sent.
+to test only the type.  Standard output is a JSON list with one string per pair: the reason why the
+probe cannot send the pair, empty if it can.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ def problem(kind: str, data: dict[str, Any] | None) -> str:
     """
     Return why the probe cannot send a message, empty if it can.
 
-    :param kind: type such as ``std_msgs/msg/String``, or that of a service
+    :param kind: type of a message, such as ``std_msgs/msg/String``, or of a service
+    :param data: fields of the message or request; None to test only the type
     """
     wire = importlib.import_module('probe_wire')
     try:

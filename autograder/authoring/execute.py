@@ -29,12 +29,12 @@ CELL_TIMEOUT_S = 400
 
 def execute(path: Path) -> None:
     """
-    Execute a copy of a notebook, and note in the notebook itself that this went well.
+    Execute a copy of a notebook and, if it succeeds, store the date in the original.
 
     :raises CellExecutionError: if a cell raised an error
     """
     notebook = nbformat.read(path, as_version=4)
-    with tempfile.TemporaryDirectory() as folder:  # cells write a ROS workspace here
+    with tempfile.TemporaryDirectory() as folder:  # Cells write a ROS workspace here.
         NotebookClient(
             nbformat.from_dict(notebook),
             kernel_name=KERNEL_NAME,
@@ -49,7 +49,7 @@ def execute(path: Path) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """
-    Execute all lessons, or those that are named.
+    Execute all lessons, or the lessons named as arguments.
 
     :returns: 0 if all of them ended without an error, else 1
     """

@@ -1,5 +1,5 @@
 """
-Add to the released lessons what follows from their outlines: contents, next lesson, map.
+Add generated cells to the released lessons: contents, link to the next lesson, map of lessons.
 
 nbgrader runs :class:`AddFrame` when it generates a lesson. ``solutions/START_HERE.ipynb`` has a
 cell ``map``, which :func:`start_here` replaces with the table of all lessons.
@@ -28,7 +28,7 @@ class AddFrame(NbGraderPreprocessor):
     """Put the contents below the title of a lesson, and a link to the next lesson at its end."""
 
     def preprocess(self, nb: Any, resources: Any) -> tuple[Any, Any]:
-        """Add both cells."""
+        """Add the cell with the contents and the cell with the link."""
         folder = Path(resources['metadata']['path'])
         lessons = outlines(folder.parent)
         here = [lesson.path.parent.name for lesson in lessons].index(folder.name)
@@ -39,16 +39,16 @@ class AddFrame(NbGraderPreprocessor):
 
 def outlines(folder: Path) -> list[Outline]:
     """
-    Return the outlines of all lessons in their order.
+    Return the outlines of all lessons in order.
 
-    :param folder: ``solutions/`` of a course
+    :param folder: ``solutions/`` or ``notebooks/`` of a course
     """
     return [read_outline(path) for path in lesson_files(folder)]
 
 
 def contents(lessons: Sequence[Outline], here: int) -> str:
     """
-    Return the duration of a lesson, what it needs, when it was executed, and links to its parts.
+    Return Markdown with a lesson's duration, needed lessons, last execution and links to parts.
 
     :param here: index of the lesson
     """
@@ -63,7 +63,7 @@ def contents(lessons: Sequence[Outline], here: int) -> str:
 
 
 def needed(lessons: Sequence[Outline], here: int) -> list[Outline]:
-    """Return the lessons that one needs: those it names, else the lesson before it."""
+    """Return the lessons that a lesson needs: those it names, else the previous lesson."""
     before = [lesson.number for lesson in lessons[:here][-1:]]
     numbers = lessons[here].facts.get('needs', before)
     return [lesson for lesson in lessons if lesson.number in numbers]
@@ -78,14 +78,14 @@ def unknown_needs(lessons: Sequence[Outline]) -> Iterator[str]:
 
 
 def next_lesson(lessons: Sequence[Outline], here: int) -> str:
-    """Return the last cell of a lesson."""
+    """Return the Markdown of the last cell of a lesson, a link to the next lesson."""
     if here + 1 == len(lessons):
         return 'This was the last lesson.'
     return f'*Next lesson:* {_link(lessons[here + 1], "../")}'
 
 
 def lesson_map(lessons: Sequence[Outline]) -> str:
-    """Return the table of all lessons."""
+    """Return the table of all lessons in Markdown."""
     lines = ['| Lesson | Do first | Minutes | Points |', '|---|---|---:|---:|']
     for here, lesson in enumerate(lessons):
         before = ', '.join(one.number for one in needed(lessons, here))
@@ -101,9 +101,9 @@ def _link(lesson: Outline, up: str = '') -> str:
 
 def start_here(solutions: Path, release: Path) -> None:
     """
-    Write ``START_HERE.ipynb`` with the map of the lessons; a course without its source has none.
+    Write ``START_HERE.ipynb`` with the map of the lessons, if the course has a source for it.
 
-    :param release: folder that receives it
+    :param release: folder that receives the notebook
     """
     source = solutions / START_HERE
     if source.is_file():

@@ -1,7 +1,7 @@
 """
-Create a course, or an exercise in it, as files that work at once and can then be edited.
+Create a course, or an exercise in a course, as working files for the author to edit.
 
-The templates are in ``skeleton/``; ``$$NAME`` in them is replaced.
+The templates are in ``skeleton/``; placeholders such as ``$name`` in them are replaced.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ LESSON = re.compile(r'\d\d_[a-z][a-z0-9_]{1,40}')
 
 def new_course(folder: Path) -> list[Path]:
     """
-    Create the folder of a course: its facts, nbgrader's settings and a message package.
+    Create the folder of a course with ``course.toml``, nbgrader's settings and a message package.
 
-    :param folder: new or empty; its name is that of the course
+    :param folder: a new or empty folder; its name becomes the name of the course
     :returns: the files, relative to the folder
-    :raises GraderError: if the folder is not empty, or a ROS package cannot have its name
+    :raises GraderError: if the folder is not empty, or its name is not valid for a ROS package
     """
     folder = folder.resolve()
     name = folder.name.replace('-', '_')
@@ -55,7 +55,7 @@ def new_course(folder: Path) -> list[Path]:
     files['nbgrader_config.py'] = _filled('nbgrader_config.txt', {})
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix='.new_course_') as aside:
-        Path(aside).chmod(0o755)  # the user inside the sandbox must be able to read it
+        Path(aside).chmod(0o755)  # The user inside the sandbox must be able to read the folder.
         for path, text in files.items():
             keep(Path(aside, path), text.encode())
         shutil.copytree(aside, folder, dirs_exist_ok=True)
@@ -64,12 +64,12 @@ def new_course(folder: Path) -> list[Path]:
 
 def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
     """
-    Create an exercise that works: a lesson with its node and its check cell, and both exams.
+    Create a working exercise: a lesson with a node and a check cell, and both exams.
 
-    :param name: of the exam, the node and its file
-    :param lesson: folder of the lesson, ``01_points``
+    :param name: name of the exam, the node and its file
+    :param lesson: folder of the lesson, such as ``01_points``
     :returns: the files, relative to the course
-    :raises GraderError: if a name is not valid, or a file exists already
+    :raises GraderError: if a name is not valid, or a file already exists
     """
     if not NAME.fullmatch(name):
         raise GraderError(f'{name}: use only lower-case letters, digits and underscores.')
@@ -102,7 +102,7 @@ def _filled(name: str, words: Mapping[str, str]) -> str:
 
 
 def _notebook(words: Mapping[str, str]) -> str:
-    """Return a lesson: text, import of ``check``, the answer with its solution, the check."""
+    """Return a lesson as JSON: text, import of ``check``, solved answer cell, check cell."""
     name = words['name']
     check = f'check_{name}'
     cells = [
@@ -126,9 +126,10 @@ def _notebook(words: Mapping[str, str]) -> str:
 
 def _marks(grade_id: str, grade: bool, **more: Any) -> dict[str, Any]:
     """
-    Return the metadata of an answer that is graded, or of the cell that grades it.
+    Return nbgrader's metadata for an answer cell or for a check cell.
 
-    :param more: the ``points`` of a cell that grades
+    :param grade: True for a check cell, False for an answer cell
+    :param more: further metadata, such as the ``points`` of a check cell
     """
     marks = {'grade_id': grade_id, 'grade': grade, 'solution': not grade, 'locked': grade}
     return {'nbgrader': {**marks, 'task': False, 'schema_version': 3, **more}}

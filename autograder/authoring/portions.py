@@ -1,9 +1,9 @@
 """
-Measure how much a lesson asks to be read at once: words and lines per cell.
+Measure the length of a lesson's cells: words per text cell and lines per code cell.
 
 Well-known notebooks that learners like have 30 to 50 words per text cell and 1 to 5 lines per code
-cell; those that learners abandon have walls of text and cells of 90 lines. ``release check``
-prints the figures of each lesson and refuses lessons outside the range.
+cell; notebooks that learners abandon have long texts and code cells of 90 lines.  ``release
+check`` prints the figures of each lesson and rejects lessons outside the range.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from autograder.submission.cells import CellSyntaxError, parse_cell
 from autograder.submission.notebook import Notebook
 
 WORDS = (25, 60)
-"""Median words of a text cell, least and most."""
+"""Minimum and maximum of the median number of words per text cell."""
 LINES = (1, 5)
-"""Median lines of a code cell that is no file, least and most."""
+"""Minimum and maximum of the median number of lines per code cell, files excluded."""
 MOST_LINES = 12
 MOST_LINES_IN_A_FILE = 100
 
@@ -27,11 +27,11 @@ MOST_LINES_IN_A_FILE = 100
 @dataclass(frozen=True)
 class Portions:
     """
-    The figures of one lesson.
+    The lengths of the cells of one lesson.
 
-    :param words: words of each text cell
-    :param lines: lines of each code cell that is not a file
-    :param file_lines: lines of each cell that is a file of a package
+    :param words: number of words of each text cell
+    :param lines: number of lines of each code cell that is not a file
+    :param file_lines: number of lines of each code cell that is a file of a package
     """
 
     words: tuple[int, ...]
@@ -39,7 +39,7 @@ class Portions:
     file_lines: tuple[int, ...]
 
     def line(self, lesson: str) -> str:
-        """Return the figures as one line of text."""
+        """Return the figures of the lesson as one line of text."""
         return (
             f'{lesson:28} {len(self.words):3} texts, median {median(self.words):4g} words;  '
             f'{len(self.lines):3} cells of code, median {median(self.lines):3g} lines, '
@@ -47,7 +47,7 @@ class Portions:
         )
 
     def problems(self) -> Iterator[str]:
-        """Yield the figures that are outside the range."""
+        """Yield one sentence for each figure outside its range."""
         for what, values, (least, most) in (
             ('words a text cell', self.words, WORDS),
             ('lines a code cell', self.lines, LINES),
@@ -63,7 +63,7 @@ class Portions:
 
 
 def portions(notebook: Notebook) -> Portions:
-    """Return the figures of a lesson with text and code."""
+    """Measure the cells of a lesson."""
     texts = [cell['source'] for cell in notebook['cells'] if cell['cell_type'] == 'markdown']
     code = [cell['source'] for cell in notebook['cells'] if cell['cell_type'] == 'code']
     files = [source for source in code if _is_file(source)]
@@ -75,7 +75,7 @@ def portions(notebook: Notebook) -> Portions:
 
 
 def words(text: str) -> int:
-    """Count the words that a reader sees, without drawings and markup."""
+    """Count the words that a reader sees, without code blocks and HTML tags."""
     shown = re.sub(r'```.*?```|<[^<>]+>', ' ', text, flags=re.DOTALL)
     return len(re.findall(r"\w[\w'.-]*", shown))
 

@@ -36,7 +36,7 @@ def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
     """
     Return the mistakes of the course, one line each; empty if there are none.
 
-    :param exams: instead of the course's own, for tests
+    :param exams: exams to use instead of the course's own, for tests
     """
     from autograder.authoring.lesson_frame import outlines, unknown_needs
 
@@ -56,7 +56,7 @@ def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
 
 
 def unfit_exams(layout: Layout) -> list[str]:
-    """Return mistakes in the exams: types, fields, visible and hidden versions that differ."""
+    """Return mistakes in the exams, such as unknown types or differences between versions."""
     from autograder.authoring.exam_mistakes import mistakes_of
     from autograder.exam.catalog import for_assignment
 
@@ -65,13 +65,13 @@ def unfit_exams(layout: Layout) -> list[str]:
 
 
 def notebook_files(layout: Layout) -> Iterator[Path]:
-    """Yield the notebooks of the course."""
+    """Yield the paths of all notebooks in ``solutions/`` and ``notebooks/``."""
     for folder in (layout.solutions, layout.notebooks):
         yield from lesson_files(folder)
 
 
 def drift(layout: Layout) -> Iterator[str]:
-    """Yield the generated files that differ from their sources in ``solutions/``."""
+    """Yield one line for each file in ``notebooks/`` that a new release would change."""
     with tempfile.TemporaryDirectory(prefix='release_') as folder:
         _generate(layout, Path(folder))
         wanted = _contents(Path(folder))
@@ -85,7 +85,7 @@ def drift(layout: Layout) -> Iterator[str]:
 
 
 def _contents(folder: Path) -> dict[str, bytes]:
-    """Return all files of a folder except those that a learner creates in it."""
+    """Return the content of all files in a folder by path, except files that learners create."""
     if not folder.is_dir():
         return {}
     return {
@@ -96,14 +96,18 @@ def _contents(folder: Path) -> dict[str, bytes]:
 
 
 def stored_outputs(notebook: Notebook, where: str) -> Iterator[str]:
-    """Yield the cells that keep outputs or execution counts."""
+    """Yield one line for each cell with a stored output or execution count."""
     for number, cell in enumerate(notebook['cells'], 1):
         if cell.get('outputs') or cell.get('execution_count') is not None:
             yield f'{where}, cell {number}: expected no stored output. Try: clear all outputs.'
 
 
 def repeated_ids(notebook: Notebook, where: str, seen: dict[str, str]) -> Iterator[str]:
-    """Yield grade ids that are used twice in the course; fill ``seen``."""
+    """
+    Yield one line for each grade id that another cell already uses.
+
+    :param seen: notebook by grade id; the ids of this notebook are added
+    """
     for cell in notebook['cells']:
         grade_id = marks_of(cell).get('grade_id')
         if grade_id in seen:
@@ -115,7 +119,7 @@ def repeated_ids(notebook: Notebook, where: str, seen: dict[str, str]) -> Iterat
 def unfit_checks(
     notebook: Notebook, where: str, assignment: str, exams: Sequence[Exam] | None
 ) -> Iterator[str]:
-    """Yield check cells without an exam and exams without a check cell."""
+    """Yield one line for each check cell that does not match the exams of its lesson."""
     if exams is None:
         from autograder.exam.catalog import for_assignment
 
@@ -134,7 +138,7 @@ def unfit_checks(
 def _unfit_check(
     cell: Notebook, where: str, known: dict[str, Exam], answers: set[str]
 ) -> Iterator[str]:
-    """Yield mistakes in the text and the place of one check cell."""
+    """Yield mistakes in the code of a check cell or in its position below the answers."""
     marks = marks_of(cell)
     match = CHECK_CELL.match(cell['source'].strip())
     name = match['exam'] if match else ''
@@ -155,7 +159,7 @@ def regenerate(layout: Layout) -> tuple[str, ...]:
     Generate ``notebooks/`` from ``solutions/``.
 
     :returns: the assignments
-    :raises GraderError: with nbgrader's message
+    :raises GraderError: if there is no assignment, or with nbgrader's message if nbgrader fails
     """
     if not (assignments := _generate(layout, layout.notebooks)):
         raise GraderError(f'{layout.solutions}: expected ASSIGNMENT/NOTEBOOK.ipynb, got none.')
@@ -178,7 +182,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     Run one command.
 
-    :returns: 0 if all is well, 1 if there are mistakes, 2 if the command failed
+    :returns: exit code: 0 without mistakes, 1 if there are mistakes, 2 if the command failed
     """
     parser = argparse.ArgumentParser(
         prog='python -m autograder.authoring.release', description=__doc__

@@ -8,8 +8,8 @@ differs from the reference solution, as plain files without their magic line, an
     {"about": "...", "notebook": "...", "points": {exam: points},
      "failed": {exam: {check: cause_id}}, "in_class": true}
 
-A submission with ``"in_class": false`` serves the tests only and is not in the class that ``make
-grade`` grades in a new clone. ``notebook`` names what happened to the notebook as a whole, see
+A submission with ``"in_class": false`` is only for tests and is not in the class that ``make
+grade`` grades in a new clone.  ``notebook`` names a damage to the notebook as a whole, see
 :data:`DAMAGES`.
 """
 
@@ -36,7 +36,7 @@ def _bytes(notebook: Notebook) -> bytes:
 
 
 def _first_node(notebook: Notebook) -> int:
-    """Return the place of the first node's cell."""
+    """Return the index of the first answer cell with a node."""
     for place, cell in enumerate(notebook['cells']):
         if cell['source'].startswith('%%node') and marks_of(cell).get('solution'):
             return place
@@ -44,13 +44,13 @@ def _first_node(notebook: Notebook) -> int:
 
 
 def _renamed_cell(notebook: Notebook) -> bytes:
-    """Copy the first node's cell, as Jupyter renames it, and delete the original."""
+    """Change the grade id of the first node's cell, as if a copy had replaced the cell."""
     marks_of(notebook['cells'][_first_node(notebook)])['grade_id'] += '-copy1'
     return _bytes(notebook)
 
 
 def _duplicated_cell(notebook: Notebook) -> bytes:
-    """Put an unfinished copy below the first node's cell."""
+    """Insert an unfinished copy below the first node's cell."""
     place = _first_node(notebook)
     cell = notebook['cells'][place]
     source = f'{cell["source"].splitlines()[0]}\n# second try, not finished\n'
@@ -59,13 +59,13 @@ def _duplicated_cell(notebook: Notebook) -> bytes:
 
 
 def _truncated(notebook: Notebook) -> bytes:
-    """Cut off the notebook, as if the disk had been full when it was saved."""
+    """Truncate the notebook, as if the disk had been full when it was saved."""
     data = _bytes(notebook)
     return data[: len(data) * 2 // 3]
 
 
 def _not_a_notebook(notebook: Notebook) -> bytes:
-    """Save the web page around the notebook instead."""
+    """Return JupyterLab's web page, as if it had been saved instead of the notebook."""
     return b'<!DOCTYPE html>\n<html><head><title>JupyterLab</title></head><body></body></html>\n'
 
 
@@ -77,14 +77,14 @@ DAMAGES: dict[str, Callable[[Notebook], bytes]] = {
     'not_a_notebook': _not_a_notebook,
 }
 UNTOUCHED = 'untouched'
-"""For ``notebook``: the release as it was received, without the reference's answers."""
+"""Value of ``notebook`` for the unchanged release, without the answers of the reference."""
 
 
 def samples(layout: Layout, assignment: str, everything: bool = False) -> Iterator[Path]:
     """
     Yield the folders of the sample submissions of an assignment, by name.
 
-    :param everything: include those that are only for the tests
+    :param everything: whether to include submissions that are only for tests
     """
     folder = layout.sample_class / assignment
     if folder.is_dir():
@@ -96,7 +96,7 @@ def samples(layout: Layout, assignment: str, everything: bool = False) -> Iterat
 
 
 def expected_of(sample: Path) -> dict[str, Any]:
-    """Return what a sample submission should be graded as."""
+    """Return the content of a sample submission's ``expected.json``."""
     data = json.loads((sample / 'expected.json').read_text(encoding='utf-8'))
     if not isinstance(data, dict):
         raise GraderError(f'{sample.name}/expected.json: expected an object.')
@@ -105,16 +105,16 @@ def expected_of(sample: Path) -> dict[str, Any]:
 
 def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
     """
-    Return the file that a sample student hands in.
+    Return the content of the notebook file of a sample submission.
 
-    :raises GraderError: if the sample names a file or a damage that does not exist
+    :raises GraderError: if the sample has a file without an answer cell, or an unknown damage
     """
     release = read_release(layout.release(assignment))
     damage = str(expected_of(sample).get('notebook', ''))
     if damage == UNTOUCHED:
         from autograder.gradebook import converters
 
-        # Do not use the release folder: a user may have solved the lesson there.
+        # Do not read the release folder: a user may have solved the lesson there.
         with tempfile.TemporaryDirectory(prefix='release-') as folder:
             converters.generate(layout, assignment, Path(folder), database=False)
             return Path(folder, assignment, layout.release(assignment).name).read_bytes()
@@ -150,11 +150,11 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
 
 def write_sample_class(layout: Layout, folder: Path) -> int:
     """
-    Write all sample submissions as a class of students; never replace existing files.
+    Write all sample submissions as a class of students; earlier copies of them are replaced.
 
-    :param folder: receives ``<outcome>__<cause>/<assignment>/<notebook>.ipynb``
-    :returns: how many there are
-    :raises GraderError: if this copy of the course has none
+    :param folder: folder that receives ``<outcome>__<cause>/<assignment>/<notebook>.ipynb``
+    :returns: number of submissions
+    :raises GraderError: if this copy of the course has no sample submissions
     """
     count = 0
     for assignment in layout.assignments():
@@ -174,9 +174,9 @@ def write_sample_class(layout: Layout, folder: Path) -> int:
 
 def take_out_sample_class(layout: Layout) -> int:
     """
-    Remove the sample students from a course before its first real class is collected.
+    Remove the sample students from a course, when its first real class is collected.
 
-    :returns: how many there were
+    :returns: number of removed students
     """
     from autograder.gradebook.forget import forget_made
 

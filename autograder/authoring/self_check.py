@@ -1,8 +1,8 @@
 """
-Test the grader on this machine: the reference must pass, the bare release must not.
+Test the grader on this machine: the reference solution must pass, the bare release must fail.
 
-The set-up runs this last; authors run it after they have edited an exam.  The recordings are kept,
-so grading can use them.
+The set-up runs this test as its last step; authors run it after they edit an exam.  The recordings
+are stored, so a later grading can use them.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
     """
     Grade the reference solution and the untouched release of every assignment.
 
-    :returns: for each of them, whether its result is as expected, and one line of text
-    :raises GraderError: for a fault of the course or of the grader
+    :returns: for each of them, whether the result is as expected, and one line of text
+    :raises GraderError: if the course has an error or the grader fails
     """
     for assignment in layout.assignments():
         lesson = load_lesson(layout, assignment, engine)
-        # Do not run an exam with a mistake: the run may fail or hang.
+        # Do not run an exam with a mistake, because the run may fail or hang.
         exams = [exam for exam in lesson.exams if isinstance(exam, Exam)]
         if mistakes := mistakes_of(exams, layout.notebooks):
             yield from ((False, f'{assignment}: {line}') for line in mistakes)
@@ -43,7 +43,7 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
 
 
 def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
-    """Return whether a lesson may have no exams, and a line that says so."""
+    """Return whether a lesson without exams is correct, and one line of text."""
     checks = [
         marks['grade_id']
         for cell in lesson.release['cells']
@@ -55,7 +55,7 @@ def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
 
 
 def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool, str]:
-    if result.fault:  # without a verdict, there are no points to compare
+    if result.fault:  # Without a verdict, there are no points to compare.
         return False, f'{lesson.assignment}: {result.student} has no verdict. {result.fault}'
     right = bool(result.exams) and result.points == wanted
     text = f'{lesson.assignment}: {result.student} has {result.points:g} of {result.max_points:g}'

@@ -1,7 +1,7 @@
 """
 List the files that students receive, and pack them into a zip file.
 
-The list below names everything: a new file stays with the instructors until it is added here.
+Students receive only files that are listed here, so a new file is not released by mistake.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ ALLOWED = (
     'environment/',
     'roslab/',
     'roslab/ros2/LICENSE',
-    # What check(...) runs: the visible exams, their judge, and the sandbox.
+    # Files that check(...) needs: the visible exams, the judge and the sandbox.
     'autograder/__init__.py',
     'autograder/clock/',
     'autograder/commands/__init__.py',
@@ -44,23 +44,28 @@ ALLOWED = (
     'autograder/simulated.py',
     'autograder/simulation/',
     'autograder/submission/',
+    # What GitHub Actions runs on every push.
+    'autograder/workflow/',
 )
-"""What students receive beside the course: files, and folders with a slash at their end."""
+"""Files and folders of this project that students receive; folders end with a slash."""
 AT_THE_TOP = Path(__file__).parent / 'for_students'
-"""Files that they receive at the top of their copy."""
+"""Folder of the files that are at the top level of the students' copy."""
 UNDER_ANOTHER_NAME = {'README.md': 'docs/students.md'}
-"""What they receive besides: the page about the whole project would lead them astray."""
+"""Files with a different name in the students' copy: the project's README is for instructors."""
 NO_PARTS = {'hidden', '__pycache__', '.ipynb_checkpoints', 'ros_ws', 'build', 'install', 'log'}
 TOP = 'ros2-course'
 
 
 def bundled_files(layout: Layout) -> dict[str, Path]:
-    """Return the files that students receive: name in their copy -> file."""
+    """Return the files that students receive, by their name in the students' copy."""
     package = layout.facts.package
     own = ['course.toml', 'notebooks/', f'{layout.exams.relative_to(layout.root)}/']
     own += [f'{package}/{folder}/' for folder in ('config', 'launch') if package]
     parts = [*((layout.root, one) for one in own), *((PROJECT, one) for one in ALLOWED)]
-    parts += [(AT_THE_TOP, path.name) for path in AT_THE_TOP.iterdir()]
+    parts += [
+        (AT_THE_TOP, f'{path.name}/' if path.is_dir() else path.name)
+        for path in AT_THE_TOP.iterdir()
+    ]
     found = {name: layout.root / source for name, source in UNDER_ANOTHER_NAME.items()}
     for root, part in parts:
         start = root / part
@@ -76,8 +81,8 @@ def pack(layout: Layout, bundle: Path, answers: bool = False) -> int:
     """
     Write the zip file for students atomically; the same course gives the same bytes.
 
-    :param answers: whether the copy has worked answers, which students can then open
-    :returns: number of files
+    :param answers: whether to include the worked answers, which students can then open
+    :returns: number of files in the zip
     """
     files, made = bundled_files(layout), io.BytesIO()
     texts = {name: (path.read_bytes(), path.stat().st_mode) for name, path in files.items()}

@@ -13,7 +13,7 @@ MARK = re.compile(r'^ *### (?:BEGIN|END) SOLUTION *\n?', re.MULTILINE)
 
 
 def answer_files(layout: Layout) -> dict[str, bytes]:
-    """Return one file for each lesson with exercises: name in the students' copy -> content."""
+    """Return one file per lesson with exercises: its content by its name in the students' copy."""
     found = {}
     for path in lesson_files(layout.solutions):
         lesson = path.parent.name

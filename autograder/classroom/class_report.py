@@ -1,9 +1,9 @@
 """
 Write the page of a class: the distribution of marks, failed checks and their causes.
 
-The page is one HTML file next to the students' pages.  It opens from the disk, loads nothing and
-needs no script; a table repeats the numbers of the picture. Names and causes come from students,
-so everything is escaped.
+The page is one HTML file next to the students' pages.  It can be opened from disk, loads nothing
+and has no script; a table repeats the numbers in the picture.  Names and causes come from
+students, so all text is escaped.
 """
 
 from __future__ import annotations
@@ -37,15 +37,14 @@ from drawing import svg
 PAGE = 'class.html'
 WIDTH, HEIGHT = 640, 200
 BASE, TOP, GAP = 160, 28, 8
-"""Lines of the picture [px]: where bars stand, where the highest ends, between two of them."""
+"""Bottom of the bars, top of the highest bar, and gap between two bars [px]."""
 
 
 def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') -> Path:
     """
-    Write the page of a class.
+    Write the page of a class and return its path.
 
-    :param summary: one sentence about the run
-    :returns: its path
+    :param summary: one sentence about the grading
     """
     path = layout.reports / graded.assignment / PAGE
     students = {one.student for one in graded.results}
@@ -62,9 +61,9 @@ def write_all_reports(
     """
     Replace the results of a class and all its pages.
 
-    :param results: of all students
-    :param summary: one sentence about the run
-    :returns: path of the index
+    :param results: the results of all students
+    :param summary: one sentence about the grading
+    :returns: path of the index page
     """
     people = read_people(layout)
     missing = not_collected(layout, assignment, {one.student for one in results})
@@ -81,10 +80,10 @@ def class_page(
     missing: Sequence[NotCollected] = (),
 ) -> str:
     """
-    Return the page.
+    Return the page of a class as HTML.
 
     :param people: names by student id
-    :param missing: what could not be collected
+    :param missing: the work that could not be collected
     """
     marks = numbers.marks
     return (
@@ -92,7 +91,7 @@ def class_page(
         .get_template('class_report.html.j2')
         .render(
             numbers=numbers,
-            picture=Markup(histogram(marks)) if marks else '',  # noqa: S704 - made of numbers
+            picture=Markup(histogram(marks)) if marks else '',  # noqa: S704 - only numbers
             bins=[(_label(marks, place), count) for place, count in enumerate(marks.bins)]
             if marks
             else [],
@@ -111,7 +110,7 @@ def class_page(
 
 
 def _by_exam(checks: Sequence[CheckNumbers]) -> list[tuple[str, list[CheckNumbers]]]:
-    """Return the checks of each exam, in the order of the exams."""
+    """Group the checks by exam, in the order of the exams."""
     found: dict[str, list[CheckNumbers]] = {}
     for check in checks:
         found.setdefault(check.exam, []).append(check)
@@ -119,7 +118,7 @@ def _by_exam(checks: Sequence[CheckNumbers]) -> list[tuple[str, list[CheckNumber
 
 
 def histogram(marks: Marks) -> str:
-    """Return the picture of the marks as SVG; a table on the page shows the same numbers."""
+    """Return the histogram of the marks as SVG; a table on the page shows the same numbers."""
     most = max(marks.bins)
     step = WIDTH / BINS
     parts = [svg.line(0, BASE, WIDTH, BASE)]
@@ -139,7 +138,7 @@ def histogram(marks: Marks) -> str:
 
 
 def _label(marks: Marks, place: int) -> str:
-    """Return the range of points of a bar as text."""
+    """Return the range of points that a bar represents, as text."""
     low, high = (marks.max_points * edge / BINS for edge in (place, place + 1))
     if place == BINS - 1:
         return f'{number(low)} to {number(high)}'

@@ -13,7 +13,7 @@ from autograder.errors import GraderError
 from autograder.layout import Layout
 
 UNFINISHED = re.compile(r'\..+\.[0-9a-f]{32}')
-"""How :func:`autograder.files.keep` names a file until it is whole."""
+"""Name of a file that :func:`autograder.files.keep` has not finished."""
 
 
 class InUseError(GraderError):
@@ -25,10 +25,10 @@ def alone(layout: Layout, what: str) -> Iterator[None]:
     """
     Lock the course for this process, and remove files that a killed grading left unfinished.
 
-    The kernel releases the lock when the process ends, even if it is killed; the text in the file
-    is only for people.
+    The kernel releases the lock when the process ends, even if it is killed.  The text in the lock
+    file only describes the process.
 
-    :param what: the command, shown to a second process that wants the lock
+    :param what: name of the command, shown by a second process that needs the lock
     :raises InUseError: if another process holds the lock; the error names that process
     """
     layout.work.mkdir(parents=True, exist_ok=True)
@@ -43,7 +43,7 @@ def alone(layout: Layout, what: str) -> Iterator[None]:
                 f'{path}: another command is writing to this course: {holder}.',
                 'Try: wait until it ends, or stop it with Ctrl-C in its terminal',
             ) from error
-        if os.fstat(lock).st_size:  # the previous command was killed
+        if os.fstat(lock).st_size:  # The previous command was killed.
             _tidy(layout)
         os.ftruncate(lock, 0)
         os.pwrite(
@@ -59,7 +59,7 @@ def _tidy(layout: Layout) -> None:
     """Remove unfinished files that no process is writing."""
     for folder in (layout.reports, layout.recordings):
         for path in filter(lambda path: UNFINISHED.fullmatch(path.name), folder.glob('*/.*')):
-            # The file is gone, or its writer still has it locked.
+            # An OSError means that the file is gone, or that its writer still has it locked.
             with suppress(OSError), path.open('rb') as file:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 path.unlink()

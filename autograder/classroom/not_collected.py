@@ -1,30 +1,33 @@
 """
-Remember what ``collect`` found but could not collect: from whom, and why.
+Remember what ``collect`` could not collect, and find who handed in nothing.
 
-An entry is kept until a submission of that student is collected. Otherwise a file in the wrong
-format would appear only in the table of one collection, and later reports would not explain why
+An entry is kept until a submission of that student is collected.  Without it, a file in the wrong
+format would appear only in the table of one collection, and later reports could not explain why
 the student is missing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 import json
 
+from autograder.classroom.class_list import class_list
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
+
+NOTHING = 'Nothing handed in'
 
 
 @dataclass(frozen=True)
 class NotCollected:
     """
-    A delivery that was not collected.
+    A delivery that was not collected, or a student of the class who has handed in nothing.
 
-    :param assignment: empty if the delivery does not tell
-    :param why: one sentence
-    :param person: a name for people, empty if the id is one
+    :param assignment: the assignment, empty if it is not known
+    :param why: the reason, without a full stop
+    :param person: the student's name, empty if the id is a name
     :param handed_in: time of delivery in UTC, empty if it is not known
     """
 
@@ -37,15 +40,17 @@ class NotCollected:
     @property
     def reason(self) -> str:
         """Return why it was not collected, with the time of delivery."""
+        if self.why == NOTHING:
+            return f'{NOTHING}.'
         when = f' (handed in {self.handed_in} UTC)' if self.handed_in else ''
         return f'Not collected: {self.why}{when}.'
 
 
 def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
     """
-    Return the entries of students from whom nothing has been collected since.
+    Return the entries of students whose work has not been collected since.
 
-    :returns: nothing if the file is missing or damaged
+    :returns: the entries, empty if the file is missing or damaged
     """
     data, _ = read_file(layout.not_collected, layout.not_collected.name)
     try:
@@ -57,9 +62,9 @@ def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
 
 def keep_not_collected(layout: Layout, found: Iterable[NotCollected]) -> None:
     """
-    Add entries; keep only the last delivery of each student and assignment.
+    Add entries; keep only the latest entry per student and assignment.
 
-    :raises OSError: if it cannot be written
+    :raises OSError: if the file cannot be written
     """
     known = {(one.student, one.assignment): one for one in read_not_collected(layout)}
     for one in sorted(found, key=lambda one: one.handed_in):
@@ -72,7 +77,7 @@ def forget_not_collected(layout: Layout, student: str) -> None:
     """
     Remove the entries of a student.
 
-    :raises OSError: if it cannot be written
+    :raises OSError: if the file cannot be written
     """
     _write(layout, [one for one in read_not_collected(layout) if one.student != student])
 
@@ -86,22 +91,43 @@ def not_collected(
     layout: Layout, assignment: str, graded: Collection[str]
 ) -> tuple[NotCollected, ...]:
     """
-    Return the entries of students who are missing in the results of an assignment.
+    Return the students who are missing in the results of an assignment.
+
+    These are students whose delivery could not be collected, and students on the class list.
 
     :param graded: students who have a result
+    :raises GraderError: if the class list is wrong
     """
-    return tuple(
-        one
+    names = class_list(layout)
+    found = [
+        replace(one, person=names.get(one.student) or one.person)
         for one in read_not_collected(layout)
         if one.assignment in ('', assignment) and one.student not in graded
-    )
+    ]
+    known = {*graded, *(one.student for one in found)}
+    found += [
+        NotCollected(student, assignment, NOTHING, name)
+        for student, name in names.items()
+        if student not in known
+    ]
+    return tuple(sorted(found, key=lambda one: one.student))
+
+
+def not_listed(layout: Layout, students: Collection[str]) -> tuple[str, ...]:
+    """
+    Return the students who are not on the class list; none if there is no list.
+
+    :raises GraderError: if the class list is wrong
+    """
+    known = class_list(layout)
+    return tuple(one for one in students if one not in known) if known else ()
 
 
 def names_to_write_to(missing: Sequence[NotCollected]) -> str:
-    """Return the students to write to, as a list for an e-mail."""
+    """Return the names or ids of students, separated by commas, for an e-mail to them."""
     return ', '.join(dict.fromkeys(one.person or one.student for one in missing))
 
 
 def _arrived(layout: Layout, one: NotCollected) -> bool:
-    """Return whether a notebook of the student is in ``submitted/``."""
+    """Return whether ``submitted/`` contains a notebook of the student for the assignment."""
     return any((layout.submitted / one.student).glob(f'{one.assignment or "*"}/*.ipynb'))

@@ -1,8 +1,8 @@
 """
-Show results: one HTML page per student, an index of the class, a table in the terminal.
+Show results: one HTML page per student, an index of the class, and a table in the terminal.
 
-Names, messages and log lines come from students.  The pages escape everything, allow no script
-and load nothing; the terminal gets no control characters.
+Names, messages and log lines come from students.  So the pages escape all text, allow no script
+and load nothing, and the table contains no control characters.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ def write_reports(
     """
     Replace the results of a class and their pages.
 
-    The results are written first, atomically: every other command starts from them, and the
-    pages can be generated again.
+    The results are written first, atomically: all other commands read them, and the pages can be
+    generated again.
 
-    :param folder: receives ``<assignment>/index.html`` and ``<assignment>/students/``
-    :param summary: one sentence about the whole run
-    :param people: names by student id, for the pages of the class; a student's own page has none
-    :param missing: what could not be collected
-    :returns: path of the index
+    :param folder: folder that receives ``<assignment>/index.html`` and ``<assignment>/students/``
+    :param summary: one sentence about the grading
+    :param people: names by student id, for the index; a student's own page shows no name
+    :param missing: the work that could not be collected
+    :returns: path of the index page
     """
     pages = folder / assignment
     data = json.dumps([result.to_json() for result in results], indent=1)
@@ -77,30 +77,30 @@ def write_reports(
 
 
 def _put(path: Path, text: str) -> None:
-    """Write a page atomically: a reader sees the old one or the new one."""
+    """Write a page atomically: a reader sees either the old page or the new page."""
     unfinished = path.with_name(f'.{path.name}')
     unfinished.write_text(text, encoding='utf-8')
     unfinished.replace(path)
 
 
 def worth_a_look(results: Sequence[SubmissionResult]) -> list[tuple[str, tuple[str, ...]]]:
-    """Return what an instructor should look at, with the student; unreadable work comes first."""
+    """Return each student with flags for the instructor; unreadable submissions come first."""
     found = [(one.student, (one.unusable.rstrip('.'),)) for one in results if one.unusable]
     return [*found, *((one.student, one.flags) for one in results if one.flags)]
 
 
 def with_name(student: str, people: Mapping[str, str]) -> str:
-    """Return a student id, with the student's name if it is known."""
+    """Return a student id, followed by the student's name if it is known."""
     return f'{student} ({people[student]})' if student in people else student
 
 
 def page_name(student: str) -> str:
-    """Return the file name of a student's page; it is safe for any student id."""
+    """Return the relative path of a student's page; it is valid for any student id."""
     return f'students/{safe_name(student)}.html'
 
 
 def _templates() -> Environment:
-    """Return the page templates, with escaping for every file name."""
+    """Return the environment of the page templates, which escapes all values."""
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).parents[1] / 'templates'),
         autoescape=True,
@@ -123,7 +123,7 @@ def _templates() -> Environment:
 
 
 def _checks(exam: ExamResult) -> Any:
-    """Return the checks of an exam as HTML; everything from a student is escaped."""
+    """Return the checks of an exam as HTML, in which all text from students is escaped."""
     return Markup(checks_html(exam))  # noqa: S704
 
 
@@ -135,10 +135,10 @@ def print_table(
     missing: Sequence[NotCollected] = (),
 ) -> None:
     """
-    Print student, points and first cause, and then what an instructor should look at.
+    Print a table of students, points and first causes, then the flags for the instructor.
 
     :param people: names by student id
-    :param missing: what could not be collected
+    :param missing: the work that could not be collected
     """
     exams = [exam for one in results for exam in one.exams]
     weak = ', '.join(sorted({exam.mode for exam in exams if exam.not_protected}))
@@ -150,7 +150,7 @@ def print_table(
     for result in results:
         points = f'{number(result.points)} of {number(result.max_points)}'
         why = shortened(headline(result).replace('\n', ' '), WHY_CHARS)
-        # Text objects: square brackets in a student's words are not markup here.
+        # Use Text objects: rich must not interpret square brackets from students as markup.
         table.add_row(
             Text(printable(with_name(result.student, people))),
             Text('for review', style='bold red') if result.review else Text(points),

@@ -7,6 +7,7 @@ import json
 from typing import Any
 import unicodedata
 
+from autograder.classroom.class_list import class_list
 from autograder.errors import GraderError
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
@@ -14,12 +15,23 @@ from autograder.submission.reading import read_file
 
 LONGEST_NAME = 200
 KEPT = frozenset('\t\n\r\u200c\u200d')
-"""Kept although they are not printable: line ends become spaces, Persian words need joiners."""
+"""Unprintable characters to keep: line breaks become spaces, and Persian words need joiners."""
 
 
 def read_people(layout: Layout) -> dict[str, str]:
     """
-    Return the known names, by student id.
+    Return the known names, by student id: from the class list, else from ``collect``.
+
+    Platforms shorten names, as Canvas does to ``exampleann``; the list has them as people do.
+
+    :raises GraderError: if the class list is wrong
+    """
+    return {**saved_people(layout), **_clean(class_list(layout))}
+
+
+def saved_people(layout: Layout) -> dict[str, str]:
+    """
+    Return the names that ``collect`` has saved, by student id.
 
     :returns: nothing if the file is missing or damaged
     """
@@ -35,8 +47,8 @@ def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
     """
     Return the id of the student with this id or display name.
 
-    :param students: ids of those who may be meant
-    :raises GraderError: if none of them has it, or several have the name
+    :param students: ids of the students to search
+    :raises GraderError: if no student has this id or name, or several have the name
     """
     if name in students:
         return name
@@ -52,8 +64,8 @@ def namesake(layout: Layout, name: str, students: Collection[str]) -> str:
     """
     Return the id of the student with this display name, or an empty string.
 
-    :param students: ids of those who may be meant
-    :raises GraderError: if several have the name
+    :param students: ids of the students to search
+    :raises GraderError: if several students have the name
     """
     people = {one: named for one, named in read_people(layout).items() if one in students}
     found = sorted(one for one, named in people.items() if _folded(named) == _folded(name))
@@ -66,25 +78,25 @@ def namesake(layout: Layout, name: str, students: Collection[str]) -> str:
 
 
 def _folded(name: str) -> str:
-    """Return a name without differences in capitals and spaces."""
+    """Normalise the case and the spaces of a name for comparison."""
     return ' '.join(unicodedata.normalize('NFKC', name).casefold().split())
 
 
 def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
     """
-    Save names; a new name of a student replaces the old one.
+    Save display names; a new name of a student replaces the old name.
 
-    :param names: by student id, as a source has them
-    :raises OSError: if they cannot be written
+    :param names: names by student id, as written in a source
+    :raises OSError: if the file cannot be written
     """
-    known = read_people(layout)
+    known = saved_people(layout)
     merged = dict(sorted({**known, **_clean(names)}.items()))
     if merged != known:
         keep(layout.people, json_bytes(merged))
 
 
 def _clean(names: Mapping[Any, Any]) -> dict[str, str]:
-    """Return a name as one printable line of limited length."""
+    """Return each name as one printable line of limited length; leave out empty names."""
     found = {}
     for student, name in names.items():
         if isinstance(student, str) and isinstance(name, str):

@@ -1,7 +1,7 @@
 """
-Read the last results, for everything that concerns a class as a whole.
+Read the last results of a class.
 
-Reports, statistics and exports start from these results and run no program.
+Reports, statistics and exports use these results and run no program.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...
     """
     Return the last results of an assignment.
 
-    :raises GraderError: if the file is not what a report wrote
+    :raises GraderError: if the file with the results is damaged
     """
     path = results_file(layout, assignment)
     try:
@@ -53,7 +53,7 @@ def results_of_others(
     """
     Return the last results of all students except the given ones.
 
-    :raises GraderError: if the file is not what a report wrote
+    :raises GraderError: if the file with the results is damaged
     """
     if not results_file(layout, assignment).is_file():
         return ()
@@ -65,8 +65,8 @@ def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
     """
     Return the last results of one assignment, or of all that were graded.
 
-    :param name: only this assignment; None for every one that was graded
-    :raises GraderError: if it is unknown, or was not graded yet
+    :param name: name of the assignment; None for all that were graded
+    :raises GraderError: if the assignment is unknown, or there are no results yet
     """
     wanted = layout.assignments() if name is None else (layout.assignment_named(name),)
     there = [one for one in wanted if results_file(layout, one).is_file()]
@@ -79,18 +79,18 @@ def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
 
 
 def has_mark(result: SubmissionResult) -> bool:
-    """Return whether points are a mark: not for review, and not from visible checks alone."""
+    """Return whether a result is a mark: not for review, and not from visible checks alone."""
     modes = [MODES[exam.mode] for exam in result.exams if exam.mode in MODES]
     return not result.review and all(mode.keeps_secrets for mode in modes)
 
 
 def seconds_of_exam(exam: ExamResult) -> float:
-    """Return how long running and judging an exam took [s]."""
+    """Return the duration of running and judging an exam [s]."""
     return exam.timing.get('run_s', 0.0) + exam.timing.get('judge_s', 0.0)
 
 
 def ran_s(result: SubmissionResult) -> float:
-    """Return how long the runs of a submission took, now or when recorded [s]; 0.0 if unknown."""
+    """Return the duration of a submission's runs when they were recorded [s]; 0.0 if unknown."""
     return sum(exam.ran_s for exam in result.exams)
 
 

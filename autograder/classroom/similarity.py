@@ -1,11 +1,11 @@
 """
-List similar submissions for an instructor to compare; this is never a verdict.
+List similar submissions for an instructor to compare; similarity is never a verdict.
 
 Python's parser removes comments, docstrings and spacing; names that the file defines and lines of
-the release do not count.  Rapidfuzz compares the rest twice: token by token in order, and line by
-line in any order, so that neither renaming nor moving hides a copy.  If a lesson asks for nodes of
-the course's finished package, submissions are compared with this package too.  The score of a
-typical pair shows how similar the exercise makes all answers.  No submitted code runs.
+the release are ignored.  Rapidfuzz compares the rest twice: token by token in order, and line by
+line in any order.  So neither renaming nor moving code hides a copy.  If a lesson asks for nodes
+of the course's finished package, submissions are also compared with this package.  The score of a
+typical pair shows how similar all answers to the exercise are.  No submitted code runs.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ from autograder.submission.notebook import Notebook
 from autograder.submission.submission import Opened
 
 MOST = 50
-"""Pairs that are shown with what they have in common."""
+"""Maximum number of pairs that are shown with their common lines."""
 SHORTEST = 40
-"""If fewer tokens than this are the student's own, equal answers are not a surprise."""
+"""Minimum number of tokens of the student's own code; shorter answers are often equal."""
 NOT_COMPARED = ('answers/', 'msg/', 'package.xml', 'CMakeLists.txt')
-"""Letters of a quiz and files with one right form are equal by nature."""
+"""Beginnings of paths that are not compared: their right answers are all equal."""
 NAME = re.compile(r'\w+')
 TOKEN = re.compile(r"""[bf]?(?P<quote>['"]).*?(?<!\\)(?P=quote)|\w+|[^\w\s]=?""")
-"""A string is one token, as Python's own tokenizer reads it."""
+"""A string literal is one token, as for Python's own tokenizer."""
 STORE = ast.Store()
 BELOW = ('body', 'orelse', 'handlers', 'finalbody', 'cases')
-"""Fields of statements that hold further statements."""
+"""Fields of syntax nodes that contain nested statements."""
 WARNING = (
     'Similarity proves nothing. Small exercises have few good answers, and students may have been '
     'allowed to work together. Read both files before you speak to a student.'
@@ -51,9 +51,9 @@ class Line:
     """
     One statement without those nested in it, or one line of a file that is not Python.
 
-    :param number: of its first line in the file, from 1
+    :param number: number of its first line in the file, from 1
     :param raw: its tokens
-    :param tokens: the same without the names that the file gives
+    :param tokens: its tokens, with one placeholder for all names that the file defines
     """
 
     path: str
@@ -65,7 +65,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Common:
-    """Lines that two submissions have in common, as each submission has them."""
+    """Consecutive lines that two submissions have in common, as written in each of them."""
 
     path: str
     first: tuple[str, ...]
@@ -77,10 +77,10 @@ class Common:
 @dataclass(frozen=True)
 class Pair:
     """
-    Two submissions, or two groups of equal ones.
+    Two similar submissions, or two groups of equal submissions.
 
     :param first: students whose own code is the same
-    :param second: likewise; empty if ``first`` are equal to one another
+    :param second: students of the other group; empty for a single group of equal submissions
     :param score: 0 to 1
     :param renamed: share of the common lines in which only names differ
     """
@@ -97,11 +97,11 @@ class Similar:
     """
     The result of comparing one assignment.
 
-    :param compared: how many submissions had enough of their own
+    :param compared: number of submissions with enough code of their own
     :param short: students with too little code of their own
-    :param typical: median of all pairs' scores, None below two submissions
-    :param pairs: those with a score of at least ``at_least``, the most similar first
-    :param more: how many pairs are left out, because there are too many to look at
+    :param typical: median score of all pairs, None if there is no pair
+    :param pairs: pairs with a score of at least ``at_least``, the most similar first
+    :param more: number of further such pairs, which are left out
     """
 
     assignment: str
@@ -123,8 +123,8 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
 
     :param assignment: full name
     :param submitted: the folder of the class
-    :param at_least: score from which a pair is listed, 0 to 1
-    :raises GraderError: if it has no submission
+    :param at_least: minimum score of a listed pair, 0 to 1
+    :raises GraderError: if there is no submission, or the folder cannot be read
     """
     lesson = load_lesson(layout, assignment, NothingRuns())
     try:
@@ -141,9 +141,9 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
 
 def finished(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
     """
-    Return the course's own package as a submission, if the lesson asks for its nodes.
+    Return the course's own package as two references, if the lesson asks for its nodes.
 
-    The two forms find copies of the nodes, and copies of the nodes with the modules they import.
+    One reference contains only these nodes, the other all modules of the package.
     """
     package = layout.facts.package
     modules = {
@@ -183,7 +183,7 @@ def lines_of(path: str, text: str) -> list[Line]:
         try:
             return list(_python_lines(path, text))
         except (NotPythonError, RecursionError):
-            pass  # compare words, with names as they are
+            pass  # Compare the lines as plain text, without replacing names.
     found = []
     for number, line in enumerate(text.splitlines(), start=1):
         words = tokens_of(line.partition('#')[0])
@@ -212,7 +212,7 @@ def _python_lines(path: str, text: str) -> Iterator[Line]:
 
 
 def _statements(node: ast.AST) -> Iterator[ast.stmt]:
-    """Yield the statements below a node in order, without docstrings."""
+    """Yield the statements below a syntax node in order, without docstrings."""
     for child in (child for field in BELOW for child in getattr(node, field, ())):
         lone = child.value if isinstance(child, ast.Expr) else None
         if isinstance(child, ast.stmt) and not isinstance(getattr(lone, 'value', None), str):
@@ -221,7 +221,7 @@ def _statements(node: ast.AST) -> Iterator[ast.stmt]:
 
 
 def _given_names(node: ast.AST) -> Iterator[str]:
-    """Yield the names that a syntax node assigns or defines, not names of imports."""
+    """Yield the names that a syntax node assigns or defines, except names of imports."""
     if isinstance(node, ast.keyword) or not isinstance(getattr(node, 'ctx', STORE), ast.Store):
         return
     for field in ('asname',) if isinstance(node, ast.alias) else ('id', 'attr', 'name', 'arg'):
@@ -240,11 +240,12 @@ def compare(
     references: Mapping[str, Mapping[str, str]] | None = None,
 ) -> Similar:
     """
-    Compare texts, student by student.
+    Compare the files of all students.
 
     :param answers: student -> path -> text
-    :param given: lines that everybody received, see :func:`given_lines`
-    :param references: texts of the course, compared with the students' and not with each other
+    :param given: lines that all students received, see :func:`given_lines`
+    :param references: name -> path -> text of the course's own code, which is compared with the
+        students' files but not with itself
     """
     references = references or {}
     own = {
@@ -285,9 +286,9 @@ def _scores(
     groups: Mapping[tuple[tuple[str, ...], ...], Sequence[str]],
 ) -> Iterator[tuple[float, Sequence[str], Sequence[str]]]:
     """
-    Yield the score of each pair of groups.
+    Yield the score of each pair of groups, with the students of both.
 
-    :param groups: lines of tokens, and their students
+    :param groups: students by the tokens of their lines
     """
     from rapidfuzz.distance import Indel
     from rapidfuzz.process import cdist
@@ -308,7 +309,7 @@ def _pair(
     one: Sequence[Line],
     two: Sequence[Line],
 ) -> Pair:
-    """Return a pair with its common lines, longest stretches first."""
+    """Return a pair with its blocks of common lines, longest blocks first."""
     from rapidfuzz.distance import LCSseq
 
     common, same, renamed = [], 0, 0

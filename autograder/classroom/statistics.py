@@ -1,8 +1,8 @@
 """
-Compute the statistics of a class: marks, checks, slow runs, what to look at.
+Compute the statistics of a class: marks, checks, slow runs and flags.
 
-All numbers come from results.  Submissions for review have no mark and appear only in a separate
-list.
+All numbers come from the last results.  Submissions for review have no mark and appear only in a
+separate list.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pathlib import Path
 import statistics
 from typing import Any
 
+from autograder.classroom.not_collected import not_collected
 from autograder.classroom.results_of_class import (
     ClassResults,
     has_mark,
@@ -32,7 +33,7 @@ SLOWEST = 5
 CAUSES = 3
 DIGEST_CHARS = 12
 HEADER_BYTES = 4096
-"""Read of a recording, whose first line names what it was made of."""
+"""Maximum size of the header, which is the first line of a recording [bytes]."""
 Header = Mapping[str, Any]
 
 
@@ -41,7 +42,10 @@ class Marks:
     """
     The distribution of the points.
 
-    :param bins: how many got 0 to below 10 % of the points, 10 to below 20 %, ..., 90 to 100 %
+    :param count: number of submissions with a mark
+    :param full: number of submissions with full marks
+    :param bins: number of submissions with 0 to below 10 % of the points, 10 to below 20 %, ...,
+        90 to 100 %
     """
 
     count: int
@@ -61,7 +65,7 @@ class CheckNumbers:
     """
     The results of a class in one check.
 
-    :param causes: causes of the failures as text, with their number, the most frequent first
+    :param causes: causes of the failures as text, each with its frequency, most frequent first
     """
 
     exam: str
@@ -82,16 +86,17 @@ class ClassNumbers:
 
     :param marks: None if nobody has a mark
     :param review: student, and why there is no score
+    :param missing: student, and why there is no submission to grade
     :param flagged: student, and what an instructor should look at
     :param slowest: student, and how long the runs took, whenever they took place [s]
     :param repeated: students whose runs were repeated, because the first run may have failed for a
         reason outside the program
     :param recorded: number of submissions that needed no run in the last grading
     :param modes: isolation modes
-    :param lacks: what they do not protect
-    :param exams: exam, and digests of its scenario (the seeded inputs) and of the environment
-    :param versions: versions of the software that made the recordings, if recorded; several
-        versions of one name are in one text
+    :param lacks: what these modes do not protect
+    :param exams: digests of the scenario (with its inputs) and of the environment, by exam
+    :param versions: versions of the software that made the recordings, by name; several versions
+        of one name are joined in one string
     """
 
     assignment: str
@@ -99,6 +104,7 @@ class ClassNumbers:
     marks: Marks | None
     checks: tuple[CheckNumbers, ...]
     review: tuple[tuple[str, str], ...]
+    missing: tuple[tuple[str, str], ...]
     flagged: tuple[tuple[str, str], ...]
     slowest: tuple[tuple[str, float], ...]
     repeated: tuple[str, ...]
@@ -113,7 +119,8 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
     """
     Return the statistics of a class.
 
-    :param layout: where the recordings are, whose headers name digests
+    :param layout: where the recordings are, whose headers name digests, and the class list
+    :raises GraderError: if the class list is wrong
     """
     results = graded.results
     marked = [result for result in results if not result.review]
@@ -126,6 +133,12 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
         marks=_marks([result for result in results if has_mark(result)]),
         checks=_checks(marked),
         review=tuple((one.student, one.review) for one in results if one.review),
+        missing=tuple(
+            (one.student, one.reason)
+            for one in not_collected(
+                layout, graded.assignment, {result.student for result in results}
+            )
+        ),
         flagged=tuple((one.student, flag) for one in results for flag in one.flags),
         slowest=tuple((one.student, ran_s(one)) for one in slowest[:SLOWEST]),
         repeated=tuple(
@@ -146,7 +159,7 @@ def _marks(results: Sequence[SubmissionResult]) -> Marks | None:
     points = sorted(result.points for result in results)
     bins = [0] * BINS
     for one in points:
-        # Sums of floats: 40 points in thirds are 39.99999 and still full marks.
+        # Allow for rounding: the sum of the points may be 39.99999 instead of 40.
         bins[max(0, min(BINS - 1, math.floor(one / most * BINS + 1e-6)))] += 1
     low, middle, high = (
         statistics.quantiles(points, n=4, method='inclusive') if len(points) > 1 else points * 3
@@ -166,7 +179,7 @@ def _marks(results: Sequence[SubmissionResult]) -> Marks | None:
 
 
 def _checks(results: Sequence[SubmissionResult]) -> tuple[CheckNumbers, ...]:
-    """Return the numbers of every check, in the order of the exams."""
+    """Return the statistics of every check, in the order of the exams."""
     found: dict[tuple[str, str], list[CheckResult]] = {}
     for result in results:
         for exam in result.exams:
@@ -194,8 +207,8 @@ def _causes(failed: Sequence[CheckResult]) -> tuple[tuple[str, int], ...]:
     """
     Return the most frequent causes of a check as text.
 
-    Causes are counted by their stable name, because their text names lines and values of one
-    student; the most frequent text is shown.
+    Causes are counted by their stable name, because their text contains line numbers and values of
+    individual students.  For each cause, the most frequent text is returned.
     """
     words: dict[str, Counter[str]] = {}
     for check in failed:
@@ -206,7 +219,7 @@ def _causes(failed: Sequence[CheckResult]) -> tuple[tuple[str, int], ...]:
 
 
 def _headers(layout: Layout, exams: Sequence[ExamResult]) -> dict[str, list[Header]]:
-    """Return the first line of each recording, by exam; empty where nothing was recorded."""
+    """Return the header of each recording, by exam; a header is empty if there is no recording."""
     found: dict[str, list[Header]] = {}
     for exam, name in dict.fromkeys((one.exam, one.recording) for one in exams):
         header = _header(layout.recordings / exam / name) if name else {}
@@ -215,7 +228,7 @@ def _headers(layout: Layout, exams: Sequence[ExamResult]) -> dict[str, list[Head
 
 
 def _digests(headers: Sequence[Header]) -> dict[str, tuple[str, ...]]:
-    """Return what the recordings of an exam were made with; two digests are unusual."""
+    """Return the digests of scenario and environment in headers; usually there is one of each."""
     return {
         name: tuple(digest[:DIGEST_CHARS] for digest in _texts(headers, name))
         for name in ('scenario', 'environment')
@@ -223,7 +236,7 @@ def _digests(headers: Sequence[Header]) -> dict[str, tuple[str, ...]]:
 
 
 def _versions(headers: Sequence[Header]) -> dict[str, str]:
-    """Return the versions that the recordings name; this machine may have changed since."""
+    """Return the software versions in the headers; this machine may have other versions now."""
     made = [one['made_with'] for one in headers if isinstance(one.get('made_with'), dict)]
     found = {name: _texts(made, name) for name in dict.fromkeys(chain(*made))}
     found['environment'] = _digests(headers)['environment']
@@ -231,12 +244,12 @@ def _versions(headers: Sequence[Header]) -> dict[str, str]:
 
 
 def _texts(headers: Sequence[Header], name: str) -> tuple[str, ...]:
-    """Return the different values of one field in the headers."""
+    """Return the distinct values of one field in the headers, as strings."""
     return tuple(dict.fromkeys(str(one[name]) for one in headers if name in one))
 
 
 def _header(path: Path) -> Header:
-    """Return the first line of a recording, or an empty string if the file is gone."""
+    """Return the header of a recording; empty if the file is missing or damaged."""
     try:
         with path.open('rb') as file:
             data = json.loads(file.readline(HEADER_BYTES))

@@ -1,1 +1,1 @@
-"""The virtual clock of a run; README.md next to this file explains it."""
+"""Provide the virtual clock of a run; README.md in this folder explains it."""

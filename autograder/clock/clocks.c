@@ -1,21 +1,21 @@
 /*
- * Reading the clock, and loops that do nothing else.
+ * Reading the clock, and loops that poll the clock.
  *
- * Time stands still while anything runs, so a loop that reads the clock until it shows a later time
- * would never end. A thread that reads it many times in a row, and does nothing else that anybody could
- * notice, is therefore taken as one that sleeps until the next step of a grid.
+ * Time stands still while any thread runs, so a loop that reads the clock until it shows a later time
+ * would never end. So if a thread reads the clock many times in a row, and does nothing else that is
+ * visible to others, the library makes it sleep until the next step of a grid.
  */
 #include "library.h"
 
 #include <dlfcn.h>
 #include <string.h>
 
-#define NO_WAIT 40              /* reads that a wait of no time counts for: no program needs many */
-#define FIRST_STEP 500          /* importing rclpy alone reads the clock dozens of times */
-#define NEXT_STEPS 10
-#define FINE (SECOND / 1000)    /* the grid, for the first steps of a loop ... */
+#define NO_WAIT 40              /* a wait of zero length counts like 40 reads, because it is rare */
+#define FIRST_STEP 500          /* reads before the first step: importing rclpy alone needs dozens */
+#define NEXT_STEPS 10           /* reads before each further step */
+#define FINE (SECOND / 1000)    /* the grid for the first steps of a loop */
 #define FINE_STEPS 10
-#define COARSE (SECOND / 100)   /* ... and for the others */
+#define COARSE (SECOND / 100)   /* the grid for all further steps */
 
 /* Sleep until the next step of the grid. */
 static void step(struct thread *thread)
@@ -38,7 +38,7 @@ static void look(struct thread *thread, int *counter)
         step(thread);
 }
 
-/* Note that this thread waited for no time at all. */
+/* Count a wait of zero length by this thread. */
 void waited_for_nothing(void)
 {
     struct thread *thread = self();
@@ -53,7 +53,8 @@ static void read_the_clock(void)
         look(thread, &thread->reads);
 }
 
-/* Most CPythons read the clock for each lock that they take, and take one for each read of a file. */
+/* Do not count the read of the clock that most versions of CPython make for each lock: CPython takes a
+ * lock for each read of a file. */
 void took_a_lock(void)
 {
     struct thread *thread = self();
@@ -61,7 +62,7 @@ void took_a_lock(void)
         thread->reads--;
 }
 
-/* A thread that sends does something that others notice. */
+/* Reset the counts of this thread, because others can see what it sends. */
 void sent_something(void)
 {
     struct thread *thread = self();
@@ -69,10 +70,11 @@ void sent_something(void)
         thread->reads = thread->empty_waits = thread->steps = 0;
 }
 
-/* Whether a read by the code at an address counts: the C++ library's is Fast DDS's, not a program's. */
+/* Return whether a read by the code at an address counts: reads by the C++ library come from Fast DDS,
+ * not from the program. */
 static bool counts(const void *caller)
 {
-    static _Atomic uintptr_t known[64]; /* an address and the answer, in one word for all threads */
+    static _Atomic uintptr_t known[64]; /* cache: an address and the result in one atomic word */
     uintptr_t address = (uintptr_t)caller << 1, found = known[address / 16 % 64];
     if ((found & ~(uintptr_t)1) != address) {
         Dl_info where = {0};

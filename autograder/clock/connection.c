@@ -1,4 +1,4 @@
-/* How a process joins the clock, and the helper thread that serves the driver. */
+/* Connect the process to the clock, and run the helper thread that serves the driver. */
 #include "library.h"
 
 #include <errno.h>
@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-#define FIRST_OWN 128 /* our descriptors lie here, above those that programs usually have */
+#define FIRST_OWN 128 /* first number of the library's descriptors, above those of most programs */
 
 int in_flight = -1, our_socket = -1;
 
@@ -34,7 +34,7 @@ static _Noreturn void give_up(const char *why)
     _exit(127);
 }
 
-/* Ask the driver for our descriptors. */
+/* Request the descriptors of this process from the driver. */
 static void receive_descriptors(int socket, int fds[DESCRIPTORS])
 {
     union {
@@ -72,7 +72,7 @@ static void *serve_driver(void *unused)
     return unused;
 }
 
-/* Start the helper thread, without any signal: the program's threads handle those. */
+/* Start the helper thread with all signals blocked, because the program's threads must handle them. */
 static void start_helper(void)
 {
     sigset_t all, before;
@@ -104,7 +104,7 @@ static void connect_to_driver(int socket)
     start_helper();
 }
 
-/* The child of a fork has one thread, and a page and descriptors of its own. */
+/* Connect the child of a fork, which has one thread, with its own page and descriptors. */
 void begin_again_in_child(int socket)
 {
     active = false;
@@ -120,7 +120,7 @@ void begin_again_in_child(int socket)
     connect_to_driver(socket);
 }
 
-/* Join the clock later than at the start: the fork of a process that is not on it, for example. */
+/* Join the clock later than at the start, for example in a fork of a process that is not on the clock. */
 EXPORT void join_virtual_clock(int socket) { connect_to_driver(socket); }
 
 __attribute__((constructor)) static void begin(void)

@@ -1,11 +1,12 @@
 /*
- * Datagrams leave when everything waits.
+ * Queue datagrams, and send them when every process waits.
  *
- * In real life a datagram is with its reader while its sender still computes, so which of the two is
- * quicker decides what happens next. Here it is posted. A process with post is due at once: when every
- * process waits, the driver wakes it as if its deadline had come, and a portion leaves. The readers have
- * handled it, and all that follows from it, before the next portion leaves. So two programs that meet over
- * the network always meet in the same way, and no reader's buffer overflows.
+ * Normally, a datagram reaches its reader while the sender still computes, so the speed of the two
+ * decides what happens next. This library posts a datagram: it stores the datagram in a queue. A process
+ * with posted datagrams is due at once: when every process waits, the driver wakes it as if its deadline
+ * had passed, and it sends a portion. The readers handle this portion and all its consequences before the
+ * next portion is sent. So discovery between two programs is deterministic, and no reader's buffer
+ * overflows.
  */
 #include "library.h"
 
@@ -14,15 +15,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PORTION 64          /* datagrams; a reader's buffer holds 90 of 1 kB ... */
-#define PORTION_BYTES 48000 /* ... and 200 kB */
-#define MOST 1024           /* a thread that posts more waits until a portion has left */
-#define LONGEST 65507       /* of a datagram [bytes] */
+#define PORTION 64          /* datagrams; a reader's buffer holds 90 datagrams of 1 kB ... */
+#define PORTION_BYTES 48000 /* ... and at most 200 kB */
+#define MOST 1024           /* posted datagrams; a thread that posts more waits for the next portion */
+#define LONGEST 65507       /* maximum size of a datagram [bytes] */
 
 struct letter {
     struct letter *next;
     int fd, flags;
-    socklen_t length; /* of the address */
+    socklen_t length; /* length of the address */
     struct sockaddr_in6 to; /* or a sockaddr_in, which is smaller */
     size_t size;
     char bytes[];
@@ -35,7 +36,7 @@ bool has_post(void) { return first != NULL; }
 
 void forget_post(void)
 {
-    first = NULL; /* they are the parent's; their memory is of no account */
+    first = NULL; /* the parent sends these datagrams; the child does not free their memory */
     end = &first;
     posted = 0;
 }
@@ -65,7 +66,8 @@ static bool is_posted(int fd)
     return letter;
 }
 
-/* Wait until nothing is posted: what follows ends the socket, or the process if it is negative. */
+/* Wait until all datagrams posted on a socket are sent, or all datagrams if `fd` is negative. The caller
+ * is about to close the socket or end the process. */
 void wait_for_post(int fd)
 {
     struct thread *thread = self();
@@ -102,7 +104,7 @@ static struct letter *write_letter(int fd, const struct msghdr *message, int fla
     return letter;
 }
 
-/* Post a message if it is a datagram for an Internet address; return its size, -1 if it is none. */
+/* Post a message if it is a datagram to an Internet address; return its size, or -1 if it is not. */
 ssize_t post(int fd, const struct msghdr *message, int flags)
 {
     struct thread *thread = self();
@@ -124,7 +126,7 @@ ssize_t post(int fd, const struct msghdr *message, int flags)
     return size;
 }
 
-/* -- the ends of a process -- */
+/* -- the end of the process -- */
 
 __attribute__((destructor)) static void at_exit(void) { wait_for_post(-1); }
 

@@ -1,9 +1,9 @@
 /*
- * Waits for descriptors: poll and its relatives, and reads that block.
+ * Waits for descriptors: poll, select, epoll and blocking reads.
  *
- * Before a thread waits it adds its descriptors to the driver's set, and it takes them out after it is
+ * Before a thread waits, it adds its descriptors to the driver's epoll set. It removes them after it is
  * counted as running again. A datagram on the loopback interface is in its reader's queue when the call
- * that sent it returns. So if all wait and the driver's set has nothing, nothing is under way.
+ * that sent it returns. So if all threads wait and the set has no event, no datagram is on its way.
  */
 #include "library.h"
 
@@ -18,7 +18,7 @@ static struct { short waiters, reading, writing, urgent; } registered[MAX_FDS];
 
 void forget_descriptors(void) { memset(registered, 0, sizeof registered); }
 
-/* Tell the driver's set which of the descriptors somebody waits for now. */
+/* Update the driver's epoll set after the waiters of a descriptor have changed. */
 static void update_in_flight(int fd)
 {
     struct epoll_event event = {.data.fd = fd};
@@ -30,11 +30,11 @@ static void update_in_flight(int fd)
         event.events |= EPOLLPRI;
     if (!registered[fd].waiters)
         epoll_ctl(in_flight, EPOLL_CTL_DEL, fd, &event);
-    else if (epoll_ctl(in_flight, EPOLL_CTL_MOD, fd, &event) < 0) /* another file by now? */
+    else if (epoll_ctl(in_flight, EPOLL_CTL_MOD, fd, &event) < 0) /* new, or another file by now */
         epoll_ctl(in_flight, EPOLL_CTL_ADD, fd, &event);
 }
 
-/* Add waiters for descriptors (change = 1) or take them away (change = -1); with the lock held. */
+/* Add waiters for descriptors (change = 1) or remove them (change = -1); the caller holds the lock. */
 static void change_waiters(const struct pollfd *fds, nfds_t count, short change)
 {
     int before = errno;
@@ -51,7 +51,7 @@ static void change_waiters(const struct pollfd *fds, nfds_t count, short change)
     errno = before;
 }
 
-/* Wait once; `all` has one place more than `count`, for the thread's own eventfd. */
+/* Wait once; `all` has space for `count` + 1 entries, the last for the thread's own eventfd. */
 static enum why wait_for_descriptors(struct thread *thread, struct pollfd *all, nfds_t count,
                                      int64_t deadline)
 {
@@ -76,7 +76,7 @@ static enum why wait_for_descriptors(struct thread *thread, struct pollfd *all, 
     return signalled ? INTERRUPTED : why;
 }
 
-/* Do what poll does, with a virtual deadline. */
+/* Poll with a deadline in virtual time. */
 int poll_until(struct pollfd *fds, nfds_t count, int64_t deadline)
 {
     struct thread *thread = self();
@@ -86,7 +86,7 @@ int poll_until(struct pollfd *fds, nfds_t count, int64_t deadline)
         waited_for_nothing();
     else
         deadline = with_slack(deadline);
-    /* Another thread may take the data first; then this one waits on. */
+    /* If another thread reads the data first, this thread continues to wait. */
     while (result == 0 && deadline > now()) {
         memcpy(all, fds, count * sizeof *all);
         enum why why = wait_for_descriptors(thread, all, count, deadline);
@@ -114,7 +114,7 @@ EXPORT int poll(struct pollfd *fds, nfds_t count, int timeout)
     return self() ? poll_until(fds, count, after_ms(timeout)) : REAL(poll)(fds, count, timeout);
 }
 
-/* Return what a wait returns, which blocks other signals meanwhile if there is a mask. */
+/* Return the result of a wait, during which the signal mask is set if there is one. */
 #define RETURN_WITH_MASK(mask, wait) \
     sigset_t before; \
     if (mask) \
@@ -194,7 +194,7 @@ static int epoll_until(int epoll, struct epoll_event *events, int most, int64_t 
     int result = REAL(epoll_wait)(epoll, events, most, 0);
     while (result == 0 && (result = poll_until(&one, 1, deadline)) > 0)
         if ((result = REAL(epoll_wait)(epoll, events, most, 0)) != 0)
-            break; /* else another thread has taken them */
+            break; /* if the result is 0, another thread has taken the events: wait again */
     return result;
 }
 
@@ -219,7 +219,7 @@ static bool blocks(int fd)
     return flags >= 0 && !(flags & O_NONBLOCK);
 }
 
-/* Wait before a call that would block; return false, with errno set, if it must not be made. */
+/* Wait before a call that would block; return false, with errno set, if the caller must not make it. */
 static bool ready_to_read(int fd, int flags)
 {
     struct pollfd one = {.fd = fd, .events = POLLIN};
@@ -242,15 +242,16 @@ EXPORT ssize_t read(int fd, void *into, size_t size)
     return ready_to_read(fd, 0) ? REAL(read)(fd, into, size) : -1;
 }
 
-/* Tell whether a socket was shut down. It then always seems readable, and a receive that may not
- * block finds nothing, while one that may returns at once: Fast DDS ends its threads in this way. */
+/* Return whether a socket was shut down. Such a socket is always readable; a non-blocking receive fails
+ * with EAGAIN, but a blocking one returns at once. Fast DDS ends its threads in this way. */
 static bool is_shut_down(int fd)
 {
     struct pollfd one = {.fd = fd, .events = POLLRDHUP};
     return REAL(poll)(&one, 1, 0) > 0 && one.revents & POLLRDHUP;
 }
 
-/* Do a blocking receive without blocking: another thread may be quicker. */
+/* Receive after waiting in virtual time. The receive itself does not block, because another thread may
+ * have read the data first. */
 #define RECEIVE(fd, flags, call) \
     if (!self() || (flags) & MSG_DONTWAIT || !blocks(fd)) \
         return call(flags); \
@@ -298,7 +299,7 @@ EXPORT int accept4(int fd, struct sockaddr *restrict from, socklen_t *restrict l
     return ready_to_read(fd, 0) ? REAL(accept4)(fd, from, length, flags) : -1;
 }
 
-/* -- sends: what others can notice, see clocks.c; datagrams are posted -- */
+/* -- sends, which others can see (clocks.c); datagrams are posted (datagrams.c) -- */
 
 EXPORT ssize_t sendmsg(int fd, const struct msghdr *message, int flags)
 {
@@ -322,7 +323,7 @@ EXPORT ssize_t send(int fd, const void *data, size_t size, int flags)
     return REAL(send)(fd, data, size, flags);
 }
 
-/* -- our own descriptors stay open -- */
+/* -- closing; the library's own descriptors stay open -- */
 
 EXPORT int close(int fd)
 {

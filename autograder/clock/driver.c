@@ -1,16 +1,16 @@
 /*
- * The driver: owns the virtual time of one run and moves it.
+ * The driver, which owns the virtual time of one run and moves it.
  *
  *     driver REALTIME_NS TIME_FD SOCKET...
  *
  * REALTIME_NS is the system time at which the run begins. TIME_FD is a memfd for the time page. Each
  * SOCKET is one end of a SEQPACKET pair, with SO_PASSCRED, whose other end a process of the run has. If
- * several processes are due at one instant, the driver wakes them in the order of the command line, then
- * children, the oldest first.
+ * several processes are due at the same time, the driver wakes them in the order of the command line, and
+ * then children, the oldest first.
  *
- * Time moves when every process is IDLE, no descriptor that a thread waits for can be read, and every
- * process is still in the same IDLE (README.md explains why). The driver relies on nothing else that a
- * process says. A process that lies about itself moves only its own wake-ups.
+ * Time moves when every process is IDLE, no descriptor that a thread waits for can be read, and no
+ * process has changed its state since (README.md explains why). The driver uses no other data from a
+ * process. A process that reports a wrong state or deadline affects only its own wake-ups.
  */
 #define _GNU_SOURCE
 #include "protocol.h"
@@ -31,10 +31,10 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#define MAX_PROCESSES 128     /* at a time; a sandbox allows 64 */
-#define START (1000 * SECOND) /* virtual CLOCK_MONOTONIC at the start: no program expects zero */
+#define MAX_PROCESSES 128     /* at the same time; a sandbox allows 64 */
+#define START (1000 * SECOND) /* virtual CLOCK_MONOTONIC at the start, not 0, which no program expects */
 
-/* What an event of the driver's own epoll set means: the low two bits of its data. */
+/* The meaning of an event of the driver's own epoll set, in the low two bits of the event's data. */
 enum { SAYS_SOMETHING, IS_NOW_IDLE, HAS_ENDED, MEANING_BITS = 3 };
 
 struct process {
@@ -42,12 +42,13 @@ struct process {
     struct process_page *page;
     int page_fd, socket, idle, wake, in_flight, pidfd;
     bool gone;
-    int root;      /* its place on the command line, or -1 */
+    int root;      /* its position on the command line, or -1 for a child */
     uint32_t seen; /* its word at the first look */
 };
 
-static struct process *processes, *gone; /* in the order in which they are served; to be freed */
-static struct process *posting;          /* whose portion leaves */
+/* The processes in the order in which the driver serves them, and ended ones that are not freed yet. */
+static struct process *processes, *gone;
+static struct process *posting;          /* the process that sends a portion of datagrams */
 static int count;
 static struct time_page *timing;
 static int time_fd, all_in_flight, own_events;
@@ -73,7 +74,7 @@ static bool listen_to(int fd, struct process *process, int meaning, uint32_t kin
     return epoll_ctl(own_events, EPOLL_CTL_ADD, fd, &event) == 0;
 }
 
-/* Close a descriptor that a process sent; a socket of its could make us linger. */
+/* Close a descriptor that a process sent; without this option, closing a socket could block. */
 static void discard(int fd)
 {
     struct linger at_once = {.l_onoff = 1, .l_linger = 0};
@@ -81,7 +82,7 @@ static void discard(int fd)
     close(fd);
 }
 
-/* Stop looking at the descriptors that the threads of a process wait for. */
+/* Remove the descriptors that the threads of a process wait for. */
 static void drop_in_flight(struct process *process)
 {
     if (process->in_flight >= 0) {
@@ -91,7 +92,7 @@ static void drop_in_flight(struct process *process)
     process->in_flight = -1;
 }
 
-/* Let those go on who have found the first datagrams of a portion: all of it has left. */
+/* Wake the readers of a portion's first datagrams, because the whole portion has been sent. */
 static void end_portion(void)
 {
     posting = NULL;
@@ -99,14 +100,14 @@ static void end_portion(void)
     syscall(SYS_futex, &timing->posting, FUTEX_WAKE, INT_MAX, NULL, NULL, 0);
 }
 
-/* Let a process go: it has ended, and nothing more can come from it. */
+/* Remove a process that has ended and can send nothing more. */
 static void let_go(struct process *process)
 {
     struct process **link = &processes;
     while (*link != process)
         link = &(*link)->next;
     *link = process->next;
-    process->next = gone; /* later events of the same batch may still name it */
+    process->next = gone; /* free it later: other events of the same batch may refer to it */
     gone = process;
     process->gone = true;
     if (process == posting)
@@ -123,7 +124,7 @@ static void let_go(struct process *process)
             close(held[i]);
 }
 
-/* Take a process on. It is BUSY, so time stands still until it reports or ends. */
+/* Add a process. It is BUSY, so time stands still until it reports or ends. */
 static bool adopt(int socket, int root)
 {
     struct process *process = calloc(1, sizeof *process);
@@ -141,7 +142,7 @@ static bool adopt(int socket, int root)
     process->pidfd = process->in_flight = -1;
     process->page_fd = memfd_create("process", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     process->idle = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    process->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK); /* it could be full */
+    process->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK); /* do not block if the process fills it */
     getsockopt(socket, SOL_SOCKET, SO_TYPE, &type, &size);
     if (type != SOCK_SEQPACKET)
         discard(socket), process->socket = -1;
@@ -150,14 +151,14 @@ static bool adopt(int socket, int root)
         fcntl(process->page_fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0 &&
         (process->page = map(process->page_fd, sizeof *process->page)) &&
         listen_to(socket, process, SAYS_SOMETHING, EPOLLIN) &&
-        /* Edge-triggered: a report costs no read, and a flood of reports is one event. */
+        /* Edge-triggered, so a report needs no read, and many reports are one event. */
         listen_to(process->idle, process, IS_NOW_IDLE, EPOLLIN | EPOLLET))
         return true;
-    let_go(process); /* too many: its library gets no answer and ends it */
+    let_go(process); /* too many processes: the library gets no reply and ends this one */
     return false;
 }
 
-/* Answer HELLO. A new image of a program begins with a new set of descriptors that it waits for. */
+/* Reply to HELLO. A new program image gets a new, empty set of descriptors that it waits for. */
 static void send_descriptors(struct process *process)
 {
     struct epoll_event any = {.events = EPOLLIN};
@@ -185,7 +186,7 @@ static void send_descriptors(struct process *process)
     sendmsg(process->socket, &message, MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-/* Take the descriptor of an ADOPT; close whatever else was sent. */
+/* Use the first descriptor of an ADOPT message; close all others. */
 static void take_descriptors(const struct cmsghdr *header, char what)
 {
     size_t number = (header->cmsg_len - CMSG_LEN(0)) / sizeof(int);
@@ -202,13 +203,13 @@ static void take_descriptors(const struct cmsghdr *header, char what)
 static void watch_for_end(struct process *process, pid_t pid)
 {
     if (process->pidfd >= 0)
-        return; /* a new image of the same process */
+        return; /* exec: a new program image in the same process */
     process->pidfd = (int)syscall(SYS_pidfd_open, pid, 0);
     if (process->pidfd >= 0)
         checked(listen_to(process->pidfd, process, HAS_ENDED, EPOLLIN) ? 0 : -1, "epoll_ctl");
 }
 
-/* Read one message of a process; return whether there was one. */
+/* Handle one message of a process; return whether there was one. */
 static bool hear(struct process *process)
 {
     union {
@@ -225,7 +226,7 @@ static bool hear(struct process *process)
     if (got < 0 && (errno == EAGAIN || errno == EINTR))
         return false;
     if (got <= 0) {
-        /* A process can close its socket and live on; only its pidfd proves its end. */
+        /* A process can close its socket and continue; only its pidfd proves that it has ended. */
         epoll_ctl(own_events, EPOLL_CTL_DEL, process->socket, NULL);
         if (process->pidfd < 0)
             let_go(process);
@@ -243,7 +244,7 @@ static bool hear(struct process *process)
     return true;
 }
 
-/* Handle what has happened, and wait for it if `wait`. Return whether anything had. */
+/* Handle all pending events; if `wait` is set, wait for the first. Return whether there was one. */
 static bool handle(bool wait)
 {
     struct epoll_event events[32];
@@ -259,7 +260,7 @@ static bool handle(bool wait)
             continue;
         }
         while (hear(process))
-            ; /* it may have announced children just before its end */
+            ; /* it may have announced children just before it ended */
         if (!process->gone)
             let_go(process);
     }
@@ -289,7 +290,7 @@ static bool nothing_changed(void)
     return true;
 }
 
-/* Return the process with the earliest deadline, the first of several. */
+/* Return the process with the earliest deadline; if several have it, the first in order. */
 static struct process *first_due(int64_t *deadline)
 {
     struct process *first = NULL;
@@ -304,7 +305,7 @@ static struct process *first_due(int64_t *deadline)
     return first;
 }
 
-/* Move time to the earliest deadline if everything waits. Return whether to try again at once. */
+/* Move time to the earliest deadline if every process waits. Return whether to try again at once. */
 static bool advance(void)
 {
     struct epoll_event unused;
@@ -312,12 +313,12 @@ static bool advance(void)
     if (!all_are_idle())
         return false;
     if (handle(false))
-        return true; /* said before its sender became idle: an ADOPT, for example */
+        return true; /* a process sent a message before it became idle: an ADOPT, for example */
     if (epoll_wait(all_in_flight, &unused, 1, 0) != 0 || !nothing_changed())
         return false; /* a thread is about to read, and its process will report again */
     struct process *process = first_due(&deadline);
     if (!process)
-        return false; /* everything waits forever, unless something comes from outside */
+        return false; /* all processes wait without a deadline; only an outside event can wake one */
     uint32_t word = process->seen;
     uint32_t claimed = ((word & ~(uint32_t)STATE_BITS) + ONE_CHANGE) | CLAIMED;
     if (!atomic_compare_exchange_strong(&process->page->word, &word, claimed))
@@ -331,7 +332,8 @@ static bool advance(void)
     return true;
 }
 
-/* Set up the time page. Later mappings are read-only: /proc/self/fd/N could open it for writing. */
+/* Set up the time page, and seal it: later mappings must be read-only, even if a process opens the page
+ * through /proc/self/fd/N for writing. */
 static void set_time(int64_t realtime)
 {
     checked(ftruncate(time_fd, sizeof *timing), "ftruncate");

@@ -1,14 +1,14 @@
 /*
- * What the files of the library share.
+ * Declarations that the files of the library share.
  *
- * threads.c      the threads of this process, how they wait and who wakes them
- * connection.c   the process joins the clock; the helper thread that serves the driver
+ * threads.c      the threads of this process: waiting and waking
+ * connection.c   joining the clock, and the helper thread that serves the driver
  * waits.c        waits for other threads, and sleeps
  * descriptors.c  waits for descriptors
- * datagrams.c    what processes send each other over the network
+ * datagrams.c    sending datagrams in a fixed order
  * timers.c       alarms and timerfds
- * clocks.c       reading the clock, and loops that do nothing else
- * processes.c    children and waits for their end
+ * clocks.c       reading the clock, and loops that poll the clock
+ * processes.c    child processes and waits for their end
  */
 #ifndef LIBRARY_H
 #define LIBRARY_H
@@ -37,8 +37,8 @@
 #define MAX_FDS 1024
 #define MILLISECOND (SECOND / 1000)
 
-/* The C library's own functions behind those that we replace. All are looked up at the start: a later
- * look-up could wait for the loader's lock, which this library does not see. */
+/* The functions of the C library that this library replaces. All are looked up at the start, because a
+ * later look-up could wait for the loader's lock, and this library cannot see that wait. */
 #define FUNCTIONS(X) \
     X(_exit) X(accept) X(accept4) X(clock_gettime) X(clock_nanosleep) X(close) X(close_range) X(epoll_wait) \
     X(execve) X(execvpe) X(fork) X(gettimeofday) X(pause) X(poll) X(posix_spawn) X(posix_spawnp) \
@@ -56,10 +56,10 @@ struct functions {
 };
 extern struct functions functions;
 void look_up(void);
-/* A constructor of another library can come before ours. */
+/* Look up the functions if a constructor of another library runs before that of this library. */
 #define REAL(name) (functions.name ? functions.name : (look_up(), functions.name))
 
-/* How a wait ended; BY_ITSELF if data or a signal came. */
+/* How a wait ended; BY_ITSELF if data or a signal arrived. */
 enum why { BY_ITSELF, WOKEN, TIMED_OUT, INTERRUPTED };
 
 struct thread {
@@ -67,25 +67,26 @@ struct thread {
     pthread_t id;
     void *(*start)(void *);
     void *argument;
-    /* While it waits: */
+    /* State of a wait: */
     bool waiting, in_poll;
-    bool polling;          /* only because it reads the clock in a loop, see clocks.c */
-    const void *on;        /* the address whose signal wakes it */
+    bool polling;          /* it waits only because it reads the clock in a loop, see clocks.c */
+    const void *on;        /* the address that it waits on */
     int64_t deadline;      /* when to wake it, or NEVER */
-    uint64_t place;        /* in the queue of its address */
+    uint64_t place;        /* its position in the queue of the address */
     _Atomic uint32_t word; /* 0 until it may continue; it sleeps in a futex on this word */
-    int eventfd;           /* wakes it if it sleeps in poll; -1 until it has one */
+    int eventfd;           /* wakes it if it sleeps in poll; -1 if not created yet */
     enum why why;
-    struct thread *held_by; /* who woke it, and lets it go later: see `receiving` */
-    /* It has received a datagram, and handles all that have come before those go on that it wakes.
-     * Else the quicker of the two would decide how many messages a short queue loses. */
+    struct thread *held_by; /* the thread that woke it and releases it later, see `receiving` */
+    /* Whether it has received a datagram. Threads that it wakes then continue only after it has handled
+     * all datagrams that have arrived. Otherwise, the speed of the threads would decide how many messages
+     * a short queue loses. */
     bool receiving;
-    /* For clocks.c: */
+    /* State for clocks.c: */
     int reads, empty_waits, steps;
-    uint64_t work;         /* of the process, when it began */
+    uint64_t work;         /* the value of `work` in threads.c when the polling sleep began */
 };
 
-/* threads.c. Functions marked L are called with the lock held. */
+/* threads.c. The caller of a function marked L holds the lock. */
 extern _Atomic bool active;         /* whether this process is on the clock */
 extern _Atomic int interpreter_wanted; /* threads that wait for the interpreter lock */
 struct thread *self(void);          /* NULL if the calling thread is not on the clock */
@@ -112,11 +113,11 @@ int64_t deadline_at(clockid_t clock, const struct timespec *at);
 int64_t with_slack(int64_t deadline);
 
 /* connection.c */
-extern int in_flight;   /* the set of descriptors that our threads wait for; the driver looks at it */
-extern int our_socket;  /* to the driver */
+extern int in_flight;   /* epoll set of the descriptors that threads wait for; the driver checks it */
+extern int our_socket;  /* connected to the driver */
 void begin_again_in_child(int socket);
 bool is_ours(int fd);
-int keep_open(int fd);  /* move a descriptor away from the program, which may not close it */
+int keep_open(int fd);  /* move a descriptor to a high number, and prevent the program from closing it */
 
 /* descriptors.c */
 int poll_until(struct pollfd *fds, nfds_t count, int64_t deadline);
@@ -136,7 +137,7 @@ void forget_timer(int fd);
 void forget_timers(void);
 
 /* waits.c */
-extern bool locks_read_the_clock; /* CPython reads it for each lock that it takes */
+extern bool locks_read_the_clock; /* whether this CPython reads the clock for each lock that it takes */
 
 /* clocks.c */
 void waited_for_nothing(void);

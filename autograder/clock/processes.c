@@ -1,8 +1,8 @@
 /*
- * Children on the same clock, and waits for their end.
+ * Child processes on the same clock, and waits for their end.
  *
- * A child's place at the driver is ordered before the child is made, so that time cannot pass between. A
- * program that a child executes finds its socket by the variable VIRTUAL_CLOCK.
+ * The library requests a child's place from the driver before it creates the child, so that time cannot
+ * pass in between. A program that a child executes finds its socket in the variable VIRTUAL_CLOCK.
  */
 #include "library.h"
 
@@ -22,7 +22,7 @@
 
 static pid_t children[MAX_CHILDREN];
 
-/* Write `now` in place of `before`: a child's process id, or 0. */
+/* Replace the entry `before` by `now`; each is a child's process id, or 0 for a free entry. */
 static void change_child(pid_t before, pid_t now)
 {
     int i = 0;
@@ -38,9 +38,9 @@ static void remember_child(pid_t pid) { change_child(0, pid); }
 static void forget_child(pid_t pid) { change_child(pid, 0); }
 
 /*
- * Order a place for a child; return its socket, -1 without one. The driver learns from the child's first
- * message who it is. It may send that before the driver has read the order, so the socket asks for
- * the sender's identity from the start.
+ * Request a place for a child; return the child's socket, or -1 on failure. The driver reads the child's
+ * process id from the credentials of its first message. The child may send that message before the driver
+ * has read the request, so SO_PASSCRED is set here.
  */
 static int order_place(void)
 {
@@ -93,12 +93,12 @@ EXPORT pid_t fork(void)
     return pid;
 }
 
-/* As fork: what a child of vfork may do is less, so programs cannot tell. */
+/* Use fork, which allows everything that a child of vfork may do. */
 EXPORT pid_t vfork(void) { return fork(); }
 
 /* -- new images -- */
 
-/* Return the environment with the library and a socket in it; `room` holds what is new. */
+/* Return the environment with the library and a socket added; `room` stores the new strings. */
 static char **with_clock(char *const *environment, int socket, char **list, size_t size, char *room)
 {
     const char *library = getenv("LD_PRELOAD");
@@ -172,7 +172,7 @@ static int spawn(spawn_function *really, pid_t *pid, const char *path,
     return result;
 }
 
-/* The two differ in how they find the program. */
+/* The two functions differ only in how they find the program. */
 #define SPAWN(name) \
     EXPORT int name(pid_t *pid, const char *path, const posix_spawn_file_actions_t *actions, \
                     const posix_spawnattr_t *attributes, char *const arguments[], \
@@ -183,7 +183,7 @@ static int spawn(spawn_function *really, pid_t *pid, const char *path,
 SPAWN(posix_spawn)
 SPAWN(posix_spawnp)
 
-/* The child's place is one of the descriptors that this would close. The program's own close on exec. */
+/* Do nothing: this action would close the child's socket. Other descriptors of Python close on exec. */
 EXPORT int posix_spawn_file_actions_addclosefrom_np(posix_spawn_file_actions_t *actions, int from)
 {
     (void)actions;
@@ -195,7 +195,8 @@ EXPORT int posix_spawn_file_actions_addclosefrom_np(posix_spawn_file_actions_t *
 
 static int open_child(pid_t pid) { return (int)REAL(syscall)(SYS_pidfd_open, pid, 0); }
 
-/* Open a child, or all if it is not a positive number, to be polled for their end; return how many. */
+/* Open a pidfd for a child, or for all children if `pid` is not positive, to poll for its end. Return
+ * the number of pidfds. */
 static nfds_t open_children(pid_t pid, struct pollfd fds[MAX_CHILDREN])
 {
     nfds_t count = 0;
@@ -214,7 +215,7 @@ static void close_children(const struct pollfd *fds, nfds_t count)
         REAL(close)(fds[i].fd);
 }
 
-/* Wait until a child may have ended: this one, or any if it is not a positive number. */
+/* Wait until a child may have ended; any child if `pid` is not positive. */
 static void wait_for_child(pid_t pid)
 {
     struct pollfd fds[MAX_CHILDREN];
@@ -289,8 +290,9 @@ EXPORT int execl(const char *path, const char *first, ...)
 }
 
 /*
- * A signal acts on its target after kill() has returned, and until then the target looks as if it waited.
- * So the sender waits, in real time, for the end of a child that it kills; other signals get a moment.
+ * A signal may reach its target only after kill() has returned, and until then the target seems to wait.
+ * So the sender waits in real time: up to 1 s for the end of a process that it kills, and up to 2 ms
+ * after other signals.
  */
 EXPORT int kill(pid_t pid, int signal)
 {
@@ -306,7 +308,7 @@ EXPORT int kill(pid_t pid, int signal)
     return result;
 }
 
-/* -- waits for a signal: a child's end sends one, so its pidfd is waited for as well -- */
+/* -- waits for a signal; they also wait for children, whose end sends a signal -- */
 
 EXPORT int sigsuspend(const sigset_t *mask)
 {
@@ -323,7 +325,7 @@ EXPORT int sigsuspend(const sigset_t *mask)
     return -1;
 }
 
-/* Signals that are blocked wait in a signalfd, which can be polled. */
+/* Wait with a signalfd, which can be polled for blocked signals. */
 EXPORT int sigtimedwait(const sigset_t *set, siginfo_t *info, const struct timespec *timeout)
 {
     if (!self())

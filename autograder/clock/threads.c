@@ -1,10 +1,10 @@
 /*
- * The threads of this process, how they wait and who wakes them.
+ * The threads of this process: how they wait, and how they are woken.
  *
- * One lock guards a table of threads. A thread runs, or it waits on an address until a deadline. Waking a
- * thread counts it as running before it really runs, so a thread is never "woken but not yet awake". When
- * the last running thread begins to wait, the process becomes IDLE and tells the driver; when a thread
- * runs again, the process becomes BUSY.
+ * One lock guards a table of threads. A thread runs, or waits on an address until a deadline. Waking a
+ * thread counts it as running before it really runs, so no thread is ever "woken but not yet awake". When
+ * the last running thread begins to wait, the process becomes IDLE and reports this to the driver. When a
+ * thread runs again, the process becomes BUSY.
  */
 #include "library.h"
 
@@ -22,14 +22,14 @@ _Atomic int interpreter_wanted;
 struct functions functions;
 
 static struct thread table[MAX_THREADS];
-static int used;    /* how much of the table has been used */
-static int running; /* threads that do not wait */
+static int used;    /* number of table entries that have ever been used */
+static int running; /* number of threads that do not wait */
 static uint64_t places;
-static uint64_t work; /* how often a thread that does not poll began to run */
+static uint64_t work; /* how many times a thread that does not poll has begun to run */
 static struct process_page *page;
 static const struct time_page *timing;
 static int is_idle;
-static _Atomic bool posts; /* whether the portion that leaves is ours */
+static _Atomic bool posts; /* whether this process sends the current portion of datagrams */
 static pthread_key_t at_end;
 static __thread struct thread *me __attribute__((tls_model("initial-exec")));
 static __thread bool outside __attribute__((tls_model("initial-exec")));
@@ -41,11 +41,11 @@ void look_up(void)
 #undef X
 }
 
-/* -- the lock: a futex, because pthread_mutex_lock is one of the functions that need it -- */
+/* -- the lock, which is a futex because the library's own pthread_mutex_lock uses the lock -- */
 
-static _Atomic uint32_t guard; /* 0 free, 1 held, 2 held and wanted */
+static _Atomic uint32_t guard; /* 0 free, 1 held, 2 held and contended */
 
-/* Return what the kernel returns; errno belongs to the program. */
+/* Call futex(2), and return a negative error number on failure; leave the program's errno unchanged. */
 static long futex(_Atomic uint32_t *word, int operation, uint32_t value, const struct timespec *in)
 {
     int before = errno;
@@ -85,7 +85,7 @@ int64_t deadline_in(int64_t nanoseconds)
     return __builtin_add_overflow(now(), nanoseconds, &at) ? NEVER : at;
 }
 
-/* Return a time of some clock as virtual CLOCK_MONOTONIC; NULL is NEVER. */
+/* Convert a time of a clock to virtual CLOCK_MONOTONIC; NULL becomes NEVER. */
 int64_t deadline_at(clockid_t clock, const struct timespec *at)
 {
     int64_t sum;
@@ -97,7 +97,7 @@ int64_t deadline_at(clockid_t clock, const struct timespec *at)
     return clock == CLOCK_REALTIME || clock == CLOCK_TAI ? sum - timing->to_realtime : sum;
 }
 
-/* No sleep or wait for descriptors ends earlier than Linux's slack for timers allows. */
+/* Delay a deadline at least to the end of Linux's timer slack, for sleeps and waits for descriptors. */
 int64_t with_slack(int64_t deadline)
 {
     int64_t earliest = deadline_in(SLACK);
@@ -114,7 +114,7 @@ static void set_state(uint32_t state)
     while (!atomic_compare_exchange_weak(&page->word, &word, changed));
 }
 
-/* Tell the driver that every thread waits, and until when. */
+/* Report to the driver that every thread waits, and the earliest deadline. */
 static void report_idle(void)
 {
     int before = errno;
@@ -127,7 +127,7 @@ static void report_idle(void)
     posts = false;
     set_state(IDLE);
     if (REAL(write)(is_idle, &once, sizeof once) < 0)
-        errno = before; /* the driver has ended, and the grader ends us */
+        errno = before; /* the driver has ended, so the grader will end this process */
 }
 
 static void one_more_runs(void)
@@ -144,8 +144,8 @@ static void one_less_runs(void)
         report_idle();
 }
 
-/* Wait until all of another process's portion has left. Its first datagrams wake who reads them, but how
- * many more this reader finds must not depend on who is quicker. */
+/* Wait until another process has sent its whole portion of datagrams. The first datagrams wake a reader,
+ * and how many more the reader then finds must not depend on the speed of the processes. */
 void wait_for_portion(void)
 {
     while (atomic_load(&timing->posting) && !posts)
@@ -169,7 +169,7 @@ void begin_wait(struct thread *thread, const void *on, int64_t deadline)
     one_less_runs();
 }
 
-/* Continue after a wait; data or a signal may have ended it before anybody woke the thread. */
+/* Mark a thread as running after a wait; data or a signal may have ended the wait without a wake-up. */
 enum why end_wait(struct thread *thread)
 {
     thread->held_by = NULL;
@@ -190,7 +190,7 @@ static void start(struct thread *thread)
         futex(&thread->word, FUTEX_WAKE, 1, NULL);
 }
 
-/* Let those go on that this thread has woken while it received. */
+/* Release the threads that this thread has woken while it received datagrams. */
 void let_go(struct thread *thread)
 {
     for (int i = 0; thread->receiving && i < used; i++)
@@ -225,8 +225,8 @@ static void wake(struct thread *thread, enum why why)
         start(thread);
 }
 
-/* Wait until another thread wakes this address, a signal comes or the deadline has passed. The lock is
- * released meanwhile. */
+/* Wait until another thread wakes the waiters of this address, a signal arrives or the deadline has
+ * passed. The lock is released during the wait. */
 enum why wait_on(struct thread *thread, const void *on, int64_t deadline)
 {
     begin_wait(thread, on, deadline);
@@ -238,8 +238,8 @@ enum why wait_on(struct thread *thread, const void *on, int64_t deadline)
 }
 
 /*
- * Wait for the interpreter lock (waits.c), with a limit in real time [ns]. A thread that reads the clock
- * in a loop may hold that lock, so none goes to sleep for that meanwhile.
+ * Wait for the interpreter lock (waits.c), with a limit in real time [ns]. The thread that holds the lock
+ * may read the clock in a loop, so the library makes no thread sleep for polling during this wait.
  */
 enum why wait_for_interpreter(struct thread *thread, const void *on, int64_t limit)
 {
@@ -254,7 +254,7 @@ enum why wait_for_interpreter(struct thread *thread, const void *on, int64_t lim
     return end_wait(thread);
 }
 
-/* Wake threads that wait on an address, in the order in which they came; return how many. */
+/* Wake at most `most` threads that wait on an address, in the order of their arrival; return how many. */
 int wake_waiters(const void *on, int most)
 {
     int woken = 0;
@@ -272,9 +272,9 @@ int wake_waiters(const void *on, int most)
 }
 
 /*
- * Sleep until a deadline in place of reading the clock in a loop (clocks.c). If any other thread works
- * meanwhile, the sleep ends before time moves: the thread may hold the interpreter lock, or wait in its
- * loop for what the other thread did.
+ * Sleep until a deadline instead of reading the clock in a loop (clocks.c). If any other thread works in
+ * the meantime, the sleep ends before time moves: the thread may hold the interpreter lock, or its loop
+ * may wait for the result of the other thread.
  */
 void sleep_polling(struct thread *thread, int64_t deadline)
 {
@@ -284,7 +284,7 @@ void sleep_polling(struct thread *thread, int64_t deadline)
     thread->polling = false;
 }
 
-/* Wake threads that poll if others have worked since; other polling threads do not count. */
+/* Wake polling threads if a thread that does not poll has worked since; return whether any was woken. */
 static bool wake_polling(void)
 {
     bool any = false;
@@ -296,7 +296,7 @@ static bool wake_polling(void)
     return any;
 }
 
-/* Send the main thread a signal, then count it as running: it handles the signal first. */
+/* Send a signal to the main thread, and count the thread as running, because it handles the signal. */
 void interrupt_main(int signal)
 {
     REAL(syscall)(SYS_tgkill, getpid(), getpid(), signal);
@@ -304,15 +304,15 @@ void interrupt_main(int signal)
         wake(&table[0], INTERRUPTED);
 }
 
-/* Send what was posted, or wake the thread or timer that is due first. One at a time: the next follows
- * when all wait again. */
+/* Send a portion of posted datagrams, or wake the thread or timer that is due first. The next one follows
+ * when all threads wait again. */
 void wake_due(void)
 {
     struct thread *first = NULL;
     if (running > 0)
-        return; /* the process reports again when they wait */
+        return; /* the process reports again when these threads wait */
     if (has_post()) {
-        one_more_runs(); /* the network, so to speak */
+        one_more_runs(); /* stay BUSY while the portion is sent */
         posts = true;
         send_portion();
         one_less_runs();
@@ -323,7 +323,7 @@ void wake_due(void)
             (!first || table[i].deadline < first->deadline))
             first = &table[i];
     if (first_timer() <= now() && (!first || first_timer() <= first->deadline)) {
-        one_more_runs(); /* the timer, until its signal is on its way */
+        one_more_runs(); /* stay BUSY until the timer has sent its signal */
         fire_timer();
         one_less_runs();
     } else if (first) {
@@ -333,7 +333,7 @@ void wake_due(void)
     }
 }
 
-/* -- threads come and go -- */
+/* -- start and end of threads -- */
 
 static struct thread *add_thread(void)
 {
@@ -344,7 +344,7 @@ static struct thread *add_thread(void)
         return NULL;
     if (i == used)
         used++;
-    /* An eventfd stays with its place in the table; zero is never one of ours. */
+    /* An entry of the table keeps its eventfd, which is never 0. */
     table[i] = (struct thread){.used = true, .eventfd = table[i].eventfd ? table[i].eventfd : -1};
     one_more_runs();
     return &table[i];
@@ -354,7 +354,7 @@ struct thread *self(void)
 {
     if (!active || outside)
         return NULL;
-    if (!me) { /* a thread that pthread_create did not make */
+    if (!me) { /* a thread that was not created by pthread_create */
         lock();
         me = add_thread();
         unlock();
@@ -365,13 +365,13 @@ struct thread *self(void)
 
 void leave_clock(void) { outside = true; }
 
-#ifdef __SANITIZE_THREAD__ /* ThreadSanitizer lets go of a thread in the last round */
+#ifdef __SANITIZE_THREAD__ /* ThreadSanitizer releases its data of a thread in the last round */
 #define LAST_ROUND (PTHREAD_DESTRUCTOR_ITERATIONS - 1)
 #else
 #define LAST_ROUND PTHREAD_DESTRUCTOR_ITERATIONS
 #endif
 
-/* The destructor of a thread's own data: its last round is the last thing that a thread does. */
+/* The destructor of a thread's own data; its last round is the last code that a thread runs. */
 static void end_thread(void *round)
 {
     if ((intptr_t)round < LAST_ROUND) {
@@ -384,14 +384,14 @@ static void end_thread(void *round)
     outside = true;
     me = NULL;
     thread->used = false;
-    wake_waiters(thread, INT_MAX); /* those that join it */
+    wake_waiters(thread, INT_MAX); /* threads that join this one */
     one_less_runs();
     unlock();
 }
 
 static void *begin_thread(void *record)
 {
-    lock(); /* until pthread_create has noted our id */
+    lock(); /* wait until pthread_create has stored the id of this thread */
     unlock();
     me = record;
     pthread_setspecific(at_end, (void *)1);
@@ -428,7 +428,7 @@ static struct thread *thread_with(pthread_t id)
     return NULL;
 }
 
-/* Wait until a thread has ended; return false if the deadline came first. */
+/* Wait until a thread has ended; return false if the deadline has passed before. */
 static bool wait_for_end(pthread_t id, int64_t deadline)
 {
     struct thread *thread = self(), *other = NULL;
@@ -459,7 +459,7 @@ EXPORT int pthread_timedjoin_np(pthread_t id, void **result, const struct timesp
     return pthread_clockjoin_np(id, result, CLOCK_REALTIME, at);
 }
 
-/* Begin with the calling thread alone, in a new process or a new program. */
+/* Initialise the table with only the calling thread, in a new process or a new program image. */
 void begin_threads(struct process_page *shared, const struct time_page *time, int report_to)
 {
     static bool again;

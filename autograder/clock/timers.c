@@ -1,6 +1,6 @@
 /*
- * Timers of the process: setitimer and alarm, which send a signal, and timerfd, which is an eventfd here
- * that the helper thread writes; poll, epoll and read then need nothing special.
+ * Timers of the process. setitimer and alarm send a signal. A timerfd is replaced by an eventfd to which
+ * the helper thread writes, so poll, epoll and read work without special code.
  */
 #include "library.h"
 
@@ -12,9 +12,9 @@
 
 struct timer {
     bool used;
-    int fd;             /* of a timerfd; -1 for the alarm */
+    int fd;             /* descriptor of a timerfd; -1 for the alarm */
     clockid_t clock;
-    int64_t next;       /* NEVER while it is not set */
+    int64_t next;       /* NEVER if the timer is not set */
     int64_t interval;
 };
 
@@ -22,7 +22,7 @@ static struct timer timers[MAX_TIMERS] = {{.used = true, .fd = -1, .next = NEVER
 
 void forget_timers(void)
 {
-    /* A child of fork has no alarm; its timerfds would be its parent's, which nobody shares. */
+    /* A child of fork has no alarm. Inherited timerfds are not supported; programs do not use them. */
     for (int i = 0; i < MAX_TIMERS; i++)
         timers[i] = (struct timer){.used = i == 0, .fd = -1, .next = NEVER};
 }
@@ -99,7 +99,7 @@ static struct timer *timer_of(int fd)
     return NULL;
 }
 
-/* A descriptor is about to be closed; its number may soon be another file's. */
+/* Forget the timer of a descriptor that is about to be closed, because its number may be reused. */
 void forget_timer(int fd)
 {
     lock();

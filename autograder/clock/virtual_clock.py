@@ -1,8 +1,9 @@
 """
-Control the virtual time of one run from the grader's side: start the driver, assign places.
+Start the driver of a run's virtual clock, and create a place on the clock for each process.
 
-Each process that the run starts gets a place: one end of a socket, whose number is in the variable
-``VIRTUAL_CLOCK``.  The library, which ``LD_PRELOAD`` loads, does the rest.
+A place is a position in the driver's order of processes, with a socket to the driver.  A process
+inherits one end of the socket, and the variable ``VIRTUAL_CLOCK`` contains its descriptor.  The
+library that ``LD_PRELOAD`` loads connects the process to the driver.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import sys
 from autograder.errors import SandboxUnavailable
 
 SYSTEM_TIME_NS = 1_767_225_600_000_000_000
-"""System time at which runs begin: 2026-01-01 00:00 UTC, so that recordings do not differ."""
+"""System time at the start of a run [ns]: 2026-01-01 00:00 UTC, fixed so that recordings agree."""
 FOLDER = Path('ros2_course', 'clock')
 _ROOTS = 4
 _PAGE = struct.Struct(f'=qqq{_ROOTS}q')  # struct time_page of protocol.h
@@ -34,9 +35,10 @@ class VirtualClock:
     The virtual clock of one run.
 
     :param driver: the process that moves the time
-    :param places: sockets for the processes that the run starts, in the order in which the driver
-        serves them
-    :param library: the library that these processes load
+    :param places: sockets for the processes of the run, in the order in which the driver serves
+        them
+    :param library: path of the library that these processes load
+    :param page: the time page, read-only
     """
 
     driver: subprocess.Popen[bytes]
@@ -46,18 +48,20 @@ class VirtualClock:
 
     def variables(self, place: int) -> Mapping[str, str]:
         """
-        Return the environment variables of the process in a place.
+        Return the environment variables for the process with a place.
 
-        :param place: its number; the process must inherit the descriptor of ``places[place]``
+        :param place: index in ``places``; the process must inherit the descriptor of that socket
         """
         number = str(self.places[place].fileno())
         return {'LD_PRELOAD': self.library, 'VIRTUAL_CLOCK': number}
 
     def command(self, place: int, later: bool = False) -> tuple[str, ...]:
         """
-        Return the beginning of a command line that starts a program in a place.
+        Return the prefix of a command line that starts a program with a place.
 
-        :param later: only pass the path of the library; the program preloads it when it calls exec
+        :param place: index in ``places``
+        :param later: only pass the path of the library in ``CLOCK_LIBRARY``, so that the program
+            can preload it for another program that it executes
         """
         names = dict(self.variables(place))
         if later:
@@ -65,27 +69,28 @@ class VirtualClock:
         return ('env', *(f'{name}={value}' for name, value in names.items()))
 
     def begin(self) -> None:
-        """Close the places of started processes, so that the driver notices their end."""
+        """Close this process's copies of the sockets, so that the driver notices closed ones."""
         for place in self.places:
             place.close()
 
     @property
     def elapsed_ns(self) -> int:
-        """Return how much virtual time has passed [ns]."""
+        """Return the virtual time since the start of the run [ns]."""
         return max(0, int(_PAGE.unpack_from(self.page)[0]) - _START_NS)
 
     def ended_ns(self, place: int) -> int | None:
         """
-        Return when the process in a place ended [ns], on the scale of :attr:`elapsed_ns`.
+        Return when a process ended, in virtual time like :attr:`elapsed_ns` [ns].
 
-        :returns: None while it runs
+        :param place: index of the process in ``places``
+        :returns: None while the process runs
         """
         ended = int(_PAGE.unpack_from(self.page)[3 + place])
         return ended - _START_NS if ended else None
 
     @property
     def jumps(self) -> int:
-        """Return how often the driver has woken a process."""
+        """Return how many times the driver has woken a process."""
         return int(_PAGE.unpack_from(self.page)[2])
 
 
@@ -95,7 +100,7 @@ def built() -> tuple[str, str]:
 
     :raises SandboxUnavailable: if the set-up has not built them
     """
-    # Resolve links: a link may not exist in a sandbox.
+    # Resolve links, because a link may be missing in a sandbox.
     folder = Path(sys.prefix).resolve() / FOLDER
     if not (folder / 'driver').is_file():
         raise SandboxUnavailable('The virtual clock is not built.', 'Try: make prepare')
@@ -105,17 +110,17 @@ def built() -> tuple[str, str]:
 @contextmanager
 def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator[VirtualClock]:
     """
-    Yield the virtual clock of one run, and end its driver.
+    Yield the virtual clock of one run, and end its driver afterwards.
 
     :param places: number of processes that the run starts; their children get further places
-    :param system_time_ns: what CLOCK_REALTIME shows at the start [ns]
-    :raises SandboxUnavailable: if the set-up has not built it
+    :param system_time_ns: initial value of CLOCK_REALTIME [ns]
+    :raises SandboxUnavailable: if the set-up has not built the clock
     """
     driver_file, library = built()
     pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(places)]
     for _, theirs in pairs:
-        # Set before a process sends its first message, from which the driver learns the process
-        # id.
+        # Set this before a process sends its first message: the driver reads the process id from
+        # the credentials of that message.
         theirs.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
     page_fd = os.memfd_create('time', os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
     try:
@@ -126,7 +131,7 @@ def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator
             [driver_file, *map(str, (system_time_ns, page_fd, *ends))],
             pass_fds=(page_fd, *ends),
             env={},
-            # Apart from the terminal's process group: Ctrl-C must not stop the time of a run.
+            # Leave the terminal's process group, because Ctrl-C must not end the driver.
             start_new_session=True,
         )
     except BaseException:

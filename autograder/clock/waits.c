@@ -1,8 +1,9 @@
 /*
- * Waits for other threads: conditions, mutexes, read-write locks, semaphores, futexes; and sleeps.
+ * Waits for other threads (conditions, mutexes, read-write locks, semaphores, futexes), and sleeps.
  *
- * Conditions and futexes are queues of ours, found by their address. Mutexes, read-write locks and
- * unnamed semaphores stay the C library's: a thread tries, and waits for the next release if it fails.
+ * This library implements conditions and futexes as queues, identified by their address. The C library
+ * still implements mutexes, read-write locks and semaphores: a thread tries to take the lock and, if this
+ * fails, waits for the next release.
  */
 #include "library.h"
 
@@ -15,13 +16,14 @@
 #include <string.h>
 #include <sys/syscall.h>
 
-#define LOOK_AGAIN MILLISECOND /* how often a semaphore of several processes is looked at */
+#define LOOK_AGAIN MILLISECOND /* interval for checking a semaphore that processes share */
 
-/* -- locks that are tried again -- */
+/* -- locks of the C library -- */
 
-static _Atomic int contended; /* threads between a failed try and their next success */
+static _Atomic int contended; /* number of threads that wait for such a lock */
 
-/* Try until it works or the deadline has passed; `attempt` returns 0, EBUSY or another error. */
+/* Try to take a lock until a try succeeds or the deadline has passed. `attempt` returns 0, EBUSY or
+ * another error. */
 static int try_until(int (*attempt)(void *), void *object, int64_t deadline)
 {
     int result = attempt(object);
@@ -29,7 +31,7 @@ static int try_until(int (*attempt)(void *), void *object, int64_t deadline)
     if (result != EBUSY || !(thread = self()))
         return result;
     lock();
-    /* Counted before the next try: a release that this try misses sees the count. */
+    /* Count before the next try, so that a release after a failed try sees the count. */
     atomic_fetch_add(&contended, 1);
     while ((result = attempt(object)) == EBUSY)
         if (wait_on(thread, object, deadline) == TIMED_OUT) {
@@ -97,7 +99,8 @@ EXPORT int pthread_rwlock_unlock(pthread_rwlock_t *rwlock)
 
 /* -- semaphores -- */
 
-/* Semaphores of several processes are looked at, as another process releases them unseen. */
+/* Semaphores that processes share. They are checked regularly, because this library does not see when
+ * another process releases them. */
 static const void *shared[64];
 static int shared_count;
 
@@ -142,7 +145,7 @@ EXPORT int sem_post(sem_t *semaphore)
 {
     int result = REAL(sem_post)(semaphore);
     released(semaphore, 1);
-    end_receiving(); /* a thread of Python, whose locks are semaphores: what it does next may take long */
+    end_receiving(); /* this is a Python thread, whose locks are semaphores; its next work may be long */
     return result;
 }
 
@@ -204,14 +207,15 @@ EXPORT int sem_timedwait(sem_t *semaphore, const struct timespec *at)
 /* -- conditions -- */
 
 /*
- * CPython's interpreter lock is the one exception. A thread that wants it waits five milliseconds and
- * then asks its holder for it: a matter of real time, while the holder computes and virtual time stands
- * still. The lock is the condition inside the symbol _PyRuntime.
+ * CPython's interpreter lock is the only exception. A thread that wants the lock waits five milliseconds
+ * and then requests it from its holder. This wait is in real time, because the holder computes and
+ * virtual time stands still. The condition of the lock is inside the symbol _PyRuntime.
  */
 static const char *interpreter, *interpreter_end;
 bool locks_read_the_clock;
 
-/* Return whether an object has an undefined symbol; those come before the symbols of its hash table. */
+/* Return whether an object imports a symbol. In the symbol table, imported symbols come before those in
+ * the hash table. */
 static bool imports(const struct link_map *object, const char *name)
 {
     const ElfW(Sym) *symbols = NULL;
@@ -243,7 +247,7 @@ __attribute__((constructor)) static void find_interpreter(void)
     interpreter = runtime;
     interpreter_end = interpreter + symbol->st_size;
     dladdr1(runtime, &where, (void **)&object, RTLD_DL_LINKMAP);
-    /* CPython from 3.11 on, where the C library had sem_clockwait when it was built. */
+    /* CPython 3.11 or newer, built with a C library that has sem_clockwait. */
     locks_read_the_clock = dlsym(RTLD_DEFAULT, "Py_Version") && imports(object, "sem_clockwait");
 }
 
@@ -252,7 +256,7 @@ static bool is_interpreter_lock(const void *condition)
     return (const char *)condition >= interpreter && (const char *)condition < interpreter_end;
 }
 
-#define ASK_HOLDER (SECOND / 10000) /* of real time; CPython's own interval is 5 ms */
+#define ASK_HOLDER (SECOND / 10000) /* real time until the request; CPython itself waits 5 ms */
 
 static int wait_for_condition(pthread_cond_t *condition, pthread_mutex_t *mutex, int64_t deadline)
 {
@@ -260,7 +264,7 @@ static int wait_for_condition(pthread_cond_t *condition, pthread_mutex_t *mutex,
     bool interpreter = deadline != NEVER && is_interpreter_lock(condition);
     enum why why;
     if (!thread)
-        return 0; /* not on the clock: a spurious wake-up, which the caller expects */
+        return 0; /* the thread is not on the clock: return like a spurious wake-up */
     if (deadline <= now() && !interpreter) {
         pthread_mutex_unlock(mutex);
         waited_for_nothing();
@@ -277,7 +281,7 @@ static int wait_for_condition(pthread_cond_t *condition, pthread_mutex_t *mutex,
         why = wait_on(thread, condition, deadline);
     unlock();
     pthread_mutex_lock(mutex);
-    /* Also if it was woken: CPython then asks a new holder at once. */
+    /* Return ETIMEDOUT even if the thread was woken, so that CPython requests the lock again at once. */
     return interpreter || why == TIMED_OUT ? ETIMEDOUT : 0;
 }
 
@@ -295,7 +299,7 @@ EXPORT int pthread_cond_clockwait(pthread_cond_t *condition, pthread_mutex_t *mu
 EXPORT int pthread_cond_timedwait(pthread_cond_t *condition, pthread_mutex_t *mutex,
                                   const struct timespec *at)
 {
-    /* Which clock a condition was made for is bit 1 of a private word of it. */
+    /* glibc stores the clock of a condition in bit 1 of a private word. */
     bool monotonic = condition->__data.__wrefs & 2;
     clockid_t clock = monotonic ? CLOCK_MONOTONIC : CLOCK_REALTIME;
     return wait_for_condition(condition, mutex, deadline_at(clock, at));
@@ -318,7 +322,7 @@ EXPORT int pthread_cond_broadcast(pthread_cond_t *condition)
     return signal_condition(condition, INT_MAX);
 }
 
-/* -- futexes: C++ futures and static variables, tracing -- */
+/* -- futexes, which C++ futures, C++ static variables and tracing use -- */
 
 static long futex_call(_Atomic uint32_t *word, int operation, uint32_t value,
                        const struct timespec *timeout)

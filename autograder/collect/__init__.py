@@ -1,11 +1,12 @@
 """
-The command ``collect``: copy delivered notebooks to the folder that nbgrader reads.
+The command ``collect``: copy handed-in notebooks to the folder that nbgrader reads.
 
-Each file is written atomically and the source is only read.  One table lists everything that was
-found: what was collected, what was not, and why.  Running the command again changes nothing.
+Files are written atomically, and the source is never changed.  A table lists every entry of the
+source: collected, or why not.  Running the same command again changes nothing.
 
-``tree`` lists a source, ``kinds`` finds out who handed in what, ``choice`` selects the notebook,
-and ``write_copy`` writes it.  A student's id depends only on the name in the source (``ids``);
-if two people have the same name, ``namesakes`` stops.  In nbgrader's exchange any user can hand in
-under any name, so ``owners`` compares the name with the owner.
+``source`` lists the files, ``kinds`` recognises the platform and who handed in what, ``choice``
+selects the notebooks, and ``write_copy`` writes them.  A student's id depends only on the name in
+the source (``ids``).  If two people have the same name, ``namesakes`` refuses their work.  In
+nbgrader's exchange, any user can hand in under any name, so ``owners`` compares the student with
+the owner of the files.
 """

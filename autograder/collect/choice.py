@@ -1,15 +1,18 @@
 """
-Choose the notebook that counts for each student and assignment.
+Select one notebook per student and assignment.
 
-Of several deliveries the newest counts.  In a delivery, content decides first: the notebook with
-most grade ids of the assignment counts, whatever its file is called.  Then the name decides, and
-then the attempt: the newest counts.  A notebook
-without a cell of the course is collected only if it is the only one delivered for the assignment:
-grading can explain a broken notebook, but private notes must not replace the answers.
+A *delivery* is everything that one student handed in at one time.  Notebooks with cells of the
+assignment take precedence, then the newest delivery.  Within a delivery, the notebook with the
+most grade ids of the assignment is selected, whatever its file name.  If several have the same
+number, the file name decides, and then the newest attempt.
+
+A notebook without any cell of the course is collected only if no other notebook was handed in for
+the assignment: the grader can explain a broken notebook, but private notes must not replace the
+answers.
 
 A learning platform exports one assignment at a time.  Without ``--assignment``, the notebooks of
-most students decide which one, so that a notebook of lesson 6 that was uploaded to lesson 7 does
-not replace one in lesson 6.
+most students decide which one.  So a notebook of lesson 6 that was uploaded to lesson 7 does not
+replace a notebook in lesson 6.
 """
 
 from __future__ import annotations
@@ -27,7 +30,7 @@ from autograder.results import first_of
 from autograder.submission.tree import NotTakenInError, UnreadableError
 
 MOST_NOTEBOOKS = 50
-"""Limit of notebooks in one delivery; a clone of the course has a dozen."""
+"""Maximum number of notebooks read from one delivery; a clone of the course has about twelve."""
 MOST_BYTES_EACH = 256 << 20
 NAMES_SHOWN = 3
 
@@ -35,12 +38,12 @@ NAMES_SHOWN = 3
 @dataclass(frozen=True, eq=False)
 class Seen:
     """
-    Facts about a notebook; the notebooks of a class are too large to hold at once.
+    Facts about a notebook, without its content: the notebooks of a class can exceed the memory.
 
-    :param handed: the delivery that it belongs to
-    :param shared: how many grade ids it has of each assignment
-    :param named: the assignment that its name or folder suggests
-    :param why: why it was not read
+    :param handed: the delivery that contains the notebook
+    :param shared: number of grade ids in the notebook, by assignment
+    :param named: the assignment that the name of the file or folder suggests
+    :param why: why the notebook was not read, empty if it was
     """
 
     handed: Handed
@@ -51,19 +54,19 @@ class Seen:
 
     @property
     def content(self) -> str:
-        """Return the assignment that most cells belong to, or an empty string."""
+        """Return the assignment to which most cells belong, or an empty string."""
         return max(self.shared, key=lambda name: (self.shared[name], name), default='')
 
     @property
     def about(self) -> str:
-        """Return the assignment that it seems to belong to, or an empty string."""
+        """Return the assignment by the cells or else by the name, or an empty string."""
         return self.content or self.named
 
 
 @dataclass(frozen=True)
 class Chosen:
     """
-    A notebook that can be collected.
+    A notebook that was selected for collection.
 
     :param when: time of delivery in UTC, None if it is not known
     """
@@ -75,11 +78,11 @@ class Chosen:
 
     @property
     def handed(self) -> Handed:
-        """Return the delivery that it belongs to."""
+        """Return the delivery that contains the notebook."""
         return self.seen.handed
 
     def row(self, done: str, course: Course, said: str) -> Row:
-        """Return the row of the table, with ``said`` as its first note."""
+        """Return the row of the table for this notebook, with ``said`` as its first note."""
         due = course.due.of(self.handed.id, self.assignment) if self.when else None
         late = late_notes(self.handed.late, self.when, due)
         notes = (*filter(None, (said,)), *late, *self.notes)
@@ -88,13 +91,13 @@ class Chosen:
 
 def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
     """
-    Return the assignment that most students delivered, if the source is of one assignment.
+    Return the assignment that most students handed in, for a source with only one assignment.
 
     Each student counts once per assignment, even with several notebooks.
 
     :param seen: the notebooks of each student
-    :param name: of the source
-    :returns: empty if there is no notebook at all
+    :param name: name of the source, for error messages
+    :returns: the assignment, empty if there is no notebook at all
     :raises NotTakenInError: if no notebook shows an assignment, or if two assignments are equally
         frequent
     """
@@ -124,12 +127,13 @@ def choose(
     single: bool = False,
 ) -> tuple[list[Chosen], list[Row]]:
     """
-    Find the notebooks to collect, one for each student and assignment.
+    Select the notebooks to collect, one per student and assignment.
 
-    :param delivered: the deliveries with their notebooks, as :func:`look` has found them
-    :param wanted: the only assignment to look for; empty to go by the source and the notebooks
-    :param single: whether the whole source belongs to this assignment, so that others are mistakes
-    :returns: the notebooks, and a row for each entry of the source without one
+    :param delivered: the deliveries, each with its notebooks from :func:`look`
+    :param wanted: the only assignment to collect; empty to recognise it from the source
+    :param single: whether the source has only this assignment, so that others in it are mistakes
+    :returns: the selected notebooks, and a row for each entry that was not, or only partly,
+        collected
     """
     fitting: dict[tuple[str, str], list[Seen]] = {}
     for handed, seen in delivered:
@@ -142,7 +146,7 @@ def choose(
     reasons: dict[Seen, str] = {}
     for (student, assignment), candidates in fitting.items():
         names = {one.handed.called or one.handed.student for one in candidates}
-        if len(names) > 1:  # two students map to one id: collect neither and report the clash
+        if len(names) > 1:  # Two students map to one id: collect neither and report the clash.
             why = f'the same student id as {", ".join(map(repr, sorted(names)))}'[:160]
             reasons |= dict.fromkeys(candidates, why)
         elif candidates:
@@ -157,7 +161,7 @@ def choose(
 
 
 def _unusable(handed: Handed, course: Course, wanted: str) -> str:
-    """Return why nothing can be collected, before anything is read; empty if something can."""
+    """Return why a delivery cannot be collected, without reading its files; empty if it can."""
     if not handed.id:
         return 'no letter or digit in the name'
     if why := handed.doubt or handed.instead:
@@ -170,7 +174,7 @@ def _unusable(handed: Handed, course: Course, wanted: str) -> str:
 
 
 def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
-    """Read the notebooks of a delivery, likely ones first, up to the limit for one student."""
+    """Read the notebooks of a delivery within its limits, the most likely ones first."""
     if _unusable(handed, course, wanted):
         return []
     notebooks = [one for one in handed.pieces if one.file.name.lower().endswith('.ipynb')]
@@ -198,17 +202,17 @@ def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
 
 def _fitting(seen: Sequence[Seen], assignment: str, course: Course, only: bool) -> list[Seen]:
     """
-    Return the notebooks of a delivery that may be for an assignment.
+    Return the notebooks of a delivery that may belong to an assignment.
 
-    A notebook without its cells may be for it only if no other notebook can be meant.
+    A notebook without cells of the assignment is returned only if no other notebook qualifies.
 
-    :param only: whether everything was handed in for this assignment
+    :param only: whether the whole delivery was handed in for this assignment
     """
     if found := [one for one in seen if one.content == assignment]:
         return found
     names = ('', assignment) if only else (assignment,)
     if any(one.why and one.named in names for one in seen):
-        return []  # the unreadable notebook may contain the answers
+        return []  # The unreadable notebook may contain the answers.
     named = [one for one in seen if not one.shared and one.named == assignment]
     if not named and only and len(seen) == 1:
         return [one for one in seen if not one.shared and not one.named]
@@ -217,7 +221,7 @@ def _fitting(seen: Sequence[Seen], assignment: str, course: Course, only: bool) 
 
 
 def _best(candidates: Sequence[Seen], assignment: str, course: Course) -> Chosen:
-    """Return the notebook that counts, with notes about it."""
+    """Return the notebook to collect, with notes for the table."""
 
     def merit(one: Seen) -> tuple[bool, float, int, bool, bool, int, bool, int]:
         file, cells, when = one.piece.file, one.shared.get(assignment, 0), one.handed.when
@@ -232,7 +236,7 @@ def _best(candidates: Sequence[Seen], assignment: str, course: Course) -> Chosen
             -len(file.parts),
         )
 
-    # Of two files with one name, only the newer one counts, whatever is in it.
+    # Of two files with the same name, consider only the newer one, whatever it contains.
     by_turn = sorted(candidates, key=lambda one: one.piece.turn)
     newest = {(one.handed.places, one.piece.file.parts): one for one in by_turn}
     best = max(newest.values(), key=merit)
@@ -254,12 +258,12 @@ def _best(candidates: Sequence[Seen], assignment: str, course: Course) -> Chosen
 
 
 def _is_attempt(one: Seen, best: Seen) -> bool:
-    """Return whether a notebook is another attempt, instead of another file of the same one."""
+    """Return whether a notebook is a different attempt, not another file of the same attempt."""
     return one.handed is not best.handed or one.piece.file.parts == best.piece.file.parts
 
 
 def _why_another(one: Seen, best: Chosen) -> str:
-    """Return why a notebook for the same assignment does not count."""
+    """Return why a notebook for the same assignment was not selected."""
     if not _is_attempt(one, best.seen):
         return f'{one.piece.file.path[:80]}: {best.seen.piece.file.path} counts'
     odd = best.seen.shared and not one.shared
@@ -269,10 +273,10 @@ def _why_another(one: Seen, best: Chosen) -> str:
 def _time(
     handed: Handed, piece: Piece, assignment: str
 ) -> tuple[datetime | None, tuple[str, ...]]:
-    """Return when a notebook was delivered, and notes about this time."""
+    """Return the time of delivery of a notebook, and notes about this time."""
     if not handed.stamped:
         return handed.when, ()
-    beside = (assignment, STAMP)  # nbgrader's place for it; elsewhere it is some other file
+    beside = (assignment, STAMP)  # nbgrader writes the file only here.
     file = next((one.file for one in handed.pieces if one.file.parts == beside), None)
     if file is None or piece.file.parts[:-1] != beside[:-1]:
         return None, ()
@@ -280,7 +284,7 @@ def _time(
         when, note = read_time(file.read()[:100].decode('utf-8', 'replace'))
     except UnreadableError as error:
         return None, (f'{file.path}: {error}',)
-    # Name the source, because a student may have written this file.
+    # Name the file in the note, because a student may have written it.
     return when, (note or f'time from {file.path}',)
 
 
@@ -294,10 +298,10 @@ def _others(
     single: bool,
 ) -> Iterator[Row]:
     """
-    Yield one row for every entry that was not collected or only partly read.
+    Yield one row for every entry that was not, or only partly, collected.
 
-    :param mine: the student's notebooks that count, by assignment
-    :param reasons: why other notebooks do not count, as far as it is known
+    :param mine: the selected notebooks of the student, by assignment
+    :param reasons: known reasons why notebooks were not selected
     """
     goal, why = wanted or handed.assignment, _unusable(handed, course, wanted)
     taken = {one.seen.piece.place for one in mine.values() if one.handed is handed}
@@ -324,9 +328,9 @@ def _others(
 
 def _why_not(one: Seen, chosen: bool, goal: str) -> str:
     """
-    Return why a notebook does not count for any assignment.
+    Return why a notebook was not selected for any assignment.
 
-    :param chosen: whether another notebook of the student does
+    :param chosen: whether another notebook of the student was selected
     """
     path, about = one.piece.file.path[:80], goal or one.named
     if one.why:
@@ -342,7 +346,7 @@ def _why_not(one: Seen, chosen: bool, goal: str) -> str:
 
 
 def _said(handed: Handed) -> tuple[str, ...]:
-    """Return the notes of the source, and a note if the name was changed."""
+    """Return the notes of a delivery, and a note if the student id differs from the name."""
     renamed = f'the name was {handed.student[:60]!r}' if handed.id != handed.student else ''
     return (*handed.notes, *filter(None, (renamed,)))
 

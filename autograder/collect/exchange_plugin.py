@@ -1,8 +1,8 @@
 """
-nbgrader's release and collect, for students who share a machine with the instructor.
+Plug-ins for nbgrader's release and collect on a machine that students share with instructors.
 
-Named in ``nbgrader_config.py``, they serve formgrader's buttons and ``nbgrader collect``. nbgrader
-itself only warns if one user delivers work under another user's name; these plug-ins refuse it.
+``nbgrader_config.py`` names them, so formgrader's buttons and ``nbgrader collect`` use them.  If a
+user hands in work under another user's name, nbgrader itself only warns; the plug-ins refuse it.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from autograder.collect.owners import OwnerRule
 from environment.exchange import protect
 
 COPY_MODE = 0o755
-"""Mode of a collected folder; in the exchange, every user can write to it."""
+"""File mode of a collected folder; in the exchange, every user can write to the folder."""
 
 
 class ReleaseProtected(ExchangeReleaseAssignment):
     """Release an assignment, and set the sticky bit on the folder of deliveries."""
 
     def init_dest(self) -> None:
-        """Create the folders of the exchange."""
+        """Create the folders of the exchange and protect them."""
         super().init_dest()
         protect(Path(self.root))
 
 
 class CollectFromOwners(ExchangeCollect):
-    """Collect only deliveries that their students own."""
+    """Collect only deliveries whose owner is the student in the name of the folder."""
 
     src_records: list[dict[str, Any]]
 
@@ -48,8 +48,8 @@ class CollectFromOwners(ExchangeCollect):
         record['doubt'] = doubt = self._doubt(Path(path), record['username'])
         if doubt:
             self.log.error('%s: not collected: %s', record['filename'], doubt)
-            # nbgrader takes the newest delivery of each user.  A refused delivery gets a separate
-            # user, so that a later forgery cannot hide the student's work.
+            # nbgrader collects the newest delivery of each user.  Give a refused delivery a
+            # different user name, so that a later forgery cannot hide the student's work.
             record['username'] = f'not collected: {record["filename"]}'
         return record
 
@@ -62,7 +62,7 @@ class CollectFromOwners(ExchangeCollect):
 
     def copy_files(self) -> None:
         """Copy the deliveries that were accepted."""
-        self.check_owner = False  # nbgrader does not know the recorded owners
+        self.check_owner = False  # nbgrader's own check ignores the setting ``owners``.
         super().copy_files()
 
     def do_copy(self, src: str, dest: str, log: Any = None) -> None:

@@ -1,13 +1,13 @@
 """
-Detect two people with the same name in exports of Moodle, which have no other id.
+Detect two people with the same name in Moodle exports, which contain no other id.
 
-The name alone would give two people one id.  An id that also depends on the other deliveries could
-give one person two ids.  So ``collect`` does not guess: it refuses work under a name that two
-people have until the instructor gives each of them a separate name.  Moodle numbers the
-participants of each assignment from scratch, but within one assignment a person keeps the number.
-The numbers are saved, because on some days only one of the two has handed in.
+If the id were the name alone, two people would share an id; if it also depended on the other
+deliveries, one person could get two ids.  So ``collect`` refuses work under a shared name until
+the instructor adds an id to the names of the folders.  Moodle numbers the participants of each
+assignment from scratch, but within an assignment each person keeps one number.  The numbers are
+saved, because an export may contain the work of only one of the two.
 
-This cannot detect two people with the same name who never hand in the same assignment.
+Two people with the same name who never hand in the same assignment are not detected.
 """
 
 from __future__ import annotations
@@ -28,10 +28,11 @@ Numbers = dict[str, dict[str, str]]
 @dataclass(frozen=True)
 class Namesakes:
     """
-    The saved numbers and names that are in doubt.
+    Saved participant numbers and shared student ids.
 
-    :param shared: student ids that two people have had in one source
-    :param numbers: by student id and assignment, the participant whose work was taken
+    :param shared: student ids that belonged to two people in the same source
+    :param numbers: number of the participant whose work was collected, by student id and
+        assignment
     """
 
     shared: frozenset[str] = frozenset()
@@ -40,9 +41,9 @@ class Namesakes:
 
 def read_namesakes(layout: Layout) -> Namesakes:
     """
-    Return the saved names and numbers.
+    Return the saved ids and numbers.
 
-    :raises NotTakenInError: if the file is damaged, because without it two people could get one id
+    :raises NotTakenInError: if the file is damaged; without it, two people could share an id
     """
     path = layout.namesakes
     data, problems = read_file(path, path.name)
@@ -69,8 +70,8 @@ def in_doubt(
     """
     Mark deliveries whose owner is unclear.
 
-    :param assignment: what the source was handed in for, empty if that is not known
-    :returns: the deliveries with their doubts, and the updated names and numbers
+    :param assignment: the assignment of the source, empty if it is not known
+    :returns: the deliveries with their doubts, and the updated ids and numbers
     """
     here: dict[str, set[str]] = {}
     for one in handed:
@@ -102,10 +103,10 @@ def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
 
 def keep_namesakes(layout: Layout, known: Namesakes, taken: Iterable[tuple[Handed, str]]) -> None:
     """
-    Save the names, with the numbers of the students who were collected now.
+    Save the shared ids, and the numbers of the participants whose work was just collected.
 
     :param taken: collected deliveries, each with its assignment
-    :raises OSError: if it cannot be written
+    :raises OSError: if the file cannot be written
     """
     numbers: Numbers = {student: dict(of_one) for student, of_one in known.numbers.items()}
     for one, assignment in taken:

@@ -2,10 +2,10 @@
 Check who owns a delivery in nbgrader's exchange.
 
 Every user of the machine can create a folder in ``inbound/`` and name it after any student, and
-nbgrader leaves it writable for all.  So the name proves nothing, but the system records who
-created the folder and each file in it, and a student cannot change that. The owner has to be the
-student: the user of that name, or the one that ``c.ExchangeCollect.owners`` in
-``nbgrader_config.py`` records.
+nbgrader leaves the folder writable for all users.  So the name proves nothing.  But the file
+system records the owner of the folder and of each file in it, and a student cannot change the
+owner.  The owner must be the student: the user of the same name, or the user that
+``c.ExchangeCollect.owners`` in ``nbgrader_config.py`` assigns to the student.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ ADVICE = 'if you copied it there yourself: --trust-names (docs/exchange.md)'
 @dataclass(frozen=True)
 class OwnerRule:
     """
-    The user who has to own the work of each student.
+    Rule about the system user who must own a student's work.
 
     :param check: False to trust the names of the folders
-    :param owners: name of the system user, by student id, where the two differ
+    :param owners: name of the system user by student id, where the two differ
     """
 
     check: bool = True
@@ -39,8 +39,8 @@ class OwnerRule:
         """
         Return why a delivery may not be the student's, or an empty string.
 
-        :param student: as the name of the folder says
-        :param uids: of the folder and all files in it; empty if they are not known
+        :param student: the student named by the folder
+        :param uids: owners of the folder and all files in it; empty if they are not known
         """
         if not self.check:
             return ''
@@ -63,9 +63,9 @@ def user_name(uid: int) -> str:
 
 def owner_rule(layout: Layout, trust_names: bool = False) -> OwnerRule:
     """
-    Return the rule of a course, with nbgrader's own settings.
+    Return the owner rule of a course, from its nbgrader settings.
 
-    :param trust_names: whether to check nothing
+    :param trust_names: True to accept every owner
     :raises GraderError: if the settings cannot be used
     """
     if trust_names:
@@ -83,7 +83,7 @@ def owner_rule(layout: Layout, trust_names: bool = False) -> OwnerRule:
 
 
 def with_owners_checked(handed: Iterable[Handed], rule: OwnerRule) -> tuple[Handed, ...]:
-    """Return deliveries of an exchange, with a doubt for those that another user owns."""
+    """Return deliveries of an exchange; set ``doubt`` for those that another user owns."""
     doubts = ((one, rule.doubt(one.student, one.owners)) for one in handed)
     return tuple(
         replace(one, doubt=f'{doubt}; {ADVICE}') if doubt else one for one, doubt in doubts

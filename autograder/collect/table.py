@@ -1,4 +1,4 @@
-"""The table of everything that was found, for people and as JSON."""
+"""The table of collected and refused work, which is printed or converted to JSON."""
 
 from __future__ import annotations
 
@@ -22,10 +22,9 @@ class Row:
     """
     One row of the table.
 
-    :param student: the student id in ``submitted/``, or as the source names them
-    :param place: where in the source
-    :param done: one of the four words above
-    :param notes: remarks about the row
+    :param student: student id, empty if it is not known
+    :param place: the entry of the source
+    :param done: :data:`TAKEN`, :data:`REPLACED`, :data:`UNCHANGED` or :data:`LEFT`
     :param person: the student's name, if the id is not a name
     :param handed_in: time of delivery in UTC to the minute, empty if it is not known
     """
@@ -45,7 +44,7 @@ def unclaimed(place: str, why: str) -> Row:
 
 
 def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:
-    """Print the table and a summary; names from outside are escaped."""
+    """Print the table and a summary; control characters in names are replaced."""
     console = Console(width=None if sys.stdout.isatty() else 160)
     table = Table()
     for title in ('Student', 'Assignment', 'Done', 'Handed in', 'From', 'Notes'):

@@ -1,4 +1,4 @@
-"""Collect a class: read a source, choose notebooks, copy them, and save what was left out."""
+"""Collect a class: read a source, copy the selected notebooks, and save a list of the others."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from autograder.classroom.class_list import extensions
+from autograder.classroom.delivered import Delivered, keep_delivered
 from autograder.classroom.not_collected import keep_not_collected, NotCollected
 from autograder.classroom.people import keep_people
 from autograder.collect.choice import choose, Chosen, look, of_all
@@ -34,16 +36,17 @@ def collect(
     Collect a class.
 
     :param source: a folder or a zip file
-    :param to: receives ``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb``
-    :param assignment: the only assignment to collect; empty to recognise it by the notebooks
-    :param kind: of the source, empty to recognise it
+    :param to: folder that receives ``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb``
+    :param assignment: the only assignment to collect; empty to recognise it from the notebooks
+    :param kind: platform of the source; empty to recognise it
     :param write: False to only report what would be done
     :param prefix: the beginning to remove from the names of students' folders
     :param trust_names: whether to collect deliveries of an exchange that other users own
     :returns: the table
-    :raises GraderError: if the source as a whole cannot be used
+    :raises GraderError: if the source as a whole cannot be used, or ``extensions.csv`` is wrong
     """
     course = Course(layout)
+    extensions(layout)  # report a wrong file before anything is copied
     with opened(source) as tree:
         there = handed_in(tree, course, kind, prefix)
         if there.kind == EXCHANGE:
@@ -58,6 +61,14 @@ def collect(
         names = {row.student: row.person for row in rows if row.done != LEFT and row.person}
         numbers = [(one.handed, one.assignment) for one, row in taken if row.done != LEFT]
         left = list(_not_collected(rows, layout))
+        names_there = {
+            (one.assignment, row.student): Delivered(there.kind, row.place)
+            for one, row in taken
+            if row.done != LEFT
+        }
+        rows += _kept(
+            layout.delivered, 'names of files', lambda: keep_delivered(layout, names_there)
+        )
         rows += _kept(layout.people, 'names', lambda: keep_people(layout, names))
         rows += _kept(
             layout.namesakes,
@@ -75,11 +86,12 @@ def _choose(
     there: Found, course: Course, wanted: str, name: str
 ) -> tuple[list[Chosen], list[Row], Namesakes]:
     """
-    Find the notebooks that can be collected.
+    Select the notebooks to collect.
 
-    :param wanted: the only assignment, empty to recognise it by the notebooks
-    :param name: of the source
-    :returns: the notebooks, a row for everything else, and the updated names and numbers
+    :param wanted: the only assignment, empty to recognise it from the notebooks
+    :param name: name of the source, for error messages
+    :returns: the notebooks, a row for each entry that was not collected, and the updated data
+        about people with the same name
     """
     seen = [look(one, course, wanted) for one in there.handed]
     goal = wanted or (of_all(seen, course, name) if there.single else '')
@@ -92,7 +104,7 @@ def _choose(
 
 
 def _kept(path: Path, what: str, keep: Callable[[], None]) -> Iterator[Row]:
-    """Save data for later commands; yield a row if that fails."""
+    """Save data for later commands; if that fails, yield a row for the table."""
     try:
         keep()
     except OSError as error:
@@ -101,7 +113,7 @@ def _kept(path: Path, what: str, keep: Callable[[], None]) -> Iterator[Row]:
 
 
 def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[NotCollected]:
-    """Yield what was not collected, for the reports."""
+    """Yield the work of known students that was not collected, for the reports."""
     known = layout.assignments()
     for row in rows:
         if row.done == LEFT and row.student:
@@ -110,10 +122,10 @@ def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[NotCollected
 
 
 def _refused(tree: Tree) -> Iterator[Row]:
-    """Yield the entries that were not read, one row per entry."""
+    """Yield a row about files that were not read, one per folder and reason."""
     paths = [where.split('/') for where, _ in tree.refused]
     tops = {file.parts[0] for file in tree.files} | {parts[0] for parts in paths}
-    depth = 2 if len(tops) == 1 else 1  # a single outer folder does not show the owner
+    depth = 2 if len(tops) == 1 else 1  # A single outer folder contains all students.
     grouped: dict[tuple[str, ...], list[str]] = {}
     for where, why in tree.refused:
         grouped.setdefault((*where.split('/')[:depth], why), []).append(where)

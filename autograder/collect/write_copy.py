@@ -1,9 +1,9 @@
 """
-Copy a notebook and its time to nbgrader's folder; write each file atomically.
+Copy a notebook and its time of delivery to nbgrader's folder; write each file atomically.
 
-Collecting Monday's zip after Tuesday's changes nothing: if the source gives a time and the
-previous copy has one, an older notebook is not collected. If either time is missing, as with
-Canvas, Moodle and repositories, the last collected notebook is kept, and the table reports it.
+Collecting Monday's zip after Tuesday's changes nothing: if the time of both notebooks is known, an
+older notebook does not replace a newer copy.  If either time is unknown, as with Canvas, Moodle
+and repositories, the new notebook replaces the copy, and a note in the table reports this.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from autograder.submission.reading import read_file
 
 def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
     """
-    Write a notebook and its time, unless an equal or newer copy exists.
+    Write a notebook and its time of delivery, unless an equal or newer copy exists.
 
-    :param file_name: of the assignment's notebook
+    :param file_name: file name of the assignment's notebook
     :param to: the folder of the class
     :param write: False to only report what would be done
-    :returns: a word for the table, and a remark
-    :raises OSError: if it cannot be written
-    :raises UnreadableError: if the source cannot be read any more
+    :returns: the value of ``Row.done``, and a note for the table
+    :raises OSError: if the copy cannot be written
+    :raises UnreadableError: if the notebook in the source can no longer be read
     """
     folder = to / one.handed.id / one.assignment
     for part in (folder.parent, folder):
@@ -46,7 +46,8 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
         return (UNCHANGED, 'handed in again later') if same else (LEFT, said)
     if write:
         if wanted is None and os.path.lexists(time):
-            # Remove the time first: a kill must not leave an old time next to a new notebook.
+            # Remove the time first: if the process is killed between the two steps, the new
+            # notebook must not keep the old time.
             time.unlink()
         if wanted is not None and wanted != time_there:
             keep(time, wanted)
@@ -58,10 +59,12 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
 
 def _older(wanted: bytes | None, there: bytes | None) -> tuple[bool, str]:
     """
-    Return whether work is older than the existing copy, as far as both times are known.
+    Return whether a notebook is older than the existing copy, and a note for the table.
 
-    :param wanted: its time, as it would be written
-    :param there: the time of the existing copy
+    If either time is unknown, the notebook is treated as newer.
+
+    :param wanted: content of the new ``timestamp.txt``
+    :param there: content of the existing ``timestamp.txt``
     """
     texts = ((data or b'')[:100].decode('utf-8', 'replace') for data in (wanted, there))
     new, old = (read_time(text)[0] for text in texts)

@@ -1,4 +1,4 @@
-"""One module per command; exit codes, and the options that several commands share."""
+"""Commands of ``python -m autograder``, one module each; exit codes and shared options."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 OK = 0
-"""Every submission has a verdict."""
+"""The command succeeded; after a grading, every submission has a verdict."""
 FOR_REVIEW = 1
-"""Some submissions are for review."""
+"""The command finished, but some work is for review, was left out or failed a self-check."""
 USAGE = 2
 """The command failed: wrong arguments, or a fault of the grader."""
 STOPPED = 130
@@ -21,26 +21,26 @@ UNREAD = 141
 
 Command = TypeVar('Command', bound=Callable[..., Any])
 Option = Callable[[argparse.ArgumentParser], object]
-"""Adds itself to the options of a command."""
+"""Function that adds one or more arguments to the parser of a command."""
 
 
 def option(name: str, text: str, **facts: Any) -> Option:
     """
-    Return an option of a command.
+    Return a function that adds an argument to the parser of a command.
 
-    :param text: for ``--help``
-    :param facts: as :meth:`argparse.ArgumentParser.add_argument` takes them
+    :param text: description for ``--help``
+    :param facts: keyword arguments of :meth:`argparse.ArgumentParser.add_argument`
     """
     return lambda parser: parser.add_argument(name, help=text, **facts)
 
 
 def flag(name: str, text: str) -> Option:
-    """Return an option without a value."""
+    """Return an option without a value; it is True if given, else False."""
     return option(name, text, action='store_true')
 
 
 def takes(*options: Option) -> Callable[[Command], Command]:
-    """Declare the options of a command; :func:`describe` finds them."""
+    """Attach options to the function of a command; :func:`describe` reads them."""
 
     def declare(run: Command) -> Command:
         vars(run)['options'] = options
@@ -53,14 +53,14 @@ def describe(parser: argparse.ArgumentParser, run: Callable[..., Any], *more: Op
     """
     Add a command's options to its parser.
 
-    :param more: options that the command did not declare itself
+    :param more: options in addition to those attached with :func:`takes`
     """
     for add in (*vars(run)['options'], *more):
         add(parser)
 
 
 def show(as_json: bool, data: Any, text: str) -> None:
-    """Print the outcome of a command, as JSON or as text."""
+    """Print the result of a command, as JSON or as text."""
     print(json.dumps(data) if as_json else text)
 
 

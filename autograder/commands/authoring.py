@@ -1,4 +1,4 @@
-"""The commands for authors of a course: ``new-course``, ``new-exam``, ``sample-class``, ..."""
+"""The commands ``new-course``, ``new-exam``, ``sample-class`` and ``self-check``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from autograder.layout import Layout
     option('folder', 'folder to create, or an empty folder', type=Path, metavar='DIR'),
 )
 def new_course_command(chosen: argparse.Namespace) -> int:
-    """Create the folder and print how to prepare it."""
+    """Create the folder of a course and print the next commands."""
     made = new_course(chosen.folder)
     print(f'Created a course of {len(made)} files in {chosen.folder}. Next, in that folder:')
     print(f'  {shlex.quote(sys.executable)} -m environment prepare')
@@ -34,7 +34,7 @@ def new_course_command(chosen: argparse.Namespace) -> int:
     option('--lesson', 'folder of the lesson, such as 01_doors', required=True, metavar='NN_NAME'),
 )
 def new_exam_command(chosen: argparse.Namespace) -> int:
-    """Create the files and print how to test them."""
+    """Create the files of an exam and print the commands that test them."""
     course = Layout.here()
     for path in new_exam(course, chosen.name, chosen.lesson):
         print(os.path.relpath(course.root / path))
@@ -46,7 +46,7 @@ def new_exam_command(chosen: argparse.Namespace) -> int:
 
 @takes(TO_SUBMITTED)
 def sample_class_command(chosen: argparse.Namespace) -> int:
-    """Write the example submissions."""
+    """Write the example submissions of the sample class."""
     layout = Layout.here()
     folder = (chosen.to or layout.submitted).resolve()
     count = write_sample_class(layout, folder)
@@ -56,7 +56,7 @@ def sample_class_command(chosen: argparse.Namespace) -> int:
 
 @takes()
 def self_check_command(chosen: argparse.Namespace) -> int:
-    """Check that the reference passes every exam here and that the bare release does not."""
+    """Check that the reference solution gets full points and the bare release none."""
     layout = Layout.here()
     code = OK
     for right, line in self_check(layout, grading_engine(layout)):

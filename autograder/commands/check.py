@@ -1,10 +1,10 @@
 """
-Run one exam on the files of a package; ``check(...)`` in a notebook starts this.
+Run one exam on the files of a package; ``check(...)`` in a notebook starts this program.
 
     python -m autograder.commands.check EXAM --files DIR --visible [--json]
 
-It is also a command of ``python -m autograder``.  It is a separate program because students'
-copies have it and none of the others.
+``python -m autograder check`` does the same.  This module can run on its own because the
+students' copy of the course contains no other command.
 """
 
 from __future__ import annotations
@@ -31,11 +31,7 @@ REFUSALS = (GraderError, EnvironmentError_, OSError, ModuleNotFoundError)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Run the command.
-
-    :returns: the exit code
-    """
+    """Run the command and return its exit code."""
     parser = argparse.ArgumentParser(prog='python -m autograder.commands.check')
     describe(parser, run)
     chosen = parser.parse_args(arguments)
@@ -53,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     JSON,
 )
 def run(chosen: argparse.Namespace) -> int:
-    """Run one exam on a package; a visible exam also runs without isolation."""
+    """Run one exam on a package; a visible exam also runs if no isolation works."""
     from autograder.exam import catalog
     from autograder.grading.examine import examine
     from autograder.submission.intake import read_handed_in, with_node_files
@@ -83,19 +79,23 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _kept_builds(exam: Exam) -> Path | None:
-    """Return the folder for recordings of visible builds: unchanged files build once."""
+    """
+    Return the folder of recordings for an exam that builds a package, else None.
+
+    Stored recordings spare the next check a build if the files have not changed.
+    """
     folder = Layout.here().recordings
     if exam.scenario.program not in ('build', 'package'):
         return None
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
-        return None  # the course is read-only: build again in every check
+        return None  # The course is read-only, so every check builds the package.
     return folder if os.access(folder, os.W_OK) else None
 
 
 def sandbox_for(visible: bool) -> Any:
-    """Return the strongest sandbox; visible checks may run without one."""
+    """Return the strongest sandbox that works here; visible checks may run without isolation."""
     from autograder.sandboxes import choose
 
     try:
@@ -110,11 +110,11 @@ def sandbox_for(visible: bool) -> Any:
         return choose.usable('none')
 
 
-# -- refusing -------------------------------------------------------------------------------
+# -- reporting errors -----------------------------------------------------------------------
 
 
 def refuse(error: Exception, as_json: bool) -> None:
-    """Print in one line why the command failed."""
+    """Print why the command failed: one line on stderr, and JSON on stdout if requested."""
     what, fix = _what_and_fix(error)
     print(f'autograder: {" ".join(f"{what} {fix}".split())}', file=sys.stderr)
     if as_json:
@@ -135,7 +135,7 @@ def _what_and_fix(error: Exception) -> tuple[str, str]:
 
 
 def _as_problem(what: str, fix: str) -> dict[str, Any]:
-    """Return why there is no verdict, as data for a program that shows it."""
+    """Return an error as a :class:`Problem` in JSON types, for the notebook to show."""
     from autograder.results import Problem
 
     fix = (

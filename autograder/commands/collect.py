@@ -1,4 +1,4 @@
-"""The command ``collect``: its options and what it prints."""
+"""The command ``collect``: its options and its output."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ from autograder.layout import Layout
     JSON,
 )
 def run(chosen: argparse.Namespace) -> int:
-    """Collect a class."""
+    """Collect the submissions of a class and print the table."""
     layout = Layout.here()
     assignment = layout.assignment_named(chosen.assignment) if chosen.assignment else ''
     to = chosen.to or layout.submitted

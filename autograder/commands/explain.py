@@ -1,9 +1,9 @@
 """
-Print the evidence behind one verdict, for an appeal: what was run, seen and expected.
+Print the evidence behind one verdict, for example after an appeal.
 
-Everything comes from the last results, the stored recording and the current submission; the check
-is judged once more and no program is run.  The evidence shows hidden inputs, so it is for the
-instructor, who decides what to show the student.
+The evidence comes from the last results, the stored recording and the current submission.  The
+check is judged once more, but no program runs.  The evidence contains hidden inputs, so it is for
+the instructor, who decides what to show the student.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ HOW = {
     JSON,
 )
 def run(chosen: argparse.Namespace) -> int:
-    """Show the evidence."""
+    """Print the checks of a student, or the evidence behind one of them."""
     layout = Layout.here()
     if chosen.check is None:
         results = results_of(layout, chosen.student, chosen.assignment)
@@ -82,8 +82,8 @@ def evidence(
 
     :param student: id or display name
     :param check: name of the check, or ``exam/check``
-    :param assignment: with or without its number; needed if the check's name is in several
-    :param submitted: the folder of the class, if it is elsewhere
+    :param assignment: with or without its number; needed if several assignments have this check
+    :param submitted: the folder of the class; None for the default folder
     :raises GraderError: if the student or the check is not in the last results
     """
     result, exam_result, verdict = _find(layout, student, check, assignment)
@@ -124,7 +124,7 @@ def results_of(
     Return the last results of one student.
 
     :param student: id or display name
-    :param assignment: only this one; None for all
+    :param assignment: the only assignment to include; None for all
     :raises GraderError: if the student is not in the last results
     """
     results = [result for one in graded(layout, assignment) for result in one.results]
@@ -173,7 +173,7 @@ def _now(
     files: Mapping[str, str],
     exam_result: ExamResult,
 ) -> str:
-    """Judge once more and return whether the verdict is the same, as text."""
+    """Judge the check once more and return a sentence that compares the verdicts."""
     result, why = again(layout, exam, files, exam_result)
     if result is None:
         return f'cannot be judged again: {why}'
@@ -204,7 +204,7 @@ def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[s
 
 
 def _last_words(recording: Recording) -> list[str]:
-    """Return the last lines that the program printed, from stderr if it has any."""
+    """Return the last lines that the program printed to stderr or, if that is empty, stdout."""
     streams = (str(recording.process.get(name, '')) for name in ('stderr', 'stdout'))
     said = next((text for text in streams if text.strip()), '')
     return [line for line in said.splitlines() if line.strip()][-LAST_WORDS:]
@@ -266,7 +266,7 @@ def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
 
 def evidence_text(found: Mapping[str, Any]) -> str:
     """
-    Return the evidence as plain text of at most forty lines.
+    Return the evidence as plain text of at most :data:`MOST_LINES` lines.
 
     :param found: from :func:`evidence`
     """

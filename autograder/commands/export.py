@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 import sys
 
+from autograder.classroom.delivered import read_delivered
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import ClassResults, graded
+from autograder.classroom.tables import read_bytes
+from autograder.collect.namesakes import read_namesakes
 from autograder.commands import (
     ASSIGNMENT,
     ASSIGNMENT_OR_ALL,
@@ -21,9 +24,10 @@ from autograder.commands import (
     takes,
 )
 from autograder.errors import GraderError
-from autograder.explaining.feedback import printable
-from autograder.exports import canvas
+from autograder.explaining.feedback import number, printable
+from autograder.exports import canvas, moodle
 from autograder.exports.as_json import results_json
+from autograder.exports.feedback_zip import feedback_zip
 from autograder.exports.gradescope import RESULTS, results_bytes, VISIBILITIES
 from autograder.exports.gradescope_zip import autograder_zip
 from autograder.exports.junit import junit_xml
@@ -35,7 +39,7 @@ from autograder.sandboxes.isolation import MODES, WEAK
 
 Marked = Sequence[tuple[ClassResults, Sequence[Mark]]]
 Made = tuple[Mapping[Path, bytes | None], bool, str]
-"""Content by path, None to remove the file; whether a score is missing; text to print."""
+"""Content by path (None removes the file), whether a score is missing, and text to print."""
 Make = Callable[[Layout, argparse.Namespace, Path], Made]
 VISIBILITY = option(
     '--visibility',
@@ -62,7 +66,7 @@ def _points(default: str) -> Option:
 
 
 def _formats(parser: argparse.ArgumentParser) -> None:
-    """Describe the formats and their options."""
+    """Add a subcommand with its options for each format."""
     formats = parser.add_subparsers(required=True, metavar='FORMAT', dest='format')
     for name, (make, _, text) in FORMATS.items():
         describe(formats.add_parser(name, help=text, description=text), make, *COMMON)
@@ -70,7 +74,7 @@ def _formats(parser: argparse.ArgumentParser) -> None:
 
 @takes(_formats)
 def run(chosen: argparse.Namespace) -> int:
-    """Write one format."""
+    """Export the results in one format."""
     layout = Layout.here()
     make, ending, _ = FORMATS[chosen.format]
     name = layout.assignment_named(chosen.assignment) if chosen.assignment else 'all'
@@ -87,17 +91,23 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _marked(layout: Layout, chosen: argparse.Namespace) -> Marked:
-    """Return the chosen results, with the marks of all students."""
+    """Return the results of each chosen assignment, with the marks of all students."""
     source = getattr(chosen, 'points', AUTOMATIC)
     return [(one, marks(layout, one, source)) for one in graded(layout, chosen.assignment)]
 
 
 def _without_mark(marked: Marked) -> bool:
-    """Print the students without a mark; return whether there are any."""
+    """Print who has no mark and who lost points for being late; return whether marks miss."""
     missing = [(one, mark) for one, given in marked for mark in given if mark.points is None]
     for one, mark in missing:
         line = f'no mark: {one.assignment}: {mark.student}: {mark.status}'
         print(printable(line), file=sys.stderr)
+    for one, given in marked:
+        for mark in given:
+            if mark.late_points:
+                lost = f'{number(mark.late_points)} points less, to {number(mark.points or 0.0)}'
+                line = f'late: {one.assignment}: {mark.student}: {lost}'
+                print(printable(line), file=sys.stderr)
     return bool(missing)
 
 
@@ -107,11 +117,11 @@ def _csv(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     return {path: marks_csv(marked, read_people(layout))}, _without_mark(marked), ''
 
 
-def _of_results(write: Callable[[Iterable[ClassResults]], bytes]) -> Make:
+def _of_results(write: Callable[[Marked], bytes]) -> Make:
     @takes(ASSIGNMENT_OR_ALL)
     def make(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
         marked = _marked(layout, chosen)
-        return {path: write([one for one, _ in marked])}, _without_mark(marked), ''
+        return {path: write(marked)}, _without_mark(marked), ''
 
     return make
 
@@ -135,14 +145,65 @@ def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     return {path: done.data}, bool(done.left_out), done.text()
 
 
+@takes(
+    ASSIGNMENT,
+    option(
+        '--worksheet', 'grading worksheet from Moodle', type=Path, required=True, metavar='FILE'
+    ),
+    option(
+        '--column',
+        'header of the grades in the worksheet (default: %(default)s)',
+        default=moodle.GRADE,
+        metavar='NAME',
+    ),
+    flag('--scale', "scale points to Moodle's maximum grade"),
+    _points(GRADEBOOK),
+)
+def _moodle(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
+    if path.resolve() == chosen.worksheet.resolve():
+        raise GraderError(
+            f'{path}: the output would overwrite the worksheet from Moodle.',
+            'Try: --to with a different name',
+        )
+    ((found, given),) = _marked(layout, chosen)
+    numbers = {
+        student: of_one[found.assignment]
+        for student, of_one in read_namesakes(layout).numbers.items()
+        if found.assignment in of_one
+    }
+    data = read_bytes(chosen.worksheet, 'the worksheet from Moodle', moodle.FIX)
+    done = moodle.fill(data, str(chosen.worksheet), given, numbers, chosen.column, chosen.scale)
+    return {path: done.data}, bool(done.left_out), done.text()
+
+
+@takes(ASSIGNMENT, _points(GRADEBOOK))
+def _feedback(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
+    from autograder.gradebook.converters import feedback  # nbgrader takes seconds to import
+
+    ((found, given),) = marked = _marked(layout, chosen)
+    ready = [mark.student for mark in given if mark.points is not None]
+    pages = feedback(layout, found.assignment, ready)
+    names = {
+        student: one
+        for (assignment, student), one in read_delivered(layout).items()
+        if assignment == found.assignment
+    }
+    if absent := sorted({*ready} - pages.keys()):
+        said = f'{found.assignment}: no feedback page for {", ".join(absent)}.'
+        raise GraderError(printable(said), 'Try: make grade, then the same command again')
+    said = f'{len(pages)} pages.'
+    return {path: feedback_zip(pages, names)}, _without_mark(marked), said
+
+
 @takes(ASSIGNMENT, VISIBILITY)
 def _gradescope(layout: Layout, chosen: argparse.Namespace, folder: Path) -> Made:
     ((found, given),) = marked = _marked(layout, chosen)
     files = {
-        folder / safe_name(one.student) / RESULTS: None  # removes the file of an earlier grading
+        # None removes a file of an earlier grading.
+        folder / safe_name(one.student) / RESULTS: None
         if mark.points is None
         else results_bytes(one, chosen.visibility)
-        for one, mark in zip(found.results, given)
+        for one, mark in zip(found.results, given)  # those without a submission come last
     }
     return files, _without_mark(marked), ''
 
@@ -172,7 +233,7 @@ FORMATS: Mapping[str, tuple[Make, str, str]] = {
         'write a table with one row per submission (RFC 4180, safe to open in a spreadsheet)',
     ),
     'checks-csv': (
-        _of_results(checks_csv),
+        _of_results(lambda marked: checks_csv(one for one, _ in marked)),
         '.checks.csv',
         'write a table with one row per submission and check',
     ),
@@ -187,6 +248,12 @@ FORMATS: Mapping[str, tuple[Make, str, str]] = {
         '.canvas.csv',
         'fill one column of a gradebook file exported from Canvas',
     ),
+    'moodle': (_moodle, '.moodle.csv', 'fill the grades in a grading worksheet from Moodle'),
+    'feedback': (
+        _feedback,
+        '.feedback.zip',
+        'pack feedback pages under the names that Canvas and Moodle take back',
+    ),
     'gradescope': (_gradescope, '.gradescope', 'write a results.json per submission'),
     'gradescope-autograder': (
         _autograder,
@@ -194,4 +261,4 @@ FORMATS: Mapping[str, tuple[Make, str, str]] = {
         'pack an autograder zip file for Gradescope',
     ),
 }
-"""By the name of the format: how it is made, the ending of the file, the text for ``--help``."""
+"""Function, file name ending and description for ``--help`` of each format, by its name."""

@@ -1,9 +1,9 @@
 """
-Remove a student from the course, with everything that grading made from their work.
+Remove a student from the course, with everything that the grader derived from their work.
 
-The submission is not deleted.  If the next grading would find it again, it moves to
-``_work/forgotten``.  Recordings are kept: they are named by the content of the files, and equal
-files of several students share one.
+The submission itself is not deleted.  If the next grading would find it, it is moved to
+``_work/forgotten``.  Recordings are kept: they are named by the content of the files, and students
+with equal files share them.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ import time
 from sqlalchemy import text
 
 from autograder.classroom.course_lock import alone
+from autograder.classroom.delivered import forget_delivered
 from autograder.classroom.not_collected import forget_not_collected, read_not_collected
-from autograder.classroom.people import namesake, read_people
+from autograder.classroom.people import namesake, saved_people
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.namesakes import keep_namesakes, read_namesakes
 from autograder.commands import flag, OK, option, takes
@@ -41,7 +42,7 @@ from autograder.submission.inbox import students_in
     flag('--yes', 'remove everything that is listed'),
 )
 def run(chosen: argparse.Namespace) -> int:
-    """Print all data about students, and remove it with ``--yes``."""
+    """Print all data about some students; with ``--yes``, also remove it."""
     layout, copies = Layout.here(), []
     with alone(layout, 'forget') if chosen.yes else nullcontext():
         found = [traces(layout, student) for student in chosen.students]
@@ -63,9 +64,9 @@ class Traces:
     """
     All data about one student in a course.
 
-    :param lines: what would be removed and what would not, one line each
+    :param lines: one line for each item that would be removed, moved or kept
     :param made: folders that nbgrader generated from the work
-    :param moved: the folder of the submission, if the next grading would find it
+    :param moved: the folder of the submission if the next grading would find it, else None
     """
 
     student: str
@@ -76,7 +77,7 @@ class Traces:
 
 def traces(layout: Layout, student: str) -> Traces:
     """
-    Return all data about one student; change nothing.
+    Return all data about one student, without changing anything.
 
     :param student: id or display name
     :raises GraderError: if there is no such student, or several have the name
@@ -84,7 +85,7 @@ def traces(layout: Layout, student: str) -> Traces:
     student = _student(layout, student)
     has_results = [name for name, graded in _results(layout).items() if student in graded]
     entered = [one for one in layout.assignments() if student in noted(journal(layout, one))]
-    name = read_people(layout).get(student)
+    name = saved_people(layout).get(student)
     folders = tuple(above / student for above in _made(layout) if student in _folders(above))
     lines = [
         *(f'gradebook: {mark}' for mark in _marks(layout).get(student, ())),
@@ -110,13 +111,13 @@ def traces(layout: Layout, student: str) -> Traces:
 
 def _student(layout: Layout, name: str) -> str:
     """
-    Return the id of a student of whom there is anything.
+    Return the id of a student about whom the course has any data.
 
     :raises GraderError: if there is no such student, or several have the name
     """
     folders = (_folders(above) for above in (layout.submitted, *_made(layout)))
     refused = (one.student for one in read_not_collected(layout))
-    known = {*_marks(layout), *read_people(layout), *refused}.union(
+    known = {*_marks(layout), *saved_people(layout), *refused}.union(
         *folders, *_results(layout).values()
     )
     if name in known:
@@ -131,7 +132,7 @@ def _student(layout: Layout, name: str) -> str:
 
 
 def _results(layout: Layout) -> dict[str, set[str]]:
-    """Return the students with results, by assignment."""
+    """Return the ids of the students with results, by assignment."""
     return {
         one: {result.student for result in last_results(layout, one)}
         for one in layout.assignments()
@@ -140,15 +141,16 @@ def _results(layout: Layout) -> dict[str, set[str]]:
 
 
 def _made(layout: Layout) -> tuple[Path, ...]:
-    """Return the folders in which nbgrader has one for each student."""
+    """Return the folders in which nbgrader keeps one folder per student."""
     return layout.work / 'autograded', layout.work / 'feedback'
 
 
 def forget(layout: Layout, student: str) -> Path | None:
     """
-    Remove what :func:`traces` lists.
+    Remove all data about a student that :func:`traces` finds.
 
-    :returns: a copy of the gradebook as it was, None if it is on a server or does not exist yet
+    :returns: a copy of the gradebook before the removal; None if the gradebook is on a server or
+        has no submission
     :raises GraderError: if the gradebook cannot be written or copied
     """
     found = traces(layout, student)
@@ -160,6 +162,7 @@ def forget(layout: Layout, student: str) -> Path | None:
         place.parent.mkdir(exist_ok=True)
         found.moved.rename(place)
     forget_not_collected(layout, student)
+    forget_delivered(layout, student)
     forget_made(layout, {student})
     for folder in found.made:
         shutil.rmtree(folder)
@@ -173,14 +176,14 @@ def _forgotten(layout: Layout) -> Path:
 
 
 def _folders(above: Path) -> set[str]:
-    """Return the names of the real folders in a folder, which may be missing."""
+    """Return the names of the folders in a folder, without links; empty if it is missing."""
     if not above.is_dir():
         return set()
     return {one.name for one in above.iterdir() if one.is_dir() and not one.is_symlink()}
 
 
 def _marks(layout: Layout) -> dict[str, list[str]]:
-    """Return the marks in the gradebook, by student."""
+    """Return the marks of each student in the gradebook as text, one line per assignment."""
     found: dict[str, list[str]] = {
         str(student): [] for (student,) in query(layout, text('select id from student'))
     }
@@ -204,10 +207,10 @@ order by assignment.name
 
 
 def _forget_name(layout: Layout, student: str) -> None:
-    """Remove a student from the display names and from Moodle's numbers."""
+    """Remove the display name of a student and the saved participant numbers from Moodle."""
     known = read_namesakes(layout)
     if known.numbers.pop(student, None):
         keep_namesakes(layout, known, ())
-    people = read_people(layout)
+    people = saved_people(layout)
     if people.pop(student, ''):
         keep(layout.people, json_bytes(people))

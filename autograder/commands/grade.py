@@ -1,8 +1,8 @@
 """
 The command ``grade``: grade a class, fill the gradebook and write the reports.
 
-Every run is saved as soon as it ends.  If a grading is stopped at any time, even by a power cut,
-the same command continues it.
+Each recording is saved as soon as its run ends.  If a grading is interrupted, even by a power
+cut, the same command continues it.
 """
 
 from __future__ import annotations
@@ -21,9 +21,10 @@ import time
 from rich.console import Console
 
 from autograder.authoring.sample_class import write_sample_class
+from autograder.classroom.class_list import extensions
 from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.course_lock import alone
-from autograder.classroom.not_collected import not_collected
+from autograder.classroom.not_collected import not_collected, not_listed
 from autograder.classroom.pages import print_table
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import modes, results_of_others
@@ -47,12 +48,12 @@ from autograder.sandboxes.isolation import banner, not_protected, WEAK
 from autograder.submission.inbox import discover, students_in, without_notebooks
 
 AHEAD = 64
-"""Runs that a scheduler gets ahead of need, so that workers that join later have work."""
+"""Minimum number of runs queued on a cluster, so that workers that join later have work."""
 MAX_NAMED = 5
 
 
 class NotEnteredError(GraderError):
-    """Some results could not be entered in the gradebook or written."""
+    """Some results could not be entered in the gradebook or written to the reports."""
 
     def __init__(self, what: str, results: Sequence[SubmissionResult]) -> None:
         super().__init__(what)
@@ -60,7 +61,7 @@ class NotEnteredError(GraderError):
 
 
 def _processors() -> int:
-    """Return how many processors this process may use."""
+    """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0))
 
 
@@ -107,8 +108,8 @@ def _positive(text: str) -> int:
     ),
 )
 def run(chosen: argparse.Namespace) -> int:
-    """Grade a class."""
-    # Clusters and services end a job with SIGTERM: clean up as after Ctrl-C.
+    """Grade a class and print the results."""
+    # Cluster and service managers end a job with SIGTERM: clean up as after Ctrl-C.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     _fit_together(chosen)
     layout = Layout.here()
@@ -130,7 +131,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _fit_together(chosen: argparse.Namespace) -> None:
-    """Refuse options that another option would make useless."""
+    """Refuse options that have no effect together with ``--cluster``."""
     for name, value, why in (
         ('--allow-weak', chosen.allow_weak, 'never run with weak isolation'),
         ('--jobs', chosen.jobs, 'set the number of runs themselves'),
@@ -143,14 +144,14 @@ def _fit_together(chosen: argparse.Namespace) -> None:
 
 
 def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> UsageError:
-    """Return the error about a folder without any submission."""
+    """Return the error for a folder without submissions."""
     known = layout.assignments()
     fix = (
         f'python -m autograder collect {short(submitted, layout)}, if this is a download from '
         'Canvas, Moodle or Gradescope'
     )
     for name in without_notebooks(submitted, known):
-        with suppress(OSError):  # not a folder, or not readable
+        with suppress(OSError):  # The entry may be a file or unreadable.
             if students_in(submitted / name, known):
                 fix = f'--submitted {short(submitted / name, layout)}'
     return UsageError(
@@ -163,7 +164,7 @@ def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> Usag
 def _engine(
     layout: Layout, chosen: argparse.Namespace, told: Console
 ) -> Iterator[tuple[Engine, int]]:
-    """Yield the engine that runs exams, here or on a cluster, and the number of parallel runs."""
+    """Yield the engine that runs exams, local or on a cluster, and the number of parallel runs."""
     if chosen.cluster:
         from autograder.grading.cluster import cluster_engine
 
@@ -177,7 +178,7 @@ def _engine(
 
 
 def warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:
-    """Print the banner of a weak mode; return how many runs may be parallel."""
+    """Warn about weak isolation; return how many runs may be parallel: one if it is weak."""
     mode = getattr(getattr(engine, 'sandbox', None), 'mode', '')
     if not not_protected(mode):
         return jobs
@@ -186,13 +187,13 @@ def warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:
 
 
 def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path:
-    """Return the folder to grade; fill the default folder with the sample class if empty."""
+    """Return the folder to grade; in a new course, first fill it with the sample class."""
     if chosen is not None:
         if not chosen.is_dir():
             raise UsageError(f'--submitted {chosen}: there is no such folder.')
         return chosen.resolve()
     if not layout.submitted.is_dir() or not any(layout.submitted.iterdir()):
-        if layout.reports.is_dir():  # never add sample students to a real class
+        if layout.reports.is_dir():  # Never add sample students to a real class.
             raise UsageError(
                 f'{layout.submitted}: there is nothing to grade. Try: python -m autograder '
                 'collect SOURCE, or python -m autograder sample-class for the example submissions'
@@ -219,7 +220,7 @@ class Grading:
     Grade the assignments of one class, enter the results, write the reports, print the tables.
 
     :param submitted: the folder of the class
-    :param jobs: how many runs at a time
+    :param jobs: number of parallel runs
     :param guard: decides which marks in the gradebook may change
     """
 
@@ -232,15 +233,18 @@ class Grading:
 
     @property
     def enters(self) -> bool:
-        """Return whether results go into the gradebook: visible checks give no grade."""
+        """Return whether results are entered in the gradebook; those of visible checks are not."""
         return bool(getattr(self.engine, 'hidden', True))
 
     def refuse_loss(self, assignments: Sequence[str]) -> None:
         """
-        Refuse to grade if marks would be lost, before anything is run.
+        Refuse to grade if marks would be lost; call this before any run.
 
-        :raises GraderError: for a damaged gradebook, or check cells that do not fit their exams
+        :raises GraderError: if the gradebook is damaged, or a check cell and its exam give
+            different points
         """
+        not_listed(self.layout, ())  # a wrong class list is reported here, not after the runs
+        extensions(self.layout)
         if self.enters:
             refuse_damaged(self.layout)
             for assignment in assignments:
@@ -248,7 +252,7 @@ class Grading:
                 refuse_unfit_points(self.layout, lesson)
 
     def all(self, assignments: Sequence[str]) -> tuple[list[SubmissionResult], str]:
-        """Grade each assignment; return all results, and why some were not entered."""
+        """Grade each assignment; return all results, and why some were not entered (or empty)."""
         results: list[SubmissionResult] = []
         trouble: list[str] = []
         for assignment in assignments:
@@ -264,13 +268,14 @@ class Grading:
         """
         Grade one assignment.
 
-        :raises NotEnteredError: with the results, if the gradebook or the disk refused some
+        :raises NotEnteredError: if some results could not be entered in the gradebook or written;
+            the error holds all results
         """
         layout, lesson = self.layout, load_lesson(self.layout, assignment, self.engine)
         class_ = discover(self.submitted, assignment, lesson.notebook, layout.assignments())
         if not class_:
             return []
-        # Read the old results first: if that fails, no runs are wasted.
+        # Read the old results before any run: if they are damaged, no run is wasted.
         others: Sequence[SubmissionResult] = ()
         if self.submitted.resolve() != layout.submitted.resolve():
             others = results_of_others(layout, assignment, {one.student for one in class_})
@@ -285,7 +290,7 @@ class Grading:
         parts = [
             *_about_runs(results, time.monotonic() - began, graded_s, totals),
             *self._about_marks(assignment, len(results) - new),
-            *self._about_others(others),
+            *self._about_others(results, others),
         ]
         unwritten = self._report(assignment, results, others, ' '.join(parts))
         lowered = self.guard.lowered_in(assignment)
@@ -296,7 +301,7 @@ class Grading:
         return results
 
     def _about_marks(self, assignment: str, not_entered: int) -> Iterator[str]:
-        """Yield which marks in the gradebook are as before."""
+        """Yield sentences about marks in the gradebook that are unchanged or lower."""
         lowered = self.guard.lowered_in(assignment)
         kept = not_entered - (0 if self.guard.yes else len(lowered))
         if self.enters and kept:
@@ -305,8 +310,13 @@ class Grading:
             said = 'Fewer points than before' if self.guard.yes else 'Unchanged in the gradebook'
             yield f'{said}: {first_of(lowered, MAX_NAMED)}.'
 
-    def _about_others(self, others: Sequence[SubmissionResult]) -> Iterator[str]:
-        """Yield whose work was not graded."""
+    def _about_others(
+        self, results: Sequence[SubmissionResult], others: Sequence[SubmissionResult]
+    ) -> Iterator[str]:
+        """Yield whose work was not graded, and who is not on the class list."""
+        if unknown := not_listed(self.layout, [one.student for one in results]):
+            some = printable(first_of(unknown, MAX_NAMED))
+            yield f'Not on the class list: {some}.'
         if folders := without_notebooks(self.submitted, self.layout.assignments()):
             some = printable(first_of(folders, MAX_NAMED))
             yield f'Folders without a notebook of the course were not graded: {some}.'
@@ -324,7 +334,7 @@ class Grading:
         """
         Write the reports of all students, and print the table of those graded now.
 
-        :returns: why the reports could not be written, empty if they are
+        :returns: why the reports could not be written, empty if they were
         """
         layout, told = self.layout, self.told
         everybody = sorted((*results, *others), key=lambda one: one.student)
@@ -332,7 +342,7 @@ class Grading:
         unwritten = where = ''
         try:
             where = short(write_all_reports(layout, assignment, everybody, summary), layout)
-        except OSError as error:  # the command prints nothing after the table
+        except OSError as error:  # Print the table first, then report the error.
             unwritten = str(of_system(error, str(layout.reports)))
         print_table(told, assignment, results, read_people(layout), missing)
         told.print(summary, highlight=False, markup=False)
@@ -344,7 +354,7 @@ class Grading:
 def _about_runs(
     results: Sequence[SubmissionResult], total_s: float, runs_s: float, totals: Totals
 ) -> Iterator[str]:
-    """Yield how long it took, how the programs were isolated, and how many are for review."""
+    """Yield a sentence with the duration, the isolation modes and the number for review."""
     some = f'{len(results)} submission{"s" * (len(results) != 1)}'
     facts = [f'{some} in {total_s:.1f} s, of which runs took {runs_s:.1f} s']
     if len(results) > 1 and (slowest := totals.slowest_text()):
@@ -357,5 +367,5 @@ def _about_runs(
 
 
 def short(path: Path, layout: Layout) -> str:
-    """Return a path relative to the course."""
+    """Return a path relative to the course; a path elsewhere is unchanged."""
     return str(path.relative_to(layout.root)) if path.is_relative_to(layout.root) else str(path)

@@ -1,8 +1,8 @@
 """
 Show the progress of a grading: one changing line on a terminal, repeated lines in a log.
 
-It counts runs: a submission has one for each exam.  The remaining time is estimated from the pace
-so far, which is too optimistic if many submissions were recorded already.
+Progress is counted in runs, one per submission and exam.  The remaining time is estimated from the
+runs so far, which is too optimistic if many of them were already recorded.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ LINE_S = 5.0
 
 @dataclass
 class Totals:
-    """The outcomes of a class so far; any thread may add to them."""
+    """Count the outcomes of a class during the grading; :meth:`add` is thread-safe."""
 
     counts: Counter[str] = field(default_factory=Counter)
     seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
@@ -51,8 +51,9 @@ class Totals:
 
     @property
     def slowest(self) -> tuple[str, float]:
-        """Return the student whose runs took longest, and how long [s]; empty if unknown."""
-        # Equal files take equal time: choose the first student by name, not by arrival.
+        """Return the student with the longest run time, and the time [s]; ('', 0.0) if unknown."""
+        # Students with equal files share a recording and its time: choose the first by name, so
+        # that the result does not depend on the order of the runs.
         names = sorted(self.seconds)
         student = max(names, key=lambda name: round(self.seconds[name], 3), default='')
         took = self.seconds.get(student, 0.0)
@@ -60,11 +61,11 @@ class Totals:
 
     @property
     def count(self) -> int:
-        """Return how many runs have ended."""
+        """Return the number of runs that have ended."""
         return self.counts.total()
 
     def text(self) -> str:
-        """Return the totals as text."""
+        """Return the totals as text, such as ``3 full marks, 2 less``."""
         words = ['full marks', 'less', *(['for review'] if self.counts['for review'] else [])]
         return ', '.join(f'{self.counts[word]} {word}' for word in words)
 
@@ -81,12 +82,12 @@ def progress(
     total: int, what: str, line_s: float = LINE_S, totals: Totals | None = None
 ) -> Iterator[Callable[[Done], None]]:
     """
-    Show what is done, what is left and how many have full marks.
+    Show the finished runs, the remaining time and the number of full marks.
 
-    :param total: how many runs there will be
-    :param what: name of what is graded
-    :param line_s: time between two lines without a terminal, or in CI
-    :param totals: counts the outcomes
+    :param total: number of all runs
+    :param what: label of the progress line, such as the assignment
+    :param line_s: time between two lines without a terminal, or in CI [s]
+    :param totals: object that counts the outcomes; None for a new one
     :returns: a function to call after each run, from any thread
     """
     totals, console = totals or Totals(), Console(stderr=True)
@@ -99,13 +100,13 @@ def progress(
 
 
 def is_alive(console: Any) -> bool:
-    """Return whether a line on this console can be rewritten."""
+    """Return whether the console is a terminal that can rewrite a line, and not in CI."""
     return console.is_terminal and os.environ.get('CI', '') in ('', '0', 'false')
 
 
 @contextmanager
 def _bar(totals: Totals, total: int, what: str, console: Any) -> Iterator[Callable[[Done], None]]:
-    """Show one line until all is done."""
+    """Show a progress bar until the context ends."""
     columns: tuple[Any, ...] = (
         TextColumn('{task.description}'),
         BarColumn(bar_width=20),
@@ -126,7 +127,7 @@ def _bar(totals: Totals, total: int, what: str, console: Any) -> Iterator[Callab
 
 @contextmanager
 def _lines(totals: Totals, total: int, what: str, line_s: float) -> Iterator[None]:
-    """Print a line every few seconds until all runs have ended."""
+    """Print a line every ``line_s`` seconds until all runs have ended."""
     began, ended = time.monotonic(), threading.Event()
 
     def print_lines() -> None:

@@ -1,9 +1,10 @@
 """
 Judge stored recordings again after an exam was edited; run no program.
 
-The last results, ``results.json`` of the reports, name each recording.  A recording counts only if
-its header names the same files and the same scenario; otherwise the student is listed and keeps
-the old points.  ``--write`` works like a grading: nbgrader gets only what has changed.
+The last results (``results.json`` in the reports) name the recordings.  A recording is used only
+if its header has the digests of the current files and scenario; otherwise the student is listed
+and keeps the old points.  As in a grading, ``--write`` enters only changed results in the
+gradebook.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ from autograder.submission.inbox import discover, Submission
     JSON,
 )
 def run(chosen: argparse.Namespace) -> int:
-    """Judge again."""
+    """Judge recordings again and print the changes."""
     layout = Layout.here()
     with alone(layout, 'rejudge --write') if chosen.write else nullcontext():
         changes, code = rejudge_command(
@@ -67,7 +68,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 @dataclass(frozen=True)
 class Changed:
-    """One check whose verdict, points or reason differ from before."""
+    """A check whose verdict, points or maximum have changed."""
 
     exam: str
     check: str
@@ -78,7 +79,7 @@ class Changed:
     why: str
 
     def text(self) -> str:
-        """Return one line."""
+        """Return the change as one line of text."""
         points = f'{number(self.points_before)} -> {number(self.points_after)} points'
         verdict = self.before if self.before == self.after else f'{self.before} -> {self.after}'
         return f'  {self.exam}/{self.check}: {verdict}, {points}; {self.why}'
@@ -87,11 +88,11 @@ class Changed:
 @dataclass(frozen=True)
 class Rejudged:
     """
-    One student's work, judged again.
+    The outcome of judging one submission again.
 
-    :param changed: the checks that differ now
-    :param kept: why the old points are kept, empty if everything was judged again
-    :param graded: result that can be entered in the gradebook
+    :param changed: the checks whose result has changed
+    :param kept: why the old points are kept, empty if all exams were judged again
+    :param graded: the new result for the gradebook; None if the old points are kept
     """
 
     before: SubmissionResult
@@ -101,7 +102,7 @@ class Rejudged:
     graded: Graded | None = None
 
     def lines(self) -> Iterator[str]:
-        """Yield what is different, or why nothing was judged."""
+        """Yield one line per changed check, or the reason why nothing was judged."""
         student, points = self.before.student, number(self.before.points)
         if self.changed:
             after = f'{number(self.after.points)} of {number(self.after.max_points)} points'
@@ -116,10 +117,10 @@ class Account:
     """
     The outcome of judging one assignment again.
 
-    :param seconds: wall time of the judging
-    :param written: the outcome of writing, empty if nothing was to be written
-    :param refused: results that nbgrader did not enter, and why
-    :param lowered: the marks in the gradebook that are, or would be, lowered or emptied
+    :param seconds: wall time of the judging [s]
+    :param written: a sentence about what ``--write`` did, empty without this option
+    :param refused: why some results were not entered in the gradebook, empty if all were
+    :param lowered: marks in the gradebook that are, or would be, lowered or cleared
     """
 
     lesson: Lesson
@@ -131,7 +132,7 @@ class Account:
 
     @property
     def to_enter(self) -> list[Graded]:
-        """Return what can be entered in the gradebook."""
+        """Return the results that can be entered in the gradebook."""
         return [one.graded for one in self.rejudged if one.graded is not None]
 
     @property
@@ -140,7 +141,7 @@ class Account:
         return any(one.kept for one in self.rejudged)
 
     def text(self) -> str:
-        """Return the account, one line per fact."""
+        """Return the changes and a summary as plain text."""
         lines = [line for one in self.rejudged for line in one.lines()]
         lines += [f'lower mark in the gradebook: {mark}' for mark in self.lowered]
         changed = sum(bool(one.changed) for one in self.rejudged)
@@ -153,7 +154,7 @@ class Account:
         return printable('\n'.join(lines))
 
     def to_json(self) -> dict[str, Any]:
-        """Return JSON types only."""
+        """Return the outcome in JSON types."""
         return {
             'assignment': self.lesson.assignment,
             'seconds': self.seconds,
@@ -177,15 +178,17 @@ def rejudge_command(
     layout: Layout, assignment: str | None, submitted: Path | None, write: bool, yes: bool = False
 ) -> tuple[list[Account], int]:
     """
-    Judge one assignment, or all graded ones, again.
+    Judge the recordings of one assignment, or of all graded assignments, again.
 
-    :param write: enter the new points in gradebook and reports; what the gradebook refuses is in
-        the account, and the reports are written anyway
-    :param yes: also lower or empty marks that the gradebook holds; without it such marks are in
-        the accounts and nothing is written
-    :returns: an account for each, and the exit code if nothing was refused
-    :raises GraderError: if there is no such assignment, or nothing was graded yet; to write, also
-        if check cells and exams give different points
+    :param assignment: None for all that were graded
+    :param submitted: the folder of the class; None for the default folder
+    :param write: whether to write the new points to the gradebook and the reports; the reports are
+        written even if the gradebook refuses some results
+    :param yes: whether marks in the gradebook may be lowered or cleared; if not, and some would
+        be, nothing is written
+    :returns: the outcome for each assignment, and the exit code if nothing was refused
+    :raises GraderError: if the assignment is unknown or nothing was graded yet; with ``write``,
+        also if check cells and exams give different points
     """
     there = graded(layout, assignment)
     lessons = [load_lesson(layout, one.assignment, NothingRuns()) for one in there]
@@ -200,7 +203,7 @@ def rejudge_command(
 
 def rejudge(layout: Layout, lesson: Lesson, submitted: Path) -> Account:
     """
-    Judge all students who were graded.
+    Judge the recordings of all students with results.
 
     :param submitted: the folder of the class
     """
@@ -216,7 +219,7 @@ def rejudge(layout: Layout, lesson: Lesson, submitted: Path) -> Account:
 
 
 Known = dict[tuple[Any, ...], tuple[ExamResult | None, str]]
-"""Verdicts that are already known, by exam, files and recording."""
+"""Outcomes of :func:`again`, by exam, digest of the files, and recording with isolation mode."""
 
 
 def _rejudged(
@@ -226,7 +229,7 @@ def _rejudged(
     submission: Submission | None,
     known: Known,
 ) -> Rejudged:
-    """Judge one student's files, or return why that is impossible."""
+    """Judge the files of one student again, or return why that is impossible."""
     if submission is None:
         return Rejudged(before, before, kept='the submission no longer exists')
     opened = open_one(submission, lesson)
@@ -234,7 +237,7 @@ def _rejudged(
     results = []
     for exam in lesson.exams:
         theirs, last = files[exam.name].files, old.get(exam.name)
-        # Equal files have equal verdicts: an untouched stub is judged once for the whole class.
+        # Equal files get equal verdicts, so an untouched stub is judged once for the whole class.
         key = exam.name, files_digest(theirs), (last.recording, last.mode) if last else None
         if key not in known:
             known[key] = again(layout, exam, theirs, last)
@@ -267,7 +270,7 @@ def _shown(check: CheckResult) -> tuple[Any, ...]:
 
 
 def _why(before: CheckResult | None, after: CheckResult | None) -> str:
-    """Return the reason for a change: what the check says now, or what it said before."""
+    """Return the reason for a change, from the new result or else from the old one."""
     if after is None:
         return 'the exam no longer has this check'
     if before is None:
@@ -281,7 +284,7 @@ def _why(before: CheckResult | None, after: CheckResult | None) -> str:
 
 
 def _write_all(layout: Layout, accounts: Sequence[Account], guard: Guard) -> None:
-    """Write all accounts; write none if a mark would fall without ``--yes``."""
+    """Write all results; without ``--yes``, write none if a mark would be lowered."""
     for account in accounts:
         guard.allowed(account.lesson, Journal(layout, account.lesson).new(account.to_enter))
     for account in accounts:
@@ -294,7 +297,7 @@ def _write_all(layout: Layout, accounts: Sequence[Account], guard: Guard) -> Non
 
 
 def _write(layout: Layout, account: Account, guard: Guard) -> None:
-    """Enter new results in the gradebook, write all reports, and note the outcome."""
+    """Enter new results in the gradebook, write all reports, and describe both in the account."""
     count = len(account.to_enter)
     new, account.refused = enter(layout, account.lesson, account.to_enter, guard)
     results = [one.after for one in account.rejudged]

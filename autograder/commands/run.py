@@ -1,10 +1,10 @@
 """
-Run the exams of the course on one submission of any form, for an instructor.
+Run the exams of the course on a single submission, for an instructor.
 
-A submission is a script, a package folder, a zip of one, or a notebook.  Exams, sandbox and
-messages are the same as for a class; nothing is entered in a gradebook.  A package with build
-files is built and its executables are run; the files of other folders are put next to the node
-file.
+The submission is a script, a package folder, a zip of such a folder, or a notebook.  Exams,
+sandbox and messages are the same as for a class, but nothing is entered in the gradebook.  A
+package with build files is built, and its executables run.  In any other folder, the node file
+runs with the other files next to it.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ from autograder.submission.tree import NotTakenInError
     JSON,
 )
 def run(chosen: argparse.Namespace) -> int:
-    """Run exams on one submission."""
+    """Run the chosen exams on one submission and print the results."""
     layout = Layout.here()
     found = exams_named(chosen.exam, layout, hidden=not chosen.visible)
     to_look_at = looks(chosen.path, found, layout)
@@ -77,7 +77,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _show(event: Any) -> None:
-    """Print an event of a run as it happens; the results may go elsewhere as JSON."""
+    """Print an event to stderr as it happens; stdout may be reserved for JSON."""
     line = live_line(event)
     if line:
         print(line, file=sys.stderr, flush=True)
@@ -86,11 +86,11 @@ def _show(event: Any) -> None:
 @dataclass(frozen=True)
 class Look:
     """
-    One exam and the files that it gets.
+    An exam, and the files on which it runs.
 
-    :param files: relative path to text
-    :param problems: what is wrong with the cells of a notebook
-    :param notebook: whether the files are cells of one
+    :param files: content by relative path
+    :param problems: problems with the cells of a notebook
+    :param notebook: whether the files come from a notebook
     """
 
     exam: Exam
@@ -100,7 +100,7 @@ class Look:
 
 
 def short_name(assignment: str) -> str:
-    """Return the name of an assignment's folder without its number."""
+    """Return the name of an assignment without its number: ``topics`` for ``03_topics``."""
     return assignment.partition('_')[2] if assignment[:1].isdigit() else assignment
 
 
@@ -108,8 +108,8 @@ def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
     """
     Return one exam, or all exams of an assignment.
 
-    :param name: of an exam, or of an assignment with or without its number
-    :raises GraderError: if there is neither, with a similar name
+    :param name: name of an exam, or of an assignment with or without its number
+    :raises GraderError: if no exam or assignment has this name; the error suggests a similar one
     """
     examined = {one: catalog.for_assignment(one, hidden) for one in layout.assignments()}
     by_exam = {exam.name: exam for found in examined.values() for exam in found}
@@ -126,10 +126,10 @@ def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
 
 def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
     """
-    Return the files of a submission that each exam gets.
+    Return the exams that can run on a submission, each with its files.
 
     :param path: a script, a package folder, a zip file or a notebook
-    :raises NotTakenInError: if nothing in it is for these exams
+    :raises NotTakenInError: if the submission has no file for any of these exams
     """
     if not path.exists():
         raise NotTakenInError(f'{path}: there is no such file or folder.')
@@ -144,11 +144,11 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
         theirs = with_node_files(files, wanted)
         nodes = [name for name in wanted if name.endswith('.py')]
         if len(chosen) == 1 and script and len(nodes) == 1:
-            theirs = {nodes[0]: files[path.name]}  # a script may have any name
+            theirs = {nodes[0]: files[path.name]}  # A script may have any name.
         if len(chosen) == 1 or any(name in theirs for name in exam.requires):
             found.append(Look(exam, theirs))
         elif package and exam.scenario.program == 'node':
-            found.append(Look(exam, theirs))  # any file of the package may provide the executable
+            found.append(Look(exam, theirs))  # Any file of the package may define the executable.
     if package:
         found = [replace(look, exam=as_package(look.exam, package)) for look in found]
     if not found:
@@ -183,9 +183,9 @@ def quick_look(
     """
     Run the exams in parallel, or one after another if their events are shown.
 
-    :param told: called with each event of a run as it happens
-    :returns: in the order of the exams
-    :raises GraderError: if there is no verdict, through no fault of the files
+    :param told: function to call with each event of a run as it happens
+    :returns: each exam with its result, in the given order
+    :raises GraderError: if the grader itself fails, so that there is no verdict
     """
 
     def run(look: Look) -> ExamResult:
@@ -210,7 +210,7 @@ def quick_look(
     try:
         yield from zip(found, pool.map(run, found))
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)  # after Ctrl-C, main() ends the runs
+        pool.shutdown(wait=False, cancel_futures=True)  # After Ctrl-C, main() ends the runs.
 
 
 def text_of(look: Look, result: ExamResult) -> str:
@@ -220,7 +220,7 @@ def text_of(look: Look, result: ExamResult) -> str:
 
 
 def summary(results: Sequence[ExamResult], visible: bool) -> str:
-    """Return the last line of the output."""
+    """Return the total of all exams as one line, the last of the output."""
     points = number(sum(one.points for one in results))
     most = number(sum(one.max_points for one in results))
     modes = ', '.join(sorted({one.mode for one in results if one.mode})) or 'nothing was run'

@@ -36,7 +36,7 @@ def _percent(text: str) -> float:
     JSON,
 )
 def run(chosen: argparse.Namespace) -> int:
-    """Print the pairs."""
+    """Print the pairs of similar submissions."""
     layout = Layout.here()
     assignment = layout.assignment_named(chosen.assignment)
     submitted = chosen.submitted or layout.submitted

@@ -19,7 +19,7 @@ CAUSE_CHARS = 100
 
 @takes(ASSIGNMENT_OR_ALL)
 def report(chosen: argparse.Namespace) -> int:
-    """Write the pages."""
+    """Write the class page of each assignment and print its path."""
     layout = Layout.here()
     for one in graded(layout, chosen.assignment):
         print(write_class_report(layout, one))
@@ -42,6 +42,7 @@ def stats_text(numbers: ClassNumbers) -> str:
         f'{numbers.assignment}: {numbers.submissions} submission{"s" * (numbers.submissions != 1)}'
     ]
     lines += [f'  for review: {student}: {fault}' for student, fault in numbers.review]
+    lines += [f'  missing: {student}: {why}' for student, why in numbers.missing]
     lines += _marks_lines(numbers)
     if numbers.checks:
         lines.append('  failed  not run  mean points  check')

@@ -1,1 +1,1 @@
-"""The language of exams: scenario, checks, inputs."""
+"""Define what an exam consists of: scenario, checks, specification, slips, drawn inputs."""

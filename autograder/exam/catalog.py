@@ -1,7 +1,7 @@
 """
-Find the exams of a course: a package that ``course.toml`` names, one module per exam.
+Find the exams of a course: ``course.toml`` names a package with one module per exam.
 
-``visible`` in it is shipped to learners, ``hidden`` is what is graded.
+Its subpackage ``visible`` is shipped to learners; ``hidden`` gives the points.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def _package() -> ModuleType:
     """
     Import the package of the exams from the root of the course.
 
-    :raises ExamInvalid: if there is none
+    :raises ExamInvalid: if there is no such package
     """
     course = Layout.here()
     if str(course.root) not in sys.path:
@@ -41,9 +41,9 @@ def _package() -> ModuleType:
 
 def names(hidden: bool = True) -> tuple[str, ...]:
     """
-    Return the names of all exams.
+    Return the names of all hidden or all visible exams.
 
-    :raises ExamInvalid: if this copy of the course has none of this kind
+    :raises ExamInvalid: if this copy of the course does not contain them
     """
     try:
         package = importlib.import_module(f'{_package().__name__}.{_folder(hidden)}')
@@ -65,8 +65,9 @@ def load(name: str, hidden: bool = True) -> Exam:
     Return an exam.
 
     :param name: as in the grade cell ``check('<name>')``
-    :param hidden: the full exam, or the visible one that learners have
-    :raises ExamInvalid: if there is none, with the names that exist; or if its file is broken
+    :param hidden: whether to load the hidden exam instead of the visible one
+    :raises ExamInvalid: if the exam does not exist or its file is broken; for an unknown name, the
+        error lists the known names
     """
     folder, known = _folder(hidden), names(hidden)
     if name not in known:
@@ -84,14 +85,14 @@ def load(name: str, hidden: bool = True) -> Exam:
 
 def drawn(name: str, secret: str) -> Exam:
     """
-    Return a hidden exam with the inputs that a course with another secret has.
+    Return a hidden exam with inputs drawn from a given secret instead of the course secret.
 
-    :param name: of an exam that :func:`load` returns
+    :param name: an exam that :func:`load` can return
     """
     found = importlib.util.find_spec(f'{_package().__name__}.{_folder(True)}.{name}')
     assert found
     assert found.loader
-    module = importlib.util.module_from_spec(found)  # beside the one that is in use
+    module = importlib.util.module_from_spec(found)  # not the module in use
     with another_secret(secret):
         found.loader.exec_module(module)
     exam: Exam = module.exam
@@ -108,7 +109,7 @@ def _module(folder: str, name: str) -> ModuleType:
         return importlib.import_module(f'{_package().__name__}.{folder}.{name}')
     except GraderError:
         raise  # the error already names its place
-    except Exception as error:  # noqa: BLE001 - whatever somebody's exam raises
+    except Exception as error:  # noqa: BLE001 - an exam can raise anything
         place = line_in(Layout.here().exams, error)
         where = _from_root(place) if place else _file_of(folder, name)
         said = ' '.join(str(getattr(error, 'msg', '') or error).split())
@@ -122,14 +123,14 @@ def _file_of(folder: str, name: str) -> str:
 
 
 def _from_root(place: str) -> str:
-    """Return how a course calls a file: by its path from the root."""
+    """Return the path of a file of the exams relative to the root of the course."""
     course = Layout.here()
     return str((course.exams.parent / place).relative_to(course.root))
 
 
 def for_assignment(assignment: str, hidden: bool = True) -> tuple[Exam, ...]:
     """
-    Return the exams of a lesson, in the lesson's order.
+    Return the exams of a lesson, ordered by their position in it.
 
     :param assignment: folder name, such as ``07_temperature_monitor``
     """

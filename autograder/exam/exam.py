@@ -1,10 +1,10 @@
 """
-How an exam is written: a scenario for the probe, and checks that judge the recording.
+Define exams: a scenario for the probe, and checks that judge the recording.
 
-The steps of a scenario are in :mod:`autograder.exam.scenario`, what checks have in common is in
+The steps of a scenario are in :mod:`autograder.exam.scenario`.  Helpers for checks are in
 :mod:`autograder.judging.checks`.
 
-An exam module reads like the lesson it grades::
+An exam module follows the lesson that it grades::
 
     exam = Exam('talker', assignment='03_topics', scenario=Scenario(...))
 
@@ -14,8 +14,8 @@ An exam module reads like the lesson it grades::
         if len(run.recording.messages('/chatter')) != 60:
             raise Failed(expected='60 messages in 60 s', observed='...')
 
-The docstring is the sentence the learner reads.  A check passes by returning, fails by raising
-:class:`Failed`; any other exception is a fault of the grader, and the submission is for review.
+Learners read the docstring of a check.  A check passes by returning and fails by raising
+:class:`Failed`.  Any other exception is a fault of the grader: the submission is for review.
 """
 
 from __future__ import annotations
@@ -39,15 +39,15 @@ __all__ = ['Advance', 'Cause', 'Check', 'Exam', 'Failed', 'Feed', 'Run', 'Scenar
 @dataclass(eq=False, kw_only=True)
 class Failed(Exception):
     """
-    A check fails, for a reason the learner can act on.
+    Report that a check failed, with a reason on which the learner can act.
 
-    :param expected: what the exercise asks for, with numbers and units
-    :param observed: what was seen instead
-    :param why: the likely cause; leave it out when unsure
-    :param share: share of the check's points that is still given, 0 to 1
-    :param blocks: whether the checks that need this one wait for it
+    :param expected: what the exercise requires, with numbers and units
+    :param observed: what the program did instead
+    :param why: the likely cause, None if it is uncertain
+    :param share: fraction of the check's points that the learner still gets, 0 to 1
+    :param blocks: whether the checks that need this one are then NOT_RUN
     :param at: virtual time of the first deviation [ns], if no single event shows it
-    :param every_s: what was due comes once in so many seconds; for the picture only
+    :param every_s: period of the expected messages [s], only used to draw the picture
     """
 
     expected: str
@@ -59,18 +59,18 @@ class Failed(Exception):
     every_s: float | None = None
 
     def __str__(self) -> str:
-        """Return what was seen."""
+        """Return the observation."""
         return self.observed
 
 
 @dataclass(frozen=True)
 class Run:
     """
-    What a check may look at.
+    The input of a check.
 
     :param files: the student's files, relative path to text
-    :param recording: what the probe saw
-    :param facts: the exam's own facts about its scenario, see :class:`Exam`
+    :param recording: everything that the probe saw
+    :param facts: what the checks need besides the recording, see :class:`Exam`
     """
 
     files: Mapping[str, str]
@@ -79,22 +79,26 @@ class Run:
 
     @property
     def secret(self) -> bool:
-        """Return whether the inputs are secret, so that no text may show them."""
+        """Return whether the inputs are secret, so that feedback must not show them."""
         return bool(self.facts.get('secret'))
 
     def asked(self, ask: str) -> Specification:
-        """Return what the exam asks for, by its name there."""
+        """Return one of the exam's specifications by its name in :attr:`Exam.asks`."""
         found: Specification = self.facts[ask]
         return found
 
     def during(self, phase: str) -> Run:
-        """Return one phase of the run with the graphs of all, which tell whose lines count."""
+        """
+        Return one phase of the run, with the graphs of all phases.
+
+        Checks need these graphs to recognise the log lines of the student's nodes.
+        """
         part, graphs = self.recording.phase(phase), self.recording.of('graph')
         return replace(self, recording=Recording(part.header, (*graphs, *part.events)))
 
     @property
     def names(self) -> Names:
-        """Return the names that the exam uses."""
+        """Return the topics, types and parameters that the exam uses."""
         names: Names = self.facts.get('exam_names', Names())
         return names
 
@@ -104,9 +108,9 @@ class Check:
     """
     One line of the mark sheet.
 
-    :param needs: names of checks that must have passed, else this one is NOT_RUN
-    :param read: section of the lesson to read, empty for the exam's own
-    :param static: whether the files alone decide it, so that it needs no run
+    :param needs: names of checks that must have passed; otherwise this check is NOT_RUN
+    :param read: section of the lesson to read, empty for the section of the exam
+    :param static: whether the check looks only at the files, so that it needs no run
     """
 
     name: str
@@ -124,15 +128,15 @@ class Exam:
     A scenario and its checks.
 
     :param name: unique in the course; the grade cell is ``check('<name>')``
-    :param title: what it examines, for people
+    :param title: short description for people
     :param assignment: folder of the lesson
-    :param part: its place in the lesson, from 1
+    :param part: position of the exam in the lesson, from 1
     :param scenario: what the probe does
-    :param cells: grade ids of the solution cells it judges, by default one of the exam's name
-    :param requires: files that the exam needs, by default the file that is run
+    :param cells: grade ids of the answer cells that it judges, by default one with the exam's name
+    :param requires: files that the exam needs, by default the file that the scenario runs
     :param read: section of the lesson that explains the exercise
-    :param facts: what the checks need to know about the scenario, kept out of the probe
-    :param asks: what it asks for as functions of its inputs, by name
+    :param facts: data for the checks that the probe does not get
+    :param asks: specifications by name
     """
 
     name: str
@@ -150,7 +154,11 @@ class Exam:
     checks: list[Check] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
-        """Refuse a scenario with a mistake; fill in what follows from it."""
+        """
+        Validate the scenario and fill in default values.
+
+        :raises ExamInvalid: if the scenario contains a mistake
+        """
         for mistake in self.scenario.mistakes():
             raise ExamInvalid(
                 f'exam {self.name}, {mistake}.', 'Steps are described in scenario.py.'
@@ -169,8 +177,8 @@ class Exam:
 
         :param points: > 0
         :param needs: names of earlier checks
-        :param static: the files alone can answer it; if what must be run waits for checks that
-            failed on the files, nothing is run
+        :param static: whether the check looks only at the files; if failed static checks block all
+            other checks, the grader does not run the program
         :raises ExamInvalid: for a repeated name, no docstring, no points or an unknown need
         """
 
@@ -210,11 +218,11 @@ class Exam:
 
     @property
     def max_points(self) -> float:
-        """Return the points of all checks together."""
+        """Return the sum of the points of all checks."""
         return sum(check.points for check in self.checks)
 
     def scenario_digest(self) -> str:
-        """Return a digest of all that the probe is told; equal digests give equal recordings."""
+        """Return a digest of the scenario; equal digests give equal recordings."""
         text = json.dumps(self.scenario.to_json(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 

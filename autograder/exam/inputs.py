@@ -1,9 +1,10 @@
 """
 Draw secret inputs that are the same for the whole class and can be repeated.
 
-A value is HMAC-SHA256(course secret, exam name and purpose) turned into numbers, so a submission
-cannot contain its answers, two students get the same questions, and an appeal can be replayed.
-The secret is created once and stored next to the gradebook; ``COURSE_SECRET`` overrides it.
+A random generator is seeded with HMAC-SHA256(course secret, exam name and purpose).  So a
+submission cannot contain the answers, all students get the same inputs, and a run can be repeated
+after an appeal.  The secret is created once and stored next to the gradebook; the environment
+variable ``COURSE_SECRET`` overrides it.
 """
 
 from __future__ import annotations
@@ -27,12 +28,12 @@ _other_secret: ContextVar[bytes | None] = ContextVar('_other_secret', default=No
 @lru_cache(maxsize=1)
 def course_secret() -> bytes:
     """
-    Return the course's secret, making it on first use.
+    Return the course secret, which is created on first use.
 
-    The file is created complete and readable by its owner alone; when two graders start at once,
-    the first to link it wins and both read that one.
+    Only the owner can read its file, which is created atomically: if two graders start at the same
+    time, both read the secret of the faster one.
 
-    :raises GraderError: if it is empty
+    :raises GraderError: if the secret is empty
     """
     if 'COURSE_SECRET' in os.environ:
         return _not_empty(os.environ['COURSE_SECRET'].encode(), 'COURSE_SECRET')
@@ -52,7 +53,7 @@ def course_secret() -> bytes:
 
 
 def _not_empty(secret: bytes, where: str) -> bytes:
-    """Refuse an empty secret: with it, everyone could compute all hidden inputs."""
+    """Reject an empty secret, with which anyone could compute all hidden inputs."""
     if not secret.strip():
         raise GraderError(
             f'{where}: expected the secret of the course, got an empty one.',
@@ -63,10 +64,9 @@ def _not_empty(secret: bytes, where: str) -> bytes:
 
 def generator(exam: str, purpose: str) -> random.Random:
     """
-    Return a random generator that belongs to one purpose of one exam.
+    Return a random generator for one purpose in one exam.
 
-    :param exam: name of the exam
-    :param purpose: what the numbers are for, so that two uses are independent
+    :param purpose: what the numbers are for; generators for different purposes are independent
     """
     secret = _other_secret.get() or course_secret()
     digest = hmac.new(secret, f'{exam}/{purpose}'.encode(), hashlib.sha256).digest()
@@ -75,7 +75,7 @@ def generator(exam: str, purpose: str) -> random.Random:
 
 @contextmanager
 def another_secret(secret: str) -> Iterator[None]:
-    """Draw inputs with a different secret, for tests of exams and never for grading."""
+    """Draw inputs from a different secret, for tests of exams and never for grading."""
     token = _other_secret.set(secret.encode())
     try:
         yield

@@ -1,9 +1,10 @@
 """
-A node that joins the latest values of several topics, and the usual mistakes in it.
+Specify a node that combines the latest values of several topics, and its typical slips.
 
-A timer publishes the latest value of each topic: nothing before all have come, and a stop while
-one of them is old.  The rules here return what is published after each input, each command once
-where it is repeated, because the number of repetitions depends on when the timer was created.
+A timer publishes the latest value of each topic: nothing until every topic has had a message, and
+a stop message while one of the values is too old.  The rules here return what the node publishes
+after each input.  Repetitions of a message are merged, because their number depends on when the
+node created its timer.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any, NamedTuple
 from autograder.exam.specification import Cause, Rule, Slip
 
 TICK_S = 0.1
-"""How finely a rule looks at the time after an input [s]."""
+"""Time step at which a rule evaluates the timer after an input [s]."""
 BEGINS_EARLY = Cause(
     'begins_early',
     'A message is published although not all of the inputs have come.',
@@ -28,7 +29,7 @@ class Told(NamedTuple):
     """
     One input.
 
-    :param topic: number of its topic, from 0
+    :param topic: index of its topic, from 0
     :param lasts_s: time to the next input [s]
     """
 
@@ -38,11 +39,11 @@ class Told(NamedTuple):
 
 
 Heard = Sequence[Sequence[float]]
-"""The values that have come on each topic, in order."""
+"""The values received so far on each topic, in order of arrival."""
 
 
 def latest(heard: Heard) -> tuple[float, ...]:
-    """Return the latest value of each topic, 0.0 where none has come."""
+    """Return the latest value of each topic, 0.0 for a topic without a message."""
     return tuple(one[-1] if one else 0.0 for one in heard)
 
 
@@ -54,15 +55,19 @@ def joining(
     stop: Callable[[Sequence[float], Sequence[float]], Any] = lambda now, ages: (0.0,) * len(now),
     for_good: bool = False,
     timer: bool = True,
+    same_is_new: bool = True,
 ) -> Rule:
     """
-    Return the rule of a program that joins topics; without the last five, it is the right one.
+    Return the rule of a node that combines topics; with the default values, the correct one.
 
-    :param old: whether to stop, by the ages of the latest values [s]
-    :param ready: whether to publish, by what has come
-    :param stop: what is published instead, by the latest values and their ages; None for nothing
-    :param for_good: whether it never goes on after a stop
-    :param timer: whether it publishes as time goes by, or else once for each input
+    :param old: returns whether to stop, given the ages of the latest values [s]
+    :param ready: returns whether to publish, given the values received so far
+    :param value: returns the message to publish, given the values received so far
+    :param stop: returns the message that replaces it, given the latest values and their ages [s];
+        None publishes nothing
+    :param for_good: whether the node stays stopped after its first stop
+    :param timer: whether the node publishes from a timer; otherwise it publishes once per input
+    :param same_is_new: whether a value that equals the one before renews the age of its topic
     """
 
     def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
@@ -70,8 +75,9 @@ def joining(
         came_s, now_s, stopped = [0.0] * topics, 0.0, False
         found = []
         for topic, number, lasts_s in inputs:
+            if same_is_new or heard[topic][-1:] != [number]:
+                came_s[topic] = now_s
             heard[topic].append(number)
-            came_s[topic] = now_s
             row = []
             for tick in range(round(lasts_s / TICK_S) if timer else 1):
                 ages = [now_s + (tick + 0.5) * TICK_S - one for one in came_s]
@@ -87,9 +93,9 @@ def joining(
 
 def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
     """
-    Return the slips of a node that joins topics.
+    Return the slips of a node that combines topics.
 
-    :param old_s: age from which a value is old [s]
+    :param old_s: age above which a value is too old [s]
     """
 
     def oldest(ages: Sequence[float]) -> bool:
@@ -145,6 +151,12 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
             f'A value counts as old at a greater age than {old_s:g} s.',
             f'Compare each age with {old_s:g} s: one second has 1_000_000_000 nanoseconds.',
             rule(old=lambda ages: max(ages) > 2 * old_s),
+        ),
+        Slip(
+            'same_is_old',
+            'A message with the same value as the one before does not count as a new one.',
+            'Store the time of each message, whatever its value.',
+            rule(same_is_new=False),
         ),
         Slip(
             'swapped',

@@ -1,8 +1,8 @@
 """
-The names of an exam, for advice that shows code: its topics, message types and parameters.
+Collect the topics, message types and parameters of an exam, for advice that shows code.
 
-A text that many exams share has placeholders such as ``$topic``, and the judge fills in the names
-of the exam at hand.  So advice never shows the names of another exercise.
+Advice for many exams contains placeholders such as ``$topic``.  The judge replaces them with the
+names of the exam that it judges, so advice never shows the names of another exercise.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ _PLACEHOLDER = re.compile(r'\$(heard_topic|heard_type|topic|type|parameter)\b')
 @dataclass(frozen=True)
 class Names:
     """
-    The names that a scenario uses; without any, advice has words in their place.
+    The names that a scenario uses; if there are none, advice contains general words instead.
 
     :param published: topics that the probe records, full name to type
-    :param heard: topics that the probe sends on, full name to type
-    :param parameters: parameters that the program is given or asked for
+    :param heard: topics on which the probe publishes, full name to type
+    :param parameters: parameters that the scenario passes to the program, sets or reads
     """
 
     published: Mapping[str, str] = field(default_factory=dict)
@@ -33,7 +33,7 @@ class Names:
 
     @classmethod
     def of(cls, scenario: Scenario) -> Names:
-        """Return the names of a scenario, in the order in which they come."""
+        """Return the names of a scenario, in order of appearance."""
         published: dict[str, str] = {}
         heard: dict[str, str] = {}
         for kind, topic, name in scenario.endpoints():
@@ -42,7 +42,7 @@ class Names:
 
     @cached_property
     def homes(self) -> Mapping[str, str]:
-        """Return the classes of the exam's messages, by the module to import them from."""
+        """Return the exam's message classes, joined by spaces, per module that defines them."""
         found: dict[str, list[str]] = {}
         for kind in {**self.heard, **self.published}.values():
             package, _, name = kind.partition('/msg/')
@@ -51,10 +51,10 @@ class Names:
 
     def fill(self, text: str) -> str:
         """
-        Return a text with the exam's names in place of its placeholders.
+        Replace the placeholders of a text with the names of the exam.
 
-        :param text: with ``$topic`` and ``$type`` of what a node publishes, ``$heard_topic`` and
-            ``$heard_type`` of what it subscribes to, and ``$parameter``
+        :param text: may contain ``$topic`` and ``$type`` (what a node publishes), ``$heard_topic``
+            and ``$heard_type`` (what it subscribes to), and ``$parameter``
         """
         return _PLACEHOLDER.sub(lambda found: self._words[found[1]], text)
 
@@ -63,7 +63,8 @@ class Names:
         topic, kind = next(iter({**self.published, **self.heard}.items()), ('topic', 'Type'))
         other, heard = next(iter({**self.heard, **self.published}.items()), ('topic', 'Type'))
         last = {'topic': topic, 'type': kind, 'heard_topic': other, 'heard_type': heard}
-        # The namespace of a hidden exam is secret, and no part of what a node writes.
+        # Leave out the namespace: in a hidden exam it is secret, and node code does not contain
+        # it.
         words = {name: full.rpartition('/')[2] for name, full in last.items()}
         return {**words, 'parameter': next(iter(self.parameters), 'name')}
 

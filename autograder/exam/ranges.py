@@ -1,8 +1,8 @@
 """
-Slips of a node that accepts a value only from a range, and goes by the last one it accepted.
+Define slips of a node that accepts only values in a range and uses the last accepted one.
 
-As in :mod:`autograder.exam.slips`, a family takes the part of a specification in which the mistake
-is made.
+As in :mod:`autograder.exam.slips`, each function gets a function that builds a rule around the
+mistaken part.
 """
 
 from __future__ import annotations
@@ -14,18 +14,20 @@ from typing import Any
 from autograder.exam.specification import Rule, Slip
 
 Accepts = Callable[[float], bool]
-"""Tells whether a value is accepted."""
+"""Returns whether a value is accepted."""
 
 
 def range_slips(
     rule: Callable[[Accepts], Rule], lowest: float, highest: float
 ) -> tuple[Slip, ...]:
     """
-    Return the slips of a range, both ends of which are accepted.
+    Return the slips of a range check; both ends of the range are valid.
 
-    :param rule: makes the rule that has this test in it
+    :param rule: builds the rule of a program with the given range check
     """
     test = f'Accept a value only if math.isfinite(value) and {lowest} <= value <= {highest}.'
+
+    blur = (highest - lowest) * 1e-6
 
     def slip(cause_id: str, text: str, *forms: Accepts, try_this: str = test) -> Slip:
         return Slip(cause_id, text, try_this, *map(rule, forms))
@@ -41,6 +43,12 @@ def range_slips(
             'takes_nan',
             'NaN is accepted: it is neither below nor above a number.',
             lambda value: not (value < lowest or value > highest),
+        ),
+        slip(
+            'ends_blurred',
+            f'A value just below {lowest} or just above {highest} is accepted.',
+            lambda value: lowest - blur <= value <= highest + blur,
+            try_this=f'{test} A FloatingPointRange accepts a little more.',
         ),
         slip('no_range', 'Each finite value is accepted.', math.isfinite),
         slip(
@@ -77,11 +85,12 @@ def in_force_slips(
     rule: Callable[[Callable[[Any], float]], Rule], parameter: str, default: float
 ) -> tuple[Slip, ...]:
     """
-    Return the slips of a program that goes by another value of a parameter than the one in force.
+    Return the slips of a program that uses a wrong value of a parameter.
 
-    :param rule: makes the rule that goes by a value; its inputs have ``start``, the value at the
-        start, and ``tried``, the last one that was asked for, accepted or not
-    :param default: the value in the code
+    :param rule: builds the rule of a program that reads its value with the given function; its
+        inputs have ``start``, the value at the start, and ``tried``, the last requested value,
+        whether it was accepted or not
+    :param default: the default value in the code
     """
     read_it = f"Read it where you need it: self.get_parameter('{parameter}').value."
     return (

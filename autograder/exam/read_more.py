@@ -1,7 +1,7 @@
 """
 Find the section of lesson 08 that explains an exception.
 
-What a check asks for is explained in its own lesson; what Python says when a program dies, is not.
+The lesson of an exam explains its checks; Python's own error messages are explained in lesson 08.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ SECTIONS: Mapping[str, tuple[str, ...]] = {
     ),
     'How to search here': ('exception', 'no_attribute', 'unknown_name'),
 }
-"""Headings of the lesson, and the causes that each is about."""
+"""Headings of the lesson, with the ids of the causes that each section explains."""
 _PLACES = {cause: f'{LESSON}, {heading}' for heading, ids in SECTIONS.items() for cause in ids}
 
 
 def where_to_read(cause_id: str) -> str:
     """
-    Return the section about an exception, empty for a cause that is none.
+    Return the section that explains an exception, empty if the cause is not an exception.
 
     :param cause_id: see :class:`autograder.exam.exam.Cause`
     """

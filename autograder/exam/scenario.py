@@ -1,12 +1,12 @@
 """
-What the probe does, as data: the steps of a scenario, in order, in virtual time.
+Define scenarios: the steps that the probe executes in order, as data.
 
-Steps hold inputs and never an expected value.  ``Advance`` and ``Feed`` are most of what an exam
-needs; ``Call`` asks a service of the student's node; ``Offer``, ``Join`` and ``Leave`` let a
-publisher or a subscription of ours come and go; ``Mark`` begins a phase, so that a check can ask
-what happened in it; ``Look`` writes down the graph.
+Steps hold inputs and never an expected value.  Most exams need only ``Advance`` and ``Feed``.
+``Call`` calls a service of the student's node; ``Offer`` and ``Join`` add a publisher or a
+subscription of the probe, and ``Leave`` removes one; ``Mark`` begins a phase that checks can
+select; ``Look`` records the graph.
 
-All seconds are virtual: sixty of them take a tenth of a real one, and are exact.
+All seconds are virtual and exact; 60 virtual seconds take about 0.1 s of real time.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ _EXAMPLES = {'msg': 'std_msgs/msg/String', 'srv': 'rcl_interfaces/srv/GetParamet
 @dataclass(frozen=True)
 class Qos:
     """
-    A quality of service, as the wire has it.
+    A QoS profile, as discovery announces it.
 
-    :param depth: 0 keeps all
-    :param deadline_s: None is infinite, as are the others
+    :param depth: 0 keeps all messages
+    :param deadline_s: None is infinite, also for the other durations [s]
     """
 
     reliability: str = 'RELIABLE'
@@ -54,7 +54,7 @@ EVERYONE = Qos(durability='TRANSIENT_LOCAL')
 
 @dataclass(frozen=True)
 class FeedTopic:
-    """A topic to send on, with a quality of service of its own."""
+    """The type and QoS profile of a topic on which the probe publishes."""
 
     type: str
     qos: Qos = EVERYONE
@@ -63,14 +63,14 @@ class FeedTopic:
 @dataclass(frozen=True)
 class RosClock:
     """
-    A ``/clock`` for a program with ``use_sim_time``: for exams about the ROS clock alone.
+    A ``/clock`` for programs that run with ``use_sim_time``.
 
-    It begins far from system time and runs at another rate, so the wrong clock shows in each stamp
-    and each period.
+    Its start is far from system time, and its rate may differ from virtual time.  So each stamp
+    and each period shows whether a program used the wrong clock.
 
     :param begins_s: first value [s]
     :param rate: ROS seconds per virtual second
-    :param step_s: ROS time between two messages [s]; timers fire at such a step
+    :param step_s: ROS time between two messages [s]; timers can only fire at these times
     """
 
     begins_s: float = 5_000.0
@@ -79,62 +79,63 @@ class RosClock:
 
     def at(self, clock_ns: int) -> int:
         """
-        Return the ROS time that the last message before a moment has told [ns].
+        Return the ROS time in the last ``/clock`` message before a moment [ns].
 
-        :param clock_ns: virtual time since the program was let go [ns]
+        :param clock_ns: virtual time since the program was released [ns]
         """
         step_ns = round(self.step_s * 1e9)
         return round(self.begins_s * 1e9) + clock_ns // round(step_ns / self.rate) * step_ns
 
     def shows(self, ros_ns: int) -> bool:
-        """Return whether it ever tells a ROS time [ns]."""
+        """Return whether a ``/clock`` message can contain this ROS time [ns]."""
         return (ros_ns - round(self.begins_s * 1e9)) % round(self.step_s * 1e9) == 0
 
 
 There = Mapping[str, set[str]]
-"""Names of the grader's current publishers and subscriptions, by what the program has for them."""
+"""
+Names of the probe's endpoints, by the kind of the matching endpoint in the program.
+
+A subscription of the probe is under ``publisher``, a publisher under ``subscription``.
+"""
 
 
 @dataclass(frozen=True)
 class Step:
     """
-    What the probe does next, and what others ask of a step without knowing its kind.
+    One step of the probe, with an interface that is the same for all steps.
 
-    A new kind is a subclass here, and a function of its name in ``probe/probe_steps.py``.
+    A new kind of step is a subclass here, and a function with its lower-case name in
+    ``probe/probe_steps.py``.
     """
 
     label: ClassVar[str] = ''
-    """Attribute that tells the step from others of its kind, empty without one."""
+    """Attribute that identifies the step in error messages, empty for none."""
 
     def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it."""
+        """Return the step in the format that the probe reads."""
         return {'do': type(self).__name__.lower(), **asdict(self)}
 
     def mistakes(self, there: There) -> Iterator[str]:
         """
-        Yield what contradicts the earlier steps, and change what is there.
+        Yield contradictions to earlier steps, and update the set of endpoints.
 
-        :param there: as the earlier steps have left it
+        :param there: endpoints that exist before this step
         """
         yield from ()
 
     def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
-        """Yield what it sends: the place in the step, its type or publisher, the fields."""
+        """Yield what the step sends: the position in the step, the type or topic, the fields."""
         yield from ()
 
 
 @dataclass(frozen=True)
 class Advance(Step):
-    """
-    Let time pass, and listen.
-
-    :param seconds: how long [s]
-    """
+    """Let time pass while the probe records."""
 
     seconds: float
 
     def mistakes(self, there: There) -> Iterator[str]:
-        """Refuse a step in which no time passes."""
+        """Reject a duration that is not positive."""
         if not self.seconds > 0:
             yield f'the number of seconds must be above 0, got {self.seconds}'
 
@@ -142,14 +143,14 @@ class Advance(Step):
 @dataclass(frozen=True)
 class Feed(Step):
     """
-    Send messages on a topic, one a second or as one burst, and listen some seconds after the last.
+    Publish messages at a fixed interval or as one burst, then wait.
 
-    :param topic: full topic name, announced in :attr:`Scenario.feed`, or the name of an
-        :class:`Offer`
+    :param topic: full topic name in :attr:`Scenario.feed`, or the name of an :class:`Offer`
     :param messages: fields of each message
-    :param optional: nobody needs to be connected; else the run ends where nobody is
+    :param optional: whether to skip this step if no subscription is connected; otherwise the run
+        ends
     :param every_s: time from one message to the next [s]
-    :param rest_s: time after the last one, besides that [s]
+    :param rest_s: additional time after the last message [s]
     """
 
     topic: str
@@ -160,7 +161,7 @@ class Feed(Step):
     rest_s: float = 2.0
 
     def mistakes(self, there: There) -> Iterator[str]:
-        """Refuse a topic that nobody announced, and a burst that is too long."""
+        """Reject a topic that was not announced, and a burst that is too long."""
         if self.topic not in there['subscription']:
             yield _not_announced(self.topic, there['subscription'])
         if self.burst and len(self.messages) > MAX_BURST:
@@ -174,10 +175,10 @@ class Feed(Step):
 
 def feeds(topic: str, messages: Sequence[Mapping[str, Any]], burst: int, **how: Any) -> list[Feed]:
     """
-    Return the steps that send messages one by one, and the last of them at once.
+    Return the steps that send some messages one by one and the last ones as a burst.
 
-    :param burst: how many come at once; 0 for none
-    :param how: further fields of :class:`Feed`
+    :param burst: number of messages in the burst, 0 for none
+    :param how: other fields of :class:`Feed`
     """
     singles = len(messages) - burst
     last = [Feed(topic, messages[singles:], burst=True, **how)] if burst else []
@@ -187,13 +188,13 @@ def feeds(topic: str, messages: Sequence[Mapping[str, Any]], burst: int, **how: 
 @dataclass(frozen=True)
 class Call(Step):
     """
-    Call a service of the student's node, once; recorded as ``answer`` or ``no_answer``.
+    Call a service of the student's node once, and record ``answer`` or ``no_answer``.
 
     :param node: full node name
-    :param service: its last part, such as ``set_parameters``, or a full name with a slash
+    :param service: last part of the name, such as ``set_parameters``, or a full name with a slash
     :param type: such as ``rcl_interfaces/srv/SetParameters``
     :param request: fields of the request
-    :param patience_s: how long an answer may take [s]
+    :param patience_s: timeout for the response [s]
     """
 
     node: str
@@ -209,7 +210,7 @@ class Call(Step):
         return self.service if self.service.startswith('/') else f'{self.node}/{self.service}'
 
     def to_json(self) -> dict[str, Any]:
-        """Return the step as the probe reads it, with the service's full name."""
+        """Return the step in the format that the probe reads, with the service's full name."""
         told = {**super().to_json(), 'service': self.name}
         del told['node']
         return told
@@ -222,9 +223,9 @@ class Call(Step):
 @dataclass(frozen=True)
 class Endpoint(Step):
     """
-    A publisher or a subscription of ours that comes at this moment.
+    Add a publisher or a subscription of the probe.
 
-    :param name: without a slash
+    :param name: identifies the endpoint in later steps and in the recording; no slash
     :param topic: full topic name
     """
 
@@ -233,10 +234,10 @@ class Endpoint(Step):
     type: str
     label = 'name'
     asks: ClassVar[str] = ''
-    """What the program should have: ``'publisher'`` or ``'subscription'``."""
+    """The matching endpoint of the program: ``'publisher'`` or ``'subscription'``."""
 
     def mistakes(self, there: There) -> Iterator[str]:
-        """Announce the name."""
+        """Announce the name; a new endpoint contradicts no earlier step."""
         there[self.asks].add(self.name)
         yield from ()
 
@@ -244,9 +245,9 @@ class Endpoint(Step):
 @dataclass(frozen=True)
 class Join(Endpoint):
     """
-    Join a topic with a subscription of our own, at this moment.
+    Add a subscription of the probe.
 
-    What it hears is recorded with ``listener``, and ``joined`` tells whether it was matched.
+    Its messages are recorded with ``listener``, and a ``joined`` event records whether it matched.
 
     :param listen_s: how long to listen before the next step [s]
     """
@@ -258,7 +259,7 @@ class Join(Endpoint):
 
 @dataclass(frozen=True)
 class Offer(Endpoint):
-    """Offer a topic with a publisher of our own, at this moment; ``Feed(name, ...)`` uses it."""
+    """Add a publisher of the probe, which ``Feed(name, ...)`` uses."""
 
     qos: Qos = EVERYONE
     asks = 'subscription'
@@ -267,15 +268,15 @@ class Offer(Endpoint):
 @dataclass(frozen=True)
 class Leave(Step):
     """
-    Take away what a :class:`Join`, an :class:`Offer` or :attr:`Scenario.feed` has brought.
+    Remove an endpoint that :class:`Join`, :class:`Offer` or :attr:`Scenario.feed` added.
 
-    :param name: as there
+    :param name: of a :class:`Join` or an :class:`Offer`, or a topic of :attr:`Scenario.feed`
     """
 
     name: str
 
     def mistakes(self, there: There) -> Iterator[str]:
-        """Refuse a name that nobody announced, and take it away."""
+        """Reject a name that was not announced; otherwise remove it."""
         announced = set().union(*there.values())
         if self.name not in announced:
             yield _not_announced(self.name, announced)
@@ -288,7 +289,7 @@ class Mark(Step):
     """
     Begin a phase of the run, see :meth:`autograder.recording.Recording.phase`.
 
-    :param name: how checks ask for it
+    :param name: the name by which checks select the phase
     """
 
     name: str
@@ -297,9 +298,9 @@ class Mark(Step):
 @dataclass(frozen=True)
 class Look(Step):
     """
-    Write down the graph as it is now, besides those of the start and of the end.
+    Record the current graph, in addition to the graphs at the start and at the end.
 
-    :param when: how checks ask for it: ``recording.of('graph', when=...)``
+    :param when: label for checks: ``recording.of('graph', when=...)``
     """
 
     when: str
@@ -328,7 +329,7 @@ def set_parameter(node: str, name: str, value: bool | int | float | str) -> Call
 
 def transition(node: str, name: str) -> Call:
     """
-    Return the call that asks a lifecycle node for a transition.
+    Return the call that requests a transition from a lifecycle node.
 
     :param name: ``configure``, ``activate``, ``deactivate`` or ``cleanup``
     """
@@ -337,31 +338,30 @@ def transition(node: str, name: str) -> Call:
 
 
 def state(node: str) -> Call:
-    """Return the call that asks a lifecycle node for its state."""
+    """Return the call that requests the state of a lifecycle node."""
     return Call(node, 'get_state', 'lifecycle_msgs/srv/GetState')
 
 
 @dataclass(frozen=True)
 class Scenario:
     """
-    What the probe does.  It holds inputs and never an expected value.
+    What the probe does: inputs and times, never an expected value.
 
-    :param program: what runs in the sandbox: ``'node'`` the node file, ``'build'`` a build of the
-        student's package followed by a node that sends back what it receives, ``'package'`` a
-        build followed by the package's executable of the file's name, ``'check'`` the function
-        ``accepts(run)`` of the file, which is asked about each recorded run that the probe sends
-        on ``/runs`` and answers on ``/answers``, ``''`` nothing: then every check is static
-    :param file: the node file to run, for ``'node'``
-    :param arguments: of the program, after ``--ros-args``, such as
-        ``('-r', '__ns:=/lab', '-p', 'threshold:=28.5')``; for ``'package'``, ``{share}`` is the
-        folder of its installed files
-    :param build_type: for ``'build'``, the message that travels from ``/echo_in`` to
-        ``/echo_out``, such as ``robot_msgs/msg/Speed``; the package is named in it;
-        for ``'package'`` the package's name
+    :param program: what runs in the sandbox: ``'node'`` the node file; ``'build'`` a build of the
+        student's package, followed by a node that sends back what it receives; ``'package'`` a
+        build, followed by the package's executable with the file's name; ``'check'`` the file's
+        function ``accepts(run)``, which gets each recorded run from the probe on ``/runs`` and
+        whose answers are published on ``/answers``; ``''`` nothing, if all checks are static
+    :param file: the file that ``program`` uses, such as ``node.py``
+    :param arguments: of the program, after ``--ros-args``, such as ``('-r', '__ns:=/lab', '-p',
+        'threshold:=28.5')``; for ``'package'``, ``{share}`` is the folder of its installed files
+    :param build_type: for ``'build'``, the message type that travels from ``/echo_in`` to
+        ``/echo_out``, such as ``robot_msgs/msg/Speed``, which also names the package; for
+        ``'package'``, the package's name
     :param watch: topics to record, full name to type such as ``'std_msgs/msg/String'``
-    :param feed: topics to send on, likewise, or with a :class:`FeedTopic`
-    :param appear_s: how long the first node may take [s]
-    :param ros_clock: the ``/clock`` that the program follows, None for the clock of the computer
+    :param feed: topics on which the probe publishes, full name to type or :class:`FeedTopic`
+    :param appear_s: timeout for the first node to appear [s]
+    :param ros_clock: the ``/clock`` that the program follows, None for the computer's clock
     """
 
     program: str = 'node'
@@ -375,38 +375,38 @@ class Scenario:
     ros_clock: RosClock | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return the scenario as the probe reads it, without the probe's name."""
+        """Return the scenario as the probe reads it, without the probe's node name."""
         feed = {topic: asdict(one) for topic, one in self.feeds.items()}
         return {**asdict(self), 'feed': feed, 'steps': [step.to_json() for step in self.steps]}
 
     @property
     def package_facts(self) -> Mapping[str, str]:
-        """Return the names of the package that is built and of its executable, or nothing."""
+        """Return the names of the built package and its executable, empty if none is run."""
         if self.program != 'package':
             return {}
         return {'package': self.build_type, 'executable': self.file.removesuffix('.py')}
 
     @property
     def feeds(self) -> Mapping[str, FeedTopic]:
-        """Return the topics to send on, each with its quality of service."""
+        """Return the topics on which the probe publishes, each with its type and QoS profile."""
         given = self.feed.items()
         return {topic: FeedTopic(one) if isinstance(one, str) else one for topic, one in given}
 
     def placed(self) -> Iterator[tuple[str, Step]]:
-        """Yield each step with the place that a mistake in it names."""
+        """Yield each step with its position and name for error messages."""
         for number, step in enumerate(self.steps, 1):
             label = f' {getattr(step, step.label)!r}' if step.label else ''
             yield f'step {number} ({type(step).__name__}){label}', step
 
     def endpoints(self) -> Iterator[tuple[str, str, str]]:
-        """Yield what the program should have: publisher or subscription, full topic name, type."""
+        """Yield kind, full topic name and type of each endpoint that the program should have."""
         yield from (('publisher', topic, name) for topic, name in self.watch.items())
         yield from (('subscription', topic, one.type) for topic, one in self.feeds.items())
         ends = (step for step in self.steps if isinstance(step, Endpoint))
         yield from ((end.asks, end.topic, end.type) for end in ends)
 
     def types(self) -> Iterator[tuple[str, str, str]]:
-        """Yield every type the probe will load: its place, the topic or no name, and the type."""
+        """Yield the place, topic (or an empty string) and name of each type the probe loads."""
         yield from ((f'watch {topic!r}', topic, name) for topic, name in self.watch.items())
         yield from ((f'feed {topic!r}', topic, one.type) for topic, one in self.feeds.items())
         for place, step in self.placed():
@@ -414,7 +414,7 @@ class Scenario:
                 yield place, step.name if isinstance(step, Endpoint) else '', step.type
 
     def mistakes(self) -> Iterator[str]:
-        """Yield what the scenario contradicts in itself, each with its place."""
+        """Yield the contradictions in the scenario, each with its place."""
         for place, topic, name in self.types():
             kind = 'msg' if topic else 'srv'
             if not _TYPE.match(name) or f'/{kind}/' not in name:

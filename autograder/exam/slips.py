@@ -1,8 +1,8 @@
 """
-Slips that fit many exercises, by family: a limit, a count, a memory that should not be there.
+Define slips that fit many exercises: limits, warning counts, unwanted state, skipped messages.
 
-A family takes the part of a specification in which the mistake is made, and returns slips for
-:class:`autograder.exam.specification.Specification`.
+Each function gets the specification, or a function that builds it around the mistaken part.  It
+returns slips for :class:`autograder.exam.specification.Specification`.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from typing import Any
 from autograder.exam.specification import Cause, Rule, Slip
 
 HIGHEST = 125.0
-"""Above it, some programs take a value for a fault; common sensors measure up to it."""
+"""Some programs treat a higher value as a sensor fault; common sensors measure up to it."""
 Compare = Callable[[float, float], bool]
-"""Tells by a value and its limit whether a warning is due."""
+"""Returns whether a warning is due, given a value and its limit."""
 
 REPEATED = Cause(
     'repeated_warning',
@@ -72,7 +72,7 @@ CUTS: tuple[Callable[[float], float], ...] = (
     *(math.trunc, round),
     *(lambda value: round(value, 1), lambda value: round(value, 2)),
 )
-"""Ways to cut off or round the decimals of a value."""
+"""Ways to truncate or round the decimals of a value."""
 
 
 def _whole(cut: Callable[[float], float]) -> Compare:
@@ -81,9 +81,9 @@ def _whole(cut: Callable[[float], float]) -> Compare:
 
 def above_limit(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]:
     """
-    Return the slips of a comparison: a warning is due strictly above a limit.
+    Return the slips of a comparison that requires a warning strictly above a limit.
 
-    :param rule: makes the rule that has this comparison in it; its answers count warnings
+    :param rule: builds the rule with the given comparison; its answers count warnings
     :param limit: as in the learner's code, ``30.0`` or ``self.limit``
     """
     strictly = f'Above means strictly greater: value > {limit}, not >=.'
@@ -125,7 +125,7 @@ def above_limit(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]
 
 
 def of_nan(rule: Callable[[Compare], Rule], limit: str) -> Slip:
-    """Return the slip that takes NaN for a value above the limit, see :func:`above_limit`."""
+    """Return the slip that warns about NaN; for the parameters see :func:`above_limit`."""
     return Slip(
         'nan',
         'Your node logs a WARN line for NaN, which is not above the limit: every comparison with '
@@ -138,9 +138,9 @@ def of_nan(rule: Callable[[Compare], Rule], limit: str) -> Slip:
 
 def with_memory(rule: Rule) -> tuple[Slip, ...]:
     """
-    Return the slips of a program that goes by earlier inputs, where each counts by itself.
+    Return the slips of a program that remembers earlier inputs although each one is independent.
 
-    :param rule: what is due; its answers count warnings
+    :param rule: the correct rule; its answers count warnings
     """
 
     def changed(change: Callable[[Sequence[Any]], Sequence[Any]]) -> Rule:
@@ -181,10 +181,10 @@ def with_memory(rule: Rule) -> tuple[Slip, ...]:
 
 def leaving_out(rule: Rule, key: Callable[[Any], Any] = lambda one: one) -> tuple[Slip, ...]:
     """
-    Return the slips of a program that does not answer each message.
+    Return the slips of a program that leaves some messages unanswered.
 
-    :param rule: what is due; its answers are tuples with a value for each message
-    :param key: what a program may look at to decide
+    :param rule: the correct rule; its answers are tuples with the expected messages for each input
+    :param key: returns the part of an input by which a program may decide to skip it
     """
 
     def unless(skips: Callable[[Any, Sequence[Any]], bool]) -> Rule:

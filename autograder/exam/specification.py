@@ -1,9 +1,9 @@
 """
 Define the correct answers to the inputs of an exercise, and typical wrong answers.
 
-An exam knows what it sends.  So what a right program answers can be computed, and so can what a
-program with a known mistake answers: that is a :class:`Slip`.  The cause of a failed check is the
-slip that gives the answers that came::
+An exam has fixed inputs.  So it can compute the answers of a correct program, and those of a
+program with a known mistake, a :class:`Slip`.  If a check fails, its cause is the slip that gives
+exactly the recorded answers::
 
     Specification(
         inputs=(4.0, -8.0),
@@ -11,8 +11,9 @@ slip that gives the answers that came::
         slips=(Slip('sign_lost', 'The sign is lost.', 'Leave out abs().', each(half_of_abs)),),
     )
 
-Nothing here decides points.  An exam is refused if its inputs cannot distinguish a slip from the
-correct answers (:meth:`Specification.mistakes`): a program with that slip would pass.
+This module does not decide points.  An exam is rejected if its inputs cannot distinguish a slip
+from the correct answers (:meth:`Specification.mistakes`), because a program with that slip would
+pass.
 """
 
 from __future__ import annotations
@@ -24,19 +25,21 @@ import math
 from typing import Any
 
 Rule = Callable[[Sequence[Any]], Sequence[Any]]
-"""From all inputs, in order, to the answer to each: a number, a text or a tuple."""
+"""Maps all inputs, in order, to the answer to each: a number, a string or a tuple."""
 
 
 def each(answer: Callable[[Any], Any]) -> Rule:
-    """Return the rule of a program without memory, which answers each input by itself."""
+    """Return the rule of a stateless program, which answers each input independently."""
     return lambda inputs: [answer(one) for one in inputs]
 
 
 def same(one: Any, other: Any) -> bool:
     """
-    Return whether two answers are the same; floats to nine digits, and NaN is NaN.
+    Return whether two answers are equal: floats to nine digits, and NaN equals NaN.
 
-    :param other: as recorded: JSON has no NaN, so a float may be ``'nan'``, ``'inf'``, ``'-inf'``
+    :param one: the expected answer
+    :param other: the recorded answer; JSON has no NaN, so a float may be ``'nan'``, ``'inf'`` or
+        ``'-inf'``
     """
     if isinstance(one, float) and other in ('nan', 'inf', '-inf'):
         other = float(other)
@@ -51,10 +54,10 @@ def same(one: Any, other: Any) -> bool:
 @dataclass(frozen=True)
 class Cause:
     """
-    Why a check probably failed.
+    The likely reason why a check failed.
 
     :param cause_id: short stable name, for statistics and tests
-    :param text: the reason in the learner's words
+    :param text: the reason, worded for the learner
     :param try_this: the next thing to do
     """
 
@@ -66,36 +69,36 @@ class Cause:
 @dataclass(frozen=True, init=False)
 class Slip(Cause):
     """
-    A specification with one mistake in it, which is the cause if a program answers so.
+    A specification with one mistake: the likely cause if a program gives the same answers.
 
-    :param rules: what a program with this mistake answers; several if the mistake has several
-        forms, such as a number of digits
+    :param rules: return the answers of a program with this mistake; several if the mistake has
+        several forms, such as a number of digits
     """
 
     rules: tuple[Rule, ...]
 
     def __init__(self, cause_id: str, text: str, try_this: str, *rules: Rule) -> None:
-        """Take the rules behind the texts."""
+        """Create a slip from a cause and its rules."""
         super().__init__(cause_id, text, try_this)
         object.__setattr__(self, 'rules', rules)
 
     @classmethod
     def of(cls, cause: Cause, *rules: Rule) -> Slip:
-        """Return the slip of a cause that is also named where no rule explains all answers."""
+        """Return the slip for a cause that checks may also report without a matching rule."""
         return cls(cause.cause_id, cause.text, cause.try_this, *rules)
 
 
 @dataclass(frozen=True)
 class Specification:
     """
-    One thing that an exercise asks for, with the inputs of one exam.
+    The inputs of one exam with the correct answers and typical wrong ones.
 
     :param inputs: in the order in which they are sent
-    :param due: what a right program answers
-    :param slips: the likelier first
-    :param burst: how many of the last inputs come at once.  They count as one: several threads
-        may answer them in any order
-    :param like: tells whether two answers are the same
+    :param due: returns the correct answers
+    :param slips: the most likely first
+    :param burst: number of inputs at the end that are sent at once.  They have one joint answer,
+        because several threads may answer them in any order
+    :param like: returns whether two answers are equal
     """
 
     inputs: Sequence[Any]
@@ -105,14 +108,14 @@ class Specification:
     like: Callable[[Any, Any], bool] = same
 
     def of(self, rule: Rule) -> list[Any]:
-        """Return the answers that a rule gives, with those to a burst joined into one."""
+        """Return the answers that a rule gives, with those to a burst merged into one."""
         found = list(rule(self.inputs))
         if not self.burst:
             return found
         return [*found[: -self.burst], together(found[-self.burst :])]
 
     def row(self, place: int) -> Sequence[Any]:
-        """Return the input in a place, or all of the burst."""
+        """Return the input at an index, or the whole burst."""
         last = len(self.inputs) - self.burst
         return (
             self.inputs[last:] if self.burst and place == last else self.inputs[place : place + 1]
@@ -120,7 +123,7 @@ class Specification:
 
     @cached_property
     def answers(self) -> list[Any]:
-        """Return what is due."""
+        """Return the correct answers."""
         return self.of(self.due)
 
     @cached_property
@@ -130,10 +133,10 @@ class Specification:
 
     def wrong(self, came: Sequence[Any], part: Collection[int] | None = None) -> list[int]:
         """
-        Return the places of the inputs that were not answered as they should be.
+        Return the indices of the inputs with a wrong answer.
 
-        :param came: the answers, one for each input or burst; None where the run ended before
-        :param part: only these places
+        :param came: the answers, one per input or burst; None for inputs after the end of the run
+        :param part: check only these indices
         """
         places = range(len(came)) if part is None else part
         return [
@@ -144,13 +147,14 @@ class Specification:
 
     def cause(self, came: Sequence[Any], place: int, *parts: Collection[int]) -> Slip | None:
         """
-        Return the slip that explains all answers, or else all those of a part.
+        Return the slip that explains all answers, or otherwise all answers of one part.
 
-        A part helps where a program has two mistakes; a small one is explained by too many slips.
+        A part helps if a program has two mistakes.  Small parts are unreliable: too many slips
+        explain them.
 
         :param came: see :meth:`wrong`
-        :param place: of a wrong answer; a part without it explains nothing
-        :param parts: places that belong together, the larger part first
+        :param place: index of a wrong answer; parts without it are skipped
+        :param parts: groups of indices that belong together, the largest first
         """
         for part in (range(len(came)), *parts):
             seen = [one for one in part if came[one] is not None]
@@ -160,7 +164,7 @@ class Specification:
         return None
 
     def mistakes(self) -> Iterator[str]:
-        """Yield the slips that these inputs do not tell from the right answers or each other."""
+        """Yield slips that the inputs cannot distinguish from correct answers or other slips."""
         rules = [('what is due', self.answers)]
         rules += [(slip.cause_id, answers) for slip, answers in self._slipped]
         for number, (name, answers) in enumerate(rules):
@@ -170,14 +174,14 @@ class Specification:
 
 
 def together(answers: Sequence[Any]) -> Any:
-    """Return several answers as one: the sum of numbers, all parts of tuples in order."""
+    """Merge several answers: the sum of numbers, or all parts of tuples in a fixed order."""
     if all(isinstance(one, tuple) for one in answers):
         return in_order(part for one in answers for part in one)
     return sum(answers)
 
 
 def in_order(answers: Iterable[Any]) -> tuple[Any, ...]:
-    """Return answers of any kinds in an order that does not depend on how they came."""
+    """Sort answers of any types into an order that is independent of their arrival."""
     return tuple(sorted(answers, key=_order))
 
 

@@ -1,7 +1,7 @@
 """
-Changes of a limit that an exam asks for, and the temperatures that it sends between them.
+Define changes of a limit, and the temperatures that the exam sends between them.
 
-Data and rules only; which mistakes there are is in the exam ``limit_keeper``.
+This module holds data and rules; the exam ``limit_keeper`` lists the slips.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ LIMIT, PLACE = 'limit_c', 'place'
 LOWEST_C, HIGHEST_C = -40.0, 125.0
 NO_NUMBERS = (float('nan'), float('inf'), float('-inf'))
 ACCEPTED = 'results.0.successful'
-"""Where the answer of ``set_parameters`` says whether a change was accepted."""
+"""Field of the ``set_parameters`` response that contains whether a change was accepted."""
 Change = tuple[str, float | int | str]
-"""A parameter, and the value that it is to be set to."""
+"""The name of a parameter and its requested value."""
 
 
 class Reading(NamedTuple):
     """
-    A temperature that is sent.
+    A temperature that the probe sends.
 
-    :param limit: the limit that is in force [degC]
+    :param limit: the limit in force [degC]
     :param start: the limit at the start [degC]
-    :param tried: the last limit that was asked for, accepted or not [degC]
-    :param changes: how many changes have been asked for before
+    :param tried: the last requested limit, accepted or not [degC]
+    :param changes: number of changes requested before this temperature
     """
 
     value: float
@@ -41,7 +41,7 @@ class Reading(NamedTuple):
 
 
 def sensible(value: float) -> bool:
-    """Return whether a limit makes sense."""
+    """Return whether a limit is in the valid range."""
     return LOWEST_C <= value <= HIGHEST_C
 
 
@@ -49,10 +49,10 @@ def deciding(
     accepts: Accepts = sensible, other: bool = True, kinds: Sequence[type] = (float,)
 ) -> Rule:
     """
-    Return the rule of a program that decides about changes; by default the right one.
+    Return the rule of a program that accepts or refuses changes; by default, the correct one.
 
-    :param other: whether it accepts a change of another parameter
-    :param kinds: types of limits that it looks at
+    :param other: whether the program accepts changes of other parameters
+    :param kinds: types of limits that it accepts
     """
 
     def decide(change: Change) -> bool:
@@ -65,15 +65,19 @@ def deciding(
 
 
 def warning(above: Callable[[Reading], bool] = lambda one: one.value > one.limit) -> Rule:
-    """Return the rule of a program that warns of each temperature by itself; by default right."""
+    """
+    Return the rule of a program that judges each temperature independently.
+
+    :param above: returns whether the program warns; by default, the correct comparison
+    """
     return each(lambda one: int(above(one)))
 
 
 def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
     """
-    Yield the temperatures to send: some before the first change, two near the limit after each.
+    Yield the temperatures to send: seven before the first change, two near the limit after each.
 
-    :param start: limit at the start, with one decimal, which is less than 0.5 [degC]
+    :param start: limit at the start, with one decimal; its fraction is below 0.5 [degC]
     """
     for value in (start - 1.5, start + 1.25, start + 2.5, start, start + 0.004, -90.0, 300.0):
         yield Reading(value, 'a temperature', start, start, start)
@@ -90,10 +94,10 @@ def in_force(
     asked: Specification, changes: Sequence[Change], accepted: Sequence[bool | None]
 ) -> Specification:
     """
-    Return what is due after each temperature, with the limits that a node has accepted.
+    Return the specification of the warnings for the limits that a node has actually accepted.
 
-    :param asked: the same with the limits that a right node accepts
-    :param accepted: the node's answers to the changes, in order
+    :param asked: the specification for the limits that a correct node accepts
+    :param accepted: the node's answers to the changes, in order; None without an answer
     """
     limits = [asked.inputs[0].start]
     for (name, value), taken in zip(changes, accepted):

@@ -1,7 +1,7 @@
 """
-Recorded runs of right and wrong temperature monitors, made from the specification of lesson 07.
+Build recorded runs of correct and wrong temperature monitors from the specification of lesson 07.
 
-No program runs: what a monitor logs after each reading follows from what is due, or from a slip.
+No program runs: the specification, or a slip, determines what a monitor logs after each reading.
 """
 
 from __future__ import annotations
@@ -24,20 +24,21 @@ WORDS = (
     ('Lectura de {:.3f} {}', 'Demasiado caliente'),
     ('', 'hot!'),
 )
-"""What monitors write at INFO and at WARN; one of them writes no INFO line."""
+"""Log texts of different monitors at INFO and at WARN; the last one logs only WARN lines."""
 
 
 @dataclass(frozen=True)
 class MadeRun:
     """
-    What a right monitor, or one with a mistake, logs after some readings.
+    The log of a correct monitor, or of one with a slip, for some readings.
 
-    :param kind: what the readings try, in words that may be shown
+    :param kind: description of the readings that feedback may show
     :param readings: in the order in which they are sent
-    :param answers: how many WARN lines follow each
-    :param slip: the mistake of the monitor, None for a right one
+    :param answers: number of WARN lines after each reading
+    :param slip: the monitor's mistake, None for a correct monitor
     :param steps_s: time before each reading [s]
-    :param words: which of :data:`WORDS` it writes
+    :param words: index of the monitor's log texts in :data:`WORDS`
+    :param lag_s: time from a reading to its WARN lines [s]
     """
 
     kind: str
@@ -46,16 +47,17 @@ class MadeRun:
     slip: Slip | None
     steps_s: Sequence[float]
     words: int
+    lag_s: float = 0.0
 
     @property
     def simulation(self) -> Simulation:
-        """Return the run as ``simulate()`` returns it."""
+        """Return the run in the form that ``simulate()`` returns."""
         times = [sum(self.steps_s[: place + 1]) for place in range(len(self.readings))]
         seconds = times[-1] + 1.0
         data = tuple(one.message(number) for number, one in enumerate(self.readings))
         sent = TopicRecord(f'{TOPIC} (input)', TYPE, tuple(times), data, seconds)
         logs = [
-            LogRecord(time, level, NODE, text)
+            LogRecord(time + self.lag_s * (level == 'WARN'), level, NODE, text)
             for time, reading, count in zip(times, self.readings, self.answers)
             for level, text in self._lines(reading, count)
         ]
@@ -63,7 +65,7 @@ class MadeRun:
 
     def _lines(self, reading: Reading, count: int) -> list[tuple[str, str]]:
         info, warning = (one.format(reading.value, reading.unit) for one in WORDS[self.words])
-        refused = reading.celsius is None and not count
+        refused = info and reading.celsius is None and not count
         lines = [('INFO', info)] if info else []
         lines += [('ERROR', f'Unknown unit {reading.unit!r}')] if refused else []
         return lines + [('WARN', warning)] * count
@@ -80,11 +82,12 @@ def made_run(
     """
     Return the run of a monitor.
 
-    :param due: what a right monitor answers
-    :param slip: of the monitor, None for a right one
-    :param words: which of :data:`WORDS` it writes
-    :param steps_s: time before each reading [s]; by default a second
-    :raises ExamInvalid: if the readings do not show the mistake
+    :param kind: description of the readings that feedback may show
+    :param due: rule of a correct monitor
+    :param slip: the monitor's mistake, None for a correct monitor
+    :param words: index of the monitor's log texts in :data:`WORDS`
+    :param steps_s: time before each reading [s], by default 1 s
+    :raises ExamInvalid: if the readings do not reveal the mistake
     """
     right = list(due(readings))
     forms = [list(rule(readings)) for rule in slip.rules] if slip else [right]

@@ -1,13 +1,14 @@
 """
-The specification of a temperature monitor: readings, the warnings that are due, and its causes.
+Specify a temperature monitor: readings, the expected warnings, and causes of mistakes.
 
-How a recording is compared with it is in the exam ``temperature_subscriber``.
+The exam ``temperature_subscriber`` compares recordings with this specification.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 import math
 import operator
 from typing import Any
@@ -26,7 +27,7 @@ class Reading:
     """
     One message that the probe sends.
 
-    :param kind: what it tries, in words that may be shown; never the value of a hidden one
+    :param kind: description that feedback may show, without the value of a hidden reading
     """
 
     value: float
@@ -47,23 +48,24 @@ class Reading:
 
     @property
     def odd(self) -> bool:
-        """Return whether it is not a proper temperature."""
+        """Return whether the reading is not a proper temperature: an unknown unit or NaN."""
         return self.group in ('unknown', 'nan')
 
     @property
     def group(self) -> str:
-        """Return which check is about it: hot, cool, Fahrenheit, unknown or nan."""
+        """Return the group: ``hot``, ``cool``, ``Fahrenheit``, ``unknown`` or ``nan``."""
         if self.celsius is None or math.isnan(self.celsius):
             return 'unknown' if self.celsius is None else 'nan'
         return self.unit if self.unit == 'Fahrenheit' else 'hot' if self.hot else 'cool'
 
     def is_in(self, text: str) -> bool:
-        """Return whether a text shows the value, raw or converted, however rounded."""
+        """Return whether a text contains the value, raw or in Celsius, with any rounding."""
         return shows(text, self.value, self.value if self.celsius is None else self.celsius)
 
     def message(self, number: int) -> dict[str, Any]:
-        """Return the fields that are sent."""
-        # Two in a row have one stamp, and a node that takes equal stamps for repeats loses one.
+        """Return the fields of the message."""
+        # Two successive readings share a stamp: a node that drops readings with an equal stamp
+        # loses one.
         return {
             'temperature_value': str(self.value) if math.isnan(self.value) else self.value,
             'unit': self.unit,
@@ -76,7 +78,12 @@ def warns(
     hot: Compare = operator.gt,
     celsius: Callable[[Reading], float | None] = lambda one: one.celsius,
 ) -> Rule:
-    """Return how many warnings a monitor with these parts gives; by default those that are due."""
+    """
+    Return the rule of a monitor, which gives the number of warnings for each reading.
+
+    :param hot: the monitor's comparison, by default the correct one
+    :param celsius: the monitor's conversion, by default the correct one; None causes no warning
+    """
 
     def warnings(reading: Reading) -> int:
         value = celsius(reading)
@@ -87,11 +94,15 @@ def warns(
 
 def takes_for(known: Callable[[str], str]) -> Rule:
     """
-    Return the rule of a monitor that takes some other units for known ones.
+    Return the rule of a monitor that reads some unknown units as known ones.
 
-    :param known: the unit that it takes a unit for
+    :param known: returns the unit that the monitor assumes for a given unit
     """
     return warns(celsius=lambda one: replace(one, unit=known(one.unit)).celsius)
+
+
+def _with_factor(factor: float, reading: Reading) -> float | None:
+    return (reading.value - 32.0) * factor if reading.unit == 'Fahrenheit' else reading.celsius
 
 
 NO_UNIT = Cause(
@@ -130,6 +141,12 @@ NO_ERROR = Cause(
     'Your node logs no ERROR line for a reading in an unknown unit.',
     'For any unit that you do not know: self.get_logger().error(...), return.',
 )
+ERROR_ONCE = Cause(
+    'error_once',
+    'Your node logs an ERROR line for the first reading in an unknown unit, but not when the same '
+    'unit comes again.',
+    'Log it for each reading, without once= and without a list of units seen before.',
+)
 BURST_IS_CUT = Cause(
     'burst_is_cut',
     'Your node handles single readings, but only some of several readings that arrive at once.',
@@ -164,6 +181,12 @@ SLIPS = (
         'celsius = (value - 32) / 1.8, with / and not //. Try yours: 86 °F must give 30, and '
         '86.9 °F 30.5.',
         warns(celsius=lambda one: one.value if one.unit == 'Celsius' else None),
+    ),
+    Slip(
+        'rounded_factor',
+        'Your conversion from Fahrenheit uses a rounded number.',
+        'Write celsius = (value - 32) / 1.8, or * 5 / 9, and round nothing.',
+        *(warns(celsius=partial(_with_factor, factor)) for factor in (0.5555, 0.5556, 0.556)),
     ),
     Slip(
         'first_letter',

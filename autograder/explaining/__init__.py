@@ -1,1 +1,1 @@
-"""Words and pictures for a verdict, the same in notebooks, on pages and on the terminal."""
+"""Text and pictures that explain a verdict, the same in notebooks, pages and the terminal."""

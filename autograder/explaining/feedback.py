@@ -1,9 +1,9 @@
 """
-Turn results into text: the only source of what a learner reads about a check.
+Convert results to text; all feedback on a check comes from this module.
 
 Visible checks in a notebook, nbgrader's feedback, formgrader, the report of a class and the
-terminal all use it.  A failed check takes at most twelve lines of a readable width.  Student code
-wrote parts of the text, so control characters are removed: a terminal or a log viewer would obey
+terminal all use this text.  A failed check takes at most twelve lines.  Parts of the text come
+from student code, so control characters are replaced: a terminal or a log viewer would interpret
 them.
 """
 
@@ -31,13 +31,13 @@ UNUSABLE = (
     'no score yet. A person will look at it.'
 )
 WIDTH = 88
-"""Columns of a line of text; a terminal has 80 to 120, a notebook's output about 100."""
+"""Maximum line length; a terminal has 80 to 120 columns, a notebook's output about 100."""
 
 MOST_LINES = 12
-"""Lines about one check, its title among them."""
+"""Maximum number of lines about one check, including its title."""
 
 NO_ANSWER = ('missing_file', 'not_answered')
-"""Causes that a problem with the notebook's cells explains better."""
+"""Causes for which a problem with the notebook's cells is a better explanation."""
 
 SIGNS = {Verdict.PASSED: '[pass]', Verdict.FAILED: '[FAIL]', Verdict.NOT_RUN: '[ -- ]'}
 WORDS = {Verdict.PASSED: 'passed', Verdict.FAILED: 'failed', Verdict.NOT_RUN: 'not looked at'}
@@ -58,25 +58,25 @@ def printable(text: str) -> str:
 
 
 def number(points: float) -> str:
-    """Return points without unnecessary digits."""
+    """Return points as text, with at most two decimals and no trailing zeros."""
     return f'{round(points, 2):g}'
 
 
 def points_of(check: CheckResult) -> str:
-    """Return the points of a check as text."""
+    """Return the points of a check as text, such as ``2 of 3``."""
     return f'{number(check.points)} of {number(check.max_points)}'
 
 
 def titles_of(result: ExamResult) -> dict[str, str]:
-    """Return the sentence of each check of an exam, by name."""
+    """Return the title of each check of an exam, by the name of the check."""
     return {check.check: check.title for check in result.checks}
 
 
 def causes_once(result: ExamResult) -> tuple[CheckResult, ...]:
     """
-    Return the checks of an exam; a repeated cause becomes a reference to its first check.
+    Return the checks of an exam; a repeated cause is replaced with a reference to its first check.
 
-    The advice is kept unless it is repeated with the same cause.
+    The advice is kept, unless an earlier check has the same cause and the same advice.
     """
     first: dict[str, CheckResult] = {}
     repairs: set[tuple[str, str]] = set()
@@ -99,11 +99,11 @@ def causes_once(result: ExamResult) -> tuple[CheckResult, ...]:
 
 def told(check: CheckResult, titles: Mapping[str, str]) -> list[tuple[str, str]]:
     """
-    Return the items that a learner reads about a failed check, by name and in order.
+    Return the feedback items of a check as pairs of name and text, in order.
 
     Long items are shortened so that the whole check fits in :data:`MOST_LINES`.
 
-    :param check: any result; a passed check has nothing to tell
+    :param check: result of a check; a passed check has no items
     :param titles: from :func:`titles_of`
     """
     facts = _facts(check, titles)
@@ -147,7 +147,7 @@ def _wrapped(name: str, text: str, most: int | None = None) -> list[str]:
 
 
 def _shortened(name: str, text: str, most: int) -> str:
-    """Return a text cut to a number of lines, or unchanged if it fits."""
+    """Return a text shortened to a number of lines, or unchanged if it fits."""
     if len(_wrapped(name, text)) <= most:
         return text
     cut = ' '.join(line.strip() for line in _wrapped(name, text, most))
@@ -183,7 +183,11 @@ def check_lines(check: CheckResult, titles: Mapping[str, str]) -> list[str]:
 
 
 def remarks(result: ExamResult, problems: Iterable[Problem] = ()) -> list[str]:
-    """Return the notes about a result apart from its checks, one sentence each."""
+    """
+    Return the notes about a result that do not belong to a check, one sentence each.
+
+    :param problems: problems with the notebook cells of this exam
+    """
     found = [f'Note: {problem.line()}' for problem in problems]
     if result.note:
         found.append(f'Note: {result.note}')
@@ -196,7 +200,7 @@ def exam_text(result: ExamResult, problems: Iterable[Problem] = ()) -> str:
     """
     Return the result of one exam for a learner, as plain text.
 
-    :param problems: what is wrong with the notebook cells of this exam
+    :param problems: problems with the notebook cells of this exam
     """
     titles = titles_of(result)
     lines = [f'{number(result.points)} of {number(result.max_points)} points']
@@ -208,7 +212,7 @@ def exam_text(result: ExamResult, problems: Iterable[Problem] = ()) -> str:
 
 
 def review_text(result: SubmissionResult) -> str:
-    """Return what a learner reads if there is no score."""
+    """Return the feedback on a submission without a score."""
     if result.fault:
         return f'{FOR_REVIEW}\n'
     said = (UNUSABLE, f'Note: {_one_line(result.unusable)}')
@@ -218,9 +222,9 @@ def review_text(result: SubmissionResult) -> str:
 
 def headline(result: SubmissionResult) -> str:
     """
-    Return the cause that costs most points, with what was observed; empty if none is lost.
+    Return the cause that costs the most points, with the observation; empty if there is none.
 
-    Problems that cost nothing (a note about a file name) come last.
+    A problem that costs no points, such as a wrong file name, is returned only if no check failed.
     """
     if result.review:
         return printable(result.review)
@@ -237,14 +241,14 @@ def headline(result: SubmissionResult) -> str:
 
 def _most_expensive(result: SubmissionResult) -> CheckResult | None:
     """
-    Return the first check that failed for the cause that costs most points.
+    Return the first check that failed for the cause that costs the most points.
 
-    A cause also costs the points of all checks that depend on the failed one.
+    A cause also costs the points of all checks that depend on the failed check.
     """
     cost: dict[tuple[str, str], float] = {}
     first: dict[tuple[str, str], CheckResult] = {}
     for exam in result.exams:
-        # The failed check, by the name of each check that loses points because of it.
+        # Map each check that loses points to the failed check that is the reason.
         failed: dict[str, CheckResult] = {}
         for check in exam.checks:
             if check.verdict is Verdict.NOT_RUN and check.waits_for in failed:
@@ -260,7 +264,7 @@ def _most_expensive(result: SubmissionResult) -> CheckResult | None:
 
 
 def _with_observed(check: CheckResult) -> str:
-    """Return the cause of a failure, with what was observed unless the cause says it."""
+    """Return the cause of a failure, and the observation unless the cause contains it."""
     seen = _one_line(check.observed)
     if not check.cause:
         return seen or check.title

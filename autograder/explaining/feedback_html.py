@@ -1,9 +1,9 @@
 """
-Show the text of :mod:`autograder.explaining.feedback` as HTML, with its pictures.
+Convert the text of :mod:`autograder.explaining.feedback` to HTML, with pictures.
 
 Visible checks in a notebook, feedback, formgrader and the report of a class use the same HTML.
-Everything is escaped; there is no script, and nothing is loaded.  It has its own style, because
-the styles of these pages differ, and no information is in a colour alone.
+All text is escaped; the HTML has no script and loads nothing.  It includes its own style, because
+the styles of these pages differ.  No information is shown by colour alone.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ def exam_html(
     """
     Return the result of one exam for a learner, as HTML.
 
-    :param problems: what is wrong with the notebook cells of this exam
-    :param lesson: address of the lesson that the sections to read are in, empty for the page
-        itself; None where there is no lesson to link to
+    :param problems: problems with the notebook cells of this exam
+    :param lesson: address of the lesson with the sections to read, empty for the page itself; None
+        for text without links
     """
     points = f'{number(result.points)} of {number(result.max_points)} points'
     said = [f'<p style="{_PLAIN}"><strong>{points}</strong></p>']
@@ -60,7 +60,7 @@ def exam_html(
 
 
 def paragraph(text: str) -> str:
-    """Return one sentence as a paragraph."""
+    """Return a text as an HTML paragraph."""
     return f'<p style="{_PLAIN}">{_escaped(text)}</p>'
 
 
@@ -94,7 +94,7 @@ def _check(
 
 
 def _fact(name: str, text: str, check: CheckResult, lesson: str | None) -> str:
-    elsewhere = check.read.startswith('lesson ')  # a heading of this lesson has a link
+    elsewhere = check.read.startswith('lesson ')  # Only headings of this lesson get a link.
     if name != 'read' or lesson is None or elsewhere:
         return _escaped(text)
     address = html.escape(f'{lesson}#{section_id(check.read)}')
@@ -103,9 +103,9 @@ def _fact(name: str, text: str, check: CheckResult, lesson: str | None) -> str:
 
 def section_id(heading: str) -> str:
     """
-    Return the id that notebooks and their HTML give to a heading.
+    Return the id of a heading in notebooks and in their HTML.
 
-    :param heading: its text, such as ``Part 2: The publisher``
+    :param heading: text of the heading, such as ``Part 2: The publisher``
     """
     return quote(' '.join(heading.split()).replace(' ', '-'), safe=":-_.!~*'()")
 
@@ -114,7 +114,7 @@ def with_unique_ids(page: str) -> str:
     """
     Return a page without repeated ids: the second ``Summary`` becomes ``Summary-2``.
 
-    A link still leads to the first one.
+    A link to ``Summary`` still leads to the first element with this id.
     """
     taken = set(_ID.findall(page))
     seen: set[str] = set()
@@ -131,7 +131,7 @@ def with_unique_ids(page: str) -> str:
 
 
 def _together(text: str) -> str:
-    """Return text with spaces at which no line breaks."""
+    """Replace the spaces in a text with no-break spaces."""
     return text.replace(' ', '\N{NO-BREAK SPACE}')
 
 

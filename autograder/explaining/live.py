@@ -1,8 +1,8 @@
 """
-Print the events of a run as they happen: messages, log lines and inputs with their time.
+Format the events of a run as they happen: messages, log lines and inputs with their time.
 
-A line has the virtual seconds, then the event.  Text from a student's code is shortened to one
-line and made printable.
+Each line has the virtual time [s], then the event.  Text from a student's code is shortened to one
+line, and its control characters are replaced.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from autograder.recording import Event, LEVELS
 from autograder.results import shortened
 
 WIDEST = 110
-MOST_DIGITS = 9  # digits of a float: all seventeen would hide the rest of the line
+MOST_DIGITS = 9  # All seventeen digits of a float would leave no room for the rest of the line.
 SECOND = 1_000_000_000
 
 
@@ -34,13 +34,13 @@ def live_line(event: Event) -> str:
 
 
 def clock(event: Event) -> str:
-    """Return the virtual time of an event, right-aligned; a dash before the clock started."""
+    """Return the virtual time of an event, right-aligned; a dash if the clock had not started."""
     now = event.get('clock_ns')
     return f'{"-":>9} ' if now is None else f'{now / SECOND:>9.3f}s'
 
 
 def _what(event: Event) -> str:
-    """Return an event as text."""
+    """Return an event as text without its time; empty if it is not shown."""
     words = _WORDS.get(event['event'])
     return words(event) if words else ''
 
@@ -80,7 +80,7 @@ def _process(event: Event) -> str:
 
 
 def fields(data: Any) -> str:
-    """Return a message's data in one line, without quotes around names."""
+    """Return the fields of a message in one line, without quotes around their names."""
     if isinstance(data, Mapping):
         return ', '.join(f'{name}: {_value(value)}' for name, value in data.items())
     return _value(data)

@@ -1,12 +1,12 @@
 """
-Select what the picture of a failed check shows, as plain JSON types.
+Select the data for the picture of a failed check, in JSON types.
 
-There are two kinds of pictures: a *timeline* of messages and log lines that came too rarely, too
-often or too late, and a *graph* of nodes and topics that do not connect. They show names, times
-and counts, and never a value that was sent or received. For a hidden exam they show neither the
-input that a message followed, because the order of the inputs is secret, nor the namespace that
-was chosen, and times only to a tenth of a second. Long recordings are thinned and names are cut;
-:mod:`autograder.explaining.picture_svg` draws the pictures.
+There are two kinds of pictures: a *timeline* of messages and log lines that arrived too rarely,
+too often or too late, and a *graph* of nodes and topics that do not connect.  They show names,
+times and counts, but never a value that was sent or received.  For a hidden exam, they do not show
+which input a message followed, because the order of the inputs is secret.  They also hide the
+drawn namespace, and round times to a tenth of a second.  Long recordings are thinned and long
+names are shortened.  :mod:`autograder.explaining.picture_svg` draws the pictures.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from autograder.results import CheckResult, Verdict
 MOST_TIMES = 400
 MOST_ROWS = 6
 MOST_PERIODS = 24
-"""Periods of a rhythm that are shown; a grey field stands for more."""
+"""Maximum number of periods of a rhythm in a picture; of a longer run, only a part is shown."""
 MOST_ARROWS = 8
 MOST_EVENTS = 20_000
-"""In a longer recording, only a difference that the check itself names is shown."""
+"""In a recording with more events, a difference is shown only if the check itself names it."""
 LONGEST_NAME = 80
 SECOND = 1_000_000_000
 LISTENING, SENDING = 'the checks, listening', 'the checks, sending'
 
-# The expectation begins with a number of messages, lines or the like.
+# Matches an expectation that begins with a number of messages, lines or the like.
 _AMOUNT = re.compile(
     r'^(?:at least |at most |exactly |about )?(?:\d+|no|one|two|three|four|five)\b.{0,40}?'
     r'\b(?:message|reading|line|warning|greeting|answer|text)s?\b',
@@ -46,9 +46,9 @@ _NUMBERS = {word: level for level, word in LEVELS.items()}
 
 def pictures(exam: Exam, run: Run, results: Sequence[CheckResult]) -> dict[str, Mapping[str, Any]]:
     """
-    Return the pictures of failed checks, by the check's name; each picture once.
+    Return the pictures of failed checks, by the name of the check; equal pictures only once.
 
-    :param results: of the exam's checks, in their order
+    :param results: results of the exam's checks, in the same order
     """
     found: dict[str, Mapping[str, Any]] = {}
     shown: set[str] = set()
@@ -59,7 +59,7 @@ def pictures(exam: Exam, run: Run, results: Sequence[CheckResult]) -> dict[str, 
             picture = _connections(exam, run, result) or _timeline(exam, check, run, result)
             if exam.hidden and picture:
                 picture = _without_secrets(exam.scenario, picture)
-        except Exception:  # noqa: BLE001 - no verdict may be lost for a picture; the words remain
+        except Exception:  # noqa: BLE001 - A failed picture must not prevent the verdict.
             continue
         text = json.dumps(picture, sort_keys=True)
         if picture and text not in shown:
@@ -70,9 +70,9 @@ def pictures(exam: Exam, run: Run, results: Sequence[CheckResult]) -> dict[str, 
 
 def _without_secrets(scenario: Scenario, picture: Mapping[str, Any]) -> Mapping[str, Any] | None:
     """
-    Return a picture of a hidden exam without its drawn namespace and moment.
+    Return a picture of a hidden exam without its drawn namespace and with rounded times.
 
-    The order of inputs is secret.
+    Return None for a timeline by inputs, because the order of the inputs is secret.
     """
     if picture.get('unit') == 'input':
         return None
@@ -92,10 +92,10 @@ def _without_secrets(scenario: Scenario, picture: Mapping[str, Any]) -> Mapping[
 
 def _wanted(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
     """
-    Yield the endpoints that a scenario asks for: kind, full topic name, type.
+    Yield the endpoints that a scenario requires: kind, full topic name, type.
 
     If several topics have the same last part, such as ``/lab/chatter`` and ``/chatter``, the exam
-    asks for the first; the probe watches the others to find a mistake.
+    requires the first; the probe watches the others to detect a mistake.
     """
     seen: set[tuple[str, str]] = set()
     for kind, topic, type_name in scenario.endpoints():
@@ -106,7 +106,7 @@ def _wanted(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
 
 
 def _connections(exam: Exam, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
-    """Return the connections of the graph, if the check failed because one is missing."""
+    """Return the graph of connections, if the check failed because a connection is missing."""
     arrows: list[dict[str, Any]] = []
     wanted = list(_wanted(exam.scenario))
     about = ' '.join((result.title, result.expected, result.observed, result.cause))
@@ -140,7 +140,8 @@ def _reason(
         event for event in about if event['event'] == 'not_connected' or event.get('refused')
     ]
     if any(event['event'] == 'offered' and event['matched'] for event in about):
-        refused = []  # refused on purpose: this one of the grader's publishers offers too little
+        # The node must refuse one of the grader's publishers, whose QoS profile is too weak.
+        refused = []
     if _about_qos(result) or refused:
         qos = ends[0]['qos']
         yours = f'yours is {qos["reliability"]}, {qos["durability"]}'
@@ -160,7 +161,7 @@ def _names(text: str, topic: str) -> bool:
 
 
 def _instead(run: Run, kind: str, wanted: set[str]) -> list[dict[str, Any]]:
-    """Return the endpoints that the program has in addition to the required ones."""
+    """Return up to three endpoints of the program that the exam does not require, as arrows."""
     return [
         _arrow(end['node'], end['topic'], end['type'], kind == 'publisher', True, 'not asked for')
         for end in run.recording.endpoints(kind)
@@ -185,7 +186,7 @@ def _arrow(
 
 
 def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
-    """Return the times of events, if the check failed because of a number or a time."""
+    """Return a timeline of events, if the check failed because of a count or a time."""
     failure = failure_of(check, run)
     if failure is None or (failure.at is None and not _AMOUNT.match(failure.expected)):
         return None
@@ -215,7 +216,7 @@ def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mappin
 
 
 def _window(begin: float, end: float, every_s: float, at: float | None) -> tuple[float, float]:
-    """Return the part to show: for a long run, some periods around the difference."""
+    """Return the beginning and end to show: for a long run, some periods around the difference."""
     if end - begin <= MOST_PERIODS * every_s:
         return begin, end
     first = max(begin, (begin if at is None else at) - MOST_PERIODS / 3 * every_s)
@@ -253,12 +254,12 @@ def _rows(exam: Exam, run: Run, result: CheckResult, unit: str) -> list[dict[str
 
 
 def _says(text: str, name: str) -> bool:
-    """Return whether a text contains a full name, and not as the beginning of a longer one."""
+    """Return whether a text contains a full name that is not the beginning of a longer name."""
     return re.search(rf'{re.escape(name)}(?![\w/])', text) is not None
 
 
 def _moments(events: Iterable[Event], unit: str) -> list[float]:
-    """Return the times of events, on the axis of the picture."""
+    """Return the positions of events on the axis of the picture."""
     found = [_moment(event, unit) for event in events]
     return [moment for moment in found if moment is not None]
 
@@ -272,14 +273,14 @@ def _moment(event: Event, unit: str) -> float | None:
 
 
 def _row(label: str, what: str, times: Sequence[float]) -> dict[str, Any]:
-    """Return a row with as many times as a picture can show at its width."""
+    """Return a row of a timeline, thinned to at most :data:`MOST_TIMES` times."""
     step = -(-len(times) // MOST_TIMES) or 1
     kept = [round(float(time), 3) for time in sorted(times)[::step]]
     return {'label': label[:LONGEST_NAME], 'what': what, 'count': len(times), 'times': kept}
 
 
 def _due(every_s: float, rows: Sequence[Mapping[str, Any]], end: float) -> dict[str, Any]:
-    """Return the row of expected times, aligned with the first message that came."""
+    """Return the row of expected times, aligned with the first observed time."""
     seen = [row['times'][0] for row in rows if row['times']]
     first = seen[0] % every_s if seen else 0.0
     first = first or every_s
@@ -289,7 +290,7 @@ def _due(every_s: float, rows: Sequence[Mapping[str, Any]], end: float) -> dict[
 
 
 def _first_difference(check: Check, run: Run, failure: Failed, unit: str) -> float | None:
-    """Return when the check first saw a difference, on the axis of the picture."""
+    """Return the position of the first difference on the axis of the picture; None if unknown."""
     if failure.at is not None:
         return round(failure.at / SECOND, 3) if unit == 'seconds' else None
     if len(run.recording.events) > MOST_EVENTS:

@@ -1,8 +1,8 @@
 """
-Draw pictures of a run as SVG: messages against time, and who is connected with whom.
+Draw pictures of a run as SVG: a timeline of messages, and a graph of nodes and topics.
 
 The data comes from :mod:`autograder.explaining.picture_data`.  Each picture has a name and a
-description as text; it uses the colours of the page, and everything in it is escaped.
+description as text.  It uses the colours of the page, and all text in it is escaped.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def picture_html(picture: Mapping[str, Any]) -> str:
     return _graph(picture) if picture.get('kind') == 'graph' else ''
 
 
-# -- messages against time -------------------------------------------------------------------
+# -- timeline of messages --------------------------------------------------------------------
 
 
 def _timeline(picture: Mapping[str, Any]) -> str:
@@ -95,7 +95,7 @@ def _axis(
 
 
 def _ticks(row: Mapping[str, Any], y: float, place: Any) -> str:
-    """Return the ticks of a row as one path; ticks on the same half pixel are drawn once."""
+    """Return the ticks of a row as one SVG path; ticks on the same half pixel are drawn once."""
     xs = sorted({round(place(float(time)) * 2) / 2 for time in row['times']})
     path = ''.join(f'M{x:g} {y - _TICK:g}v{2 * _TICK:g}' for x in xs)
     look = {
@@ -122,9 +122,9 @@ def _title(picture: Mapping[str, Any]) -> str:
 
 def timeline_words(picture: Mapping[str, Any]) -> str:
     """
-    Return a description of a timeline.
+    Return a description of a timeline as text.
 
-    :param picture: of the kind ``timeline``
+    :param picture: a picture of the kind ``timeline``
     """
     unit = '' if picture['unit'] == 'input' else ' s'
     said = []
@@ -153,7 +153,7 @@ def _short(name: str) -> str:
     return shortened(name, _LABEL)
 
 
-# -- who is connected with whom --------------------------------------------------------------
+# -- graph of nodes and topics ---------------------------------------------------------------
 
 
 def _graph(picture: Mapping[str, Any]) -> str:
@@ -190,7 +190,7 @@ def _graph(picture: Mapping[str, Any]) -> str:
 
 
 def _graph_table(arrows: Sequence[Mapping[str, Any]]) -> svg.Table:
-    """Return one row for each arrow."""
+    """Return a table with one row per arrow, as an alternative to the picture."""
     rows = [
         (
             _short(arrow['node']),
@@ -207,9 +207,9 @@ def _graph_table(arrows: Sequence[Mapping[str, Any]]) -> svg.Table:
 
 def graph_words(picture: Mapping[str, Any]) -> str:
     """
-    Return a description of a graph.
+    Return a description of a graph as text.
 
-    :param picture: of the kind ``graph``
+    :param picture: a picture of the kind ``graph``
     """
     said = []
     for arrow in picture['arrows']:
@@ -224,7 +224,7 @@ def graph_words(picture: Mapping[str, Any]) -> str:
 def _topic_size(arrow: Mapping[str, Any], remarks: Sequence[str]) -> tuple[float, float]:
     lines = [_short(arrow['topic']), _short(arrow['type']), *remarks]
     width = max(svg.text_width(line, 12) for line in lines) + 20
-    # The remarks are below the box; equal space above keeps the lines of the box in the middle.
+    # Remarks are below the box; the same space above the box keeps it vertically centred.
     return max(100.0, width), 42.0 + 2 * _LINE * len(remarks)
 
 

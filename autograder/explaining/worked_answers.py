@@ -1,8 +1,8 @@
 """
-The worked answers of a lesson, as one file of the students' copy.
+Encode and read the worked answers of a lesson, one file in the students' copy.
 
-The file is encoded so that a learner does not read it by accident. It is not secret: anyone can
-decode it, and the release packs it only on request.
+The file is encoded so that learners do not read it by accident.  It is not secret: anyone can
+decode it.  The release includes it only on request.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import zlib
 from autograder.errors import GraderError
 
 FOLDER = 'answers'
-"""Folder of the students' copy with one file for each lesson."""
+"""Folder in the students' copy with one file per lesson."""
 ABOUT = (
     b'# Worked answers of a lesson, encoded but not secret. answer(...) in a notebook shows them.'
 )
@@ -24,18 +24,18 @@ ABOUT = (
 
 def encoded(answers: Mapping[str, str]) -> bytes:
     """
-    Return the content of a file.
+    Return the content of a file with worked answers.
 
-    :param answers: the text of all cells of an answer, by exam
+    :param answers: text of all answer cells of an exam, by exam
     """
     return ABOUT + b'\n' + encodebytes(zlib.compress(json.dumps(answers).encode()))
 
 
 def read_answers(path: Path) -> dict[str, str]:
     """
-    Return the worked answers of a lesson by exam; none if there is no file.
+    Return the worked answers of a lesson, by exam; empty if there is no file.
 
-    :raises GraderError: if the file cannot be read
+    :raises GraderError: if the file cannot be read or decoded
     """
     try:
         lines = path.read_bytes().partition(b'\n')[2]

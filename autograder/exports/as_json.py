@@ -1,18 +1,18 @@
 """
-Export everything about the last grading as JSON; docs/results.schema.json describes it.
+Export all results of the last grading as JSON; docs/results.schema.json describes the format.
 
 ``points`` of a submission and of its exams and checks are null while there is no mark: it is for
-review, or only visible checks were run.
+review, or only visible checks were run.  ``missing`` names the students without a submission.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 from autograder.classroom.results_of_class import ClassResults
-from autograder.exports.marks import automatic
+from autograder.exports.marks import ABSENT, automatic, Mark
 from autograder.files import json_bytes
 from autograder.results import ExamResult, SubmissionResult
 
@@ -20,12 +20,23 @@ FORMAT = 'ros2-course-results'
 VERSION = 1
 
 
-def results_json(classes: Iterable[ClassResults]) -> bytes:
-    """Return the document, in UTF-8."""
+def results_json(marked: Iterable[tuple[ClassResults, Sequence[Mark]]]) -> bytes:
+    """
+    Return the document, in UTF-8.
+
+    :param marked: results and marks; a student without a submission has only a mark
+    """
+    marked = list(marked)
     data = {
         'format': FORMAT,
         'version': VERSION,
-        'submissions': [_submission(one) for graded in classes for one in graded.results],
+        'submissions': [_submission(one) for graded, _ in marked for one in graded.results],
+        'missing': [
+            {'assignment': graded.assignment, 'student': mark.student, 'status': mark.status}
+            for graded, marks in marked
+            for mark in marks
+            if mark.status in ABSENT
+        ],
     }
     return json_bytes(data)
 

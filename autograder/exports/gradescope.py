@@ -1,10 +1,10 @@
 """
 Write ``results.json`` as Gradescope's autograder specification describes it.
 
-Each test has a score, and the sum is at the top.  Text from students is shown as plain text
-(``text``), never as HTML.  The output of the grader is for instructors.  Students see the tests of
-the hidden exam when grades are published, unless a different ``visibility`` is chosen: with
-earlier results, a student could find out by many submissions what is tested.
+The file has a score for each test, and their sum.  Text from students is always shown as plain
+text, never as HTML.  Only instructors see the standard output of the grader.  By default, students
+see the tests of the hidden exam when grades are published.  If they saw the tests earlier, they
+could find out with many submissions what is tested.
 """
 
 from __future__ import annotations
@@ -27,11 +27,12 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
     Return the content of ``results.json``.
 
     :param visibility: when students see the tests, one of :data:`VISIBILITIES`
-    :raises GraderError: if there is no mark, because Gradescope refuses a file without a score;
-        without the file, it refers the student to the staff
+    :raises GraderError: if there is no mark: Gradescope refuses a file without a score, but if the
+        file is missing, it refers the student to the staff
     """
     mark = automatic(result)
-    # A student reads at once that a file is unusable, and can upload again; that needs a score.
+    # For an unusable file, write results although there is no mark: the student sees the problem
+    # at once and can upload again.
     if mark.points is None and not result.unusable:
         raise GraderError(
             f'{result.student}: {mark.status}, so there are no results.', result.review
@@ -69,7 +70,7 @@ def results_bytes(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -
 
 
 def _about(result: SubmissionResult) -> str:
-    """Return notes for the student about the submission as a whole."""
+    """Return the points and notes about the submission as a whole, for the student."""
     lines = [f'{number(result.points)} of {number(result.max_points)} points of automatic checks']
     lines += [problem.line() for problem in result.problems]
     lines += [f'{exam.exam}: {exam.note}' for exam in result.exams if exam.note]
@@ -91,7 +92,7 @@ def _test(exam: ExamResult, check: CheckResult, place: str, visibility: str) -> 
 
 
 def _output(exam: ExamResult, check: CheckResult) -> str:
-    """Return the text about a check for the student."""
+    """Return the feedback on a check for the student; empty if it passed."""
     if check.verdict is Verdict.PASSED:
         return ''
     if check.verdict is Verdict.NOT_RUN:

@@ -1,9 +1,9 @@
 """
 Grade one submission in Gradescope's container.
 
-``run_autograder`` of :mod:`autograder.exports.gradescope_zip` starts ``python -m
+The script ``run_autograder`` in the zip file starts ``python -m
 autograder.exports.gradescope_run``.  If the grader fails, it writes no ``results.json``: then
-Gradescope reports that the autograder failed and gives no zero.
+Gradescope reports a failed autograder instead of giving a zero.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def main(arguments: Sequence[str]) -> int:
     """
     Grade ``ROOT/submission`` and write ``ROOT/results/results.json``.
 
-    :param arguments: the folder ROOT, ``/autograder`` in the container
+    :param arguments: one argument, the folder ROOT: ``/autograder`` in the container
     :returns: the exit code
     """
     root = Path(arguments[0])
@@ -52,8 +52,8 @@ def grade(layout: Layout, assignment: str, folder: Path, allow_weak: str) -> Sub
     """
     Grade the notebook in a folder with the full exams.
 
-    :param folder: what the student uploaded
-    :raises GraderError: if no isolation that may run hidden exams works here
+    :param folder: folder with the student's upload
+    :raises GraderError: if no isolation mode that may run hidden exams works here
     """
     engine = grading_engine(layout, allow_weak=allow_weak)
     if not getattr(engine, 'hidden', True):

@@ -2,9 +2,9 @@
 Pack the course as an autograder for Gradescope's container, with the same exams.
 
 ``setup.sh`` and ``run_autograder`` are at the root of the zip; the rest is the course without its
-submissions and with the course's secret, so that hidden inputs are the same here and there. So the
-zip must be kept secret like the hidden exams.  The README of the zip says what the container has
-to allow: without user namespaces only weaker isolation works, and it is used only if
+submissions.  The zip includes the course secret, so that hidden inputs are the same on Gradescope.
+It must therefore be kept as secret as the hidden exams.  The README in the zip describes what the
+container must allow: without user namespaces only weaker isolation works, and it is used only if
 ``--allow-weak`` names it.
 """
 
@@ -28,23 +28,24 @@ HERE = Path(__file__).parent / 'gradescope_files'
 EXECUTABLE = ('setup.sh', 'run_autograder')
 SETTINGS = 'gradescope.json'
 ENGINE = ('autograder', 'drawing', 'environment', 'roslab', 'pyproject.toml')
-"""Parts of this project that grading needs; the course's own files are added to them."""
+"""Files and folders of this project that grading needs, in addition to the course's own files."""
 LEFT_OUT = {'_work', '__pycache__', '.ipynb_checkpoints', 'ros_ws', '.mypy_cache', '.ruff_cache'}
 MADE = (2024, 1, 1, 0, 0, 0)
-"""Date of every entry: the same course gives the same bytes."""
+"""Date of every entry of the zip; it is fixed, so that the same course gives the same bytes."""
 
 
 def autograder_zip(
     layout: Layout, assignment: str, visibility: str = VISIBILITIES[0], allow_weak: str = ''
 ) -> bytes:
     """
-    Return the zip.
+    Return the zip file as bytes.
 
     :param assignment: full name of the assignment
     :param visibility: see :mod:`autograder.exports.gradescope`
-    :param allow_weak: isolation that may be used in the container, see
-        :mod:`autograder.sandboxes.isolation`; empty for the full one only
-    :raises GraderError: if this copy of the course has no hidden exams
+    :param allow_weak: weakest isolation mode to accept in the container, see
+        :mod:`autograder.sandboxes.isolation`; empty for full isolation only
+    :raises GraderError: if hidden exams must not run with this mode, or this copy of the course
+        has no hidden exams
     """
     if allow_weak and not MODES[allow_weak].keeps_secrets:
         raise GraderError(
@@ -70,7 +71,7 @@ def autograder_zip(
 
 
 def course_files(layout: Layout) -> Iterator[tuple[str, Path]]:
-    """Yield the files of the course that grading needs, with their names in the zip; sorted."""
+    """Yield the files that grading needs, each with its name in the zip, in a fixed order."""
     exams = layout.exams.relative_to(layout.root).parts[0]
     own = {'course.toml', 'nbgrader_config.py', 'notebooks', 'solutions', exams}
     own |= {layout.facts.package} - {''}
@@ -89,7 +90,7 @@ def _add(
 ) -> None:
     """Add a file with its permissions, in the format of Info-ZIP."""
     entry = zipfile.ZipInfo(name, MADE)
-    entry.create_system = 3  # Unix: the upper half of external_attr is st_mode
+    entry.create_system = 3  # Unix, where the upper half of external_attr is st_mode.
     entry.external_attr = (stat.S_IFREG | (0o755 if executable else mode)) << 16
     entry.compress_type = zipfile.ZIP_DEFLATED
     archive.writestr(entry, data)

@@ -4,33 +4,42 @@ Write JUnit XML for CI servers: one suite per exam and submission, one case per 
 There is no standard; this module writes what the schema of Jenkins' xUnit plugin (junit-10.xsd)
 and the readers of Jenkins and GitLab have in common. A failed check is a ``failure``, a check that
 waits for another check is ``skipped``, and a submission for review is an ``error``: it has no
-verdict. XML 1.0 has no control characters, not even escaped, so they are replaced.
+verdict. A student without a submission is ``skipped``. XML 1.0 has no control characters, not
+even escaped, so they are replaced.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 import re
 from xml.etree import ElementTree
 
 from autograder.classroom.results_of_class import ClassResults, seconds_of_exam
+from autograder.exports.marks import ABSENT, Mark
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
 NO_XML = re.compile('[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
-"""What the production Char of XML 1.0 (section 2.2) leaves out."""
+"""Characters that XML 1.0 does not allow (production ``Char`` in section 2.2)."""
 
 COUNTS = {'failures': 'failure', 'errors': 'error', 'skipped': 'skipped'}
 
 
-def junit_xml(classes: Iterable[ClassResults]) -> bytes:
-    """Return the document, in UTF-8."""
+def junit_xml(marked: Iterable[tuple[ClassResults, Sequence[Mark]]]) -> bytes:
+    """
+    Return the document, in UTF-8.
+
+    :param marked: results and marks; a student without a submission has only a mark
+    """
     suites = ElementTree.Element('testsuites', name='autograder')
-    for graded in classes:
+    for graded, marks in marked:
         for result in graded.results:
             for exam in result.exams:
                 suites.append(_suite(result, exam))
             if result.review:
                 suites.append(_review(result))
+        for mark in marks:
+            if mark.status in ABSENT:
+                suites.append(_missing(graded.assignment, mark))
     for name in ('tests', 'failures', 'errors'):
         suites.set(name, str(sum(int(suite.get(name, '0')) for suite in suites)))
     suites.set('time', _seconds(sum(float(suite.get('time', '0')) for suite in suites)))
@@ -40,14 +49,14 @@ def junit_xml(classes: Iterable[ClassResults]) -> bytes:
 
 
 def clean(text: str) -> str:
-    """Return a text without characters that XML cannot hold."""
+    """Replace the characters that XML does not allow."""
     return NO_XML.sub('\N{REPLACEMENT CHARACTER}', text)
 
 
 def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
     suite = _new_suite(f'{result.assignment}/{result.student}/{exam.exam}')
     for check in exam.checks:
-        case = _case(suite, result, f'{exam.exam}/{check.check}')
+        case = _case(suite, result.assignment, result.student, f'{exam.exam}/{check.check}')
         if check.verdict is Verdict.FAILED:
             message = check.cause or check.observed or check.title
             failure = ElementTree.SubElement(case, 'failure', message=clean(message))
@@ -63,11 +72,19 @@ def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
 
 
 def _review(result: SubmissionResult) -> ElementTree.Element:
-    """Return the suite of a submission for review."""
+    """Return the test suite of a submission for review."""
     suite = _new_suite(f'{result.assignment}/{result.student}/for review')
-    case = _case(suite, result, 'grading')
+    case = _case(suite, result.assignment, result.student, 'grading')
     error = ElementTree.SubElement(case, 'error', message=clean(result.review), type='for_review')
     error.text = 'There is no score. A person has to look.'
+    return _counted(suite, 0.0)
+
+
+def _missing(assignment: str, mark: Mark) -> ElementTree.Element:
+    """Return the suite of a student without a submission: skipped, neither passed nor failed."""
+    suite = _new_suite(f'{assignment}/{mark.student}/missing')
+    case = _case(suite, assignment, mark.student, 'submission')
+    ElementTree.SubElement(case, 'skipped', message=mark.status)
     return _counted(suite, 0.0)
 
 
@@ -75,14 +92,16 @@ def _new_suite(name: str) -> ElementTree.Element:
     return ElementTree.Element('testsuite', name=clean(name))
 
 
-def _case(suite: ElementTree.Element, result: SubmissionResult, name: str) -> ElementTree.Element:
+def _case(
+    suite: ElementTree.Element, assignment: str, student: str, name: str
+) -> ElementTree.Element:
     """Add a case; its class name and name are unique in the class of students."""
-    where = clean(f'{result.assignment}.{result.student}')
+    where = clean(f'{assignment}.{student}')
     return ElementTree.SubElement(suite, 'testcase', classname=where, name=clean(name))
 
 
 def _counted(suite: ElementTree.Element, seconds: float) -> ElementTree.Element:
-    """Set the counts of a suite from its cases."""
+    """Set the counts of a test suite from its cases, and its time; return the suite."""
     suite.set('tests', str(len(suite.findall('testcase'))))
     for attribute, tag in COUNTS.items():
         suite.set(attribute, str(len(suite.findall(f'testcase/{tag}'))))
@@ -95,7 +114,7 @@ def _seconds(seconds: float) -> str:
 
 
 def _five_things(check: CheckResult) -> str:
-    """Return what a learner reads about a check, one line per item."""
+    """Return the feedback on a check as text, one line per item."""
     points = f'{check.points:g} of {check.max_points:g}'
     facts = {'checked': check.title, **check.facts, 'points': points}
     return '\n'.join(f'{name}: {text}' for name, text in facts.items())

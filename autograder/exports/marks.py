@@ -1,8 +1,8 @@
 """
-Return one mark per student, from the automatic checks or from nbgrader's gradebook.
+Return one mark per student of the class, from the automatic checks or from nbgrader's gradebook.
 
 The gradebook's mark includes manual grades and late penalties; it exists only if nothing in the
-submission waits for manual grading.
+submission waits for manual grading.  A student without a submission has no mark, never a zero.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from autograder.classroom.not_collected import not_collected, NOTHING
 from autograder.classroom.results_of_class import ClassResults, has_mark
 from autograder.errors import GraderError
 from autograder.gradebook.lowered import mark_of
@@ -19,13 +20,18 @@ from autograder.results import SubmissionResult
 
 AUTOMATIC, GRADEBOOK = 'automatic', 'gradebook'
 SOURCES = (AUTOMATIC, GRADEBOOK)
-GRADED, REVIEW, BY_HAND, NOT_ENTERED, NO_GRADE = (
+GRADED, REVIEW, BY_HAND, NOT_ENTERED, NO_GRADE, MISSING, NOT_COLLECTED = (
     'graded',
     'for review',
     'to be graded by hand',
     'not in the gradebook',
     'only visible checks were run',
+    'nothing handed in',
+    'not collected',
 )
+
+ABSENT = (MISSING, NOT_COLLECTED)
+"""The status of a student who has no submission that could be graded."""
 
 
 @dataclass(frozen=True)
@@ -35,28 +41,41 @@ class Mark:
 
     :param points: None if there is no mark yet, which is not the same as zero
     :param status: one of the words above; why there is none
+    :param late_points: what nbgrader's late policy subtracted; the points are without it
     """
 
     student: str
     points: float | None
     max_points: float
     status: str = GRADED
+    late_points: float = 0.0
 
 
 def marks(layout: Layout, graded: ClassResults, source: str) -> tuple[Mark, ...]:
     """
-    Return the marks of all students, in the order of the results.
+    Return the marks in the order of the results, then the students who have no result.
 
     :param source: one of :data:`SOURCES`
-    :raises GraderError: if the gradebook is wanted and does not have the assignment
+    :raises GraderError: if the gradebook is wanted and does not have the assignment, or if the
+        class list is wrong
     """
     if source == AUTOMATIC:
-        return tuple(automatic(result) for result in graded.results)
-    return from_gradebook(layout, graded.assignment, graded.results)
+        found = tuple(automatic(result) for result in graded.results)
+    else:
+        found = from_gradebook(layout, graded.assignment, graded.results)
+    most = max((mark.max_points for mark in found), default=0.0)
+    absent = not_collected(layout, graded.assignment, {mark.student for mark in found})
+    return (
+        *found,
+        *(
+            Mark(one.student, None, most, MISSING if one.why == NOTHING else NOT_COLLECTED)
+            for one in absent
+        ),
+    )
 
 
 def automatic(result: SubmissionResult) -> Mark:
-    """Return the mark of the automatic checks; visible checks alone give none."""
+    """Return the mark from the automatic checks; visible checks alone give no mark."""
     if result.review:
         return Mark(result.student, None, result.max_points, REVIEW)
     if not has_mark(result):
@@ -68,7 +87,7 @@ def from_gradebook(
     layout: Layout, assignment: str, results: Sequence[SubmissionResult]
 ) -> tuple[Mark, ...]:
     """
-    Return the marks in nbgrader's gradebook.
+    Return the marks in nbgrader's gradebook, in the order of the results.
 
     :raises GraderError: if there is no gradebook, or it does not have the assignment
     """
@@ -81,7 +100,7 @@ def from_gradebook(
         'Try: make grade, or --points automatic for the points of the checks alone',
     )
     if not has_gradebook(layout):
-        raise missing  # opening it would create an empty gradebook
+        raise missing  # Opening the gradebook would create an empty one.
     entered: dict[str, Mark] = {}
     with opened_gradebook(layout) as gradebook:
         try:
@@ -91,14 +110,19 @@ def from_gradebook(
         for one in gradebook.assignment_submissions(assignment):
             waits = bool(one.needs_manual_grade)
             entered[one.student.id] = Mark(
-                one.student.id, None if waits else mark_of(one), most, BY_HAND if waits else GRADED
+                one.student.id,
+                None if waits else mark_of(one),
+                most,
+                BY_HAND if waits else GRADED,
+                0.0 if waits else float(one.late_submission_penalty or 0.0),
             )
     return tuple(_entered(result, entered, most) for result in results)
 
 
 def _entered(result: SubmissionResult, entered: dict[str, Mark], most: float) -> Mark:
-    """Return one student's mark, or why it does not belong to the last grading."""
+    """Return the mark of a student in the gradebook, or a mark without points and the reason."""
     last = automatic(result)
-    if last.points is None and not result.unusable:  # an unusable submission can be graded by hand
+    # An unusable submission has no automatic mark, but an instructor can grade it by hand.
+    if last.points is None and not result.unusable:
         return Mark(result.student, None, most, last.status)
     return entered.get(result.student) or Mark(result.student, None, most, NOT_ENTERED)

@@ -1,15 +1,17 @@
 """
-Write CSV as RFC 4180 describes it, safe to open in a spreadsheet.
+Write CSV as in RFC 4180, safe to open in a spreadsheet.
 
-Lines end with CR LF, fields with a comma, quote or line break are quoted, quotes are doubled, each
-line has as many fields as the first. A spreadsheet runs a cell that begins like a formula, and
-names and causes come from students, so such a string gets an apostrophe in front, as OWASP advises
-against CSV injection. Numbers are written as numbers.
+Lines end with CR LF, and all lines have the same number of fields.  Fields with a comma, a quote
+or a line break are quoted, and quotes are doubled.
+
+A spreadsheet runs a cell that begins like a formula, and names and causes come from students.  So
+such a string gets an apostrophe in front, as OWASP recommends against CSV injection.  Numbers are
+written unchanged.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 import csv
 import io
 import re
@@ -17,14 +19,25 @@ import re
 from autograder.classroom.results_of_class import ClassResults
 from autograder.explaining.feedback import headline, number, printable
 from autograder.exports.marks import automatic, Mark
+from autograder.results import SubmissionResult
 
 FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠')
-"""How a cell begins that a spreadsheet may run, full-width signs included."""
+"""First characters of cells that a spreadsheet may run, including full-width signs."""
 
 LATER_CELL = re.compile(r'(?<![;"\s])((?=["\s]*[;\t\r\n])[;"\s]+)([=+\-@＝＋－＠])')
-"""Where a cell would begin in a spreadsheet that parts at semicolons, tabs or lines."""
+"""Start of a formula after a semicolon, tab or line break, where a spreadsheet may split cells."""
 
-MARKS = ['assignment', 'student', 'name', 'status', 'points', 'max_points', 'first_cause', 'flags']
+MARKS = [
+    'assignment',
+    'student',
+    'name',
+    'status',
+    'points',
+    'max_points',
+    'late_points',
+    'first_cause',
+    'flags',
+]
 CHECKS = [
     'assignment',
     'student',
@@ -45,9 +58,9 @@ def marks_csv(
     classes: Iterable[tuple[ClassResults, Sequence[Mark]]], people: Mapping[str, str]
 ) -> bytes:
     """
-    Return one row per submission.
+    Return one row per student.
 
-    :param classes: results, and the marks that belong to them in the same order
+    :param classes: results and marks; a student without a submission has only a mark
     :param people: names by student id, as far as they are known
     """
     rows = [
@@ -58,17 +71,26 @@ def marks_csv(
             mark.status,
             mark.points,
             mark.max_points,
-            headline(result),
-            '; '.join(result.flags),
+            mark.late_points or None,
+            headline(result) if result else '',
+            '; '.join(result.flags) if result else '',
         )
         for graded, marks in classes
-        for result, mark in zip(graded.results, marks)
+        for result, mark in _with_results(graded, marks)
     ]
     return csv_bytes(MARKS, rows)
 
 
+def _with_results(
+    graded: ClassResults, marks: Sequence[Mark]
+) -> Iterator[tuple[SubmissionResult | None, Mark]]:
+    """Yield each mark with its result; None for a student without a submission."""
+    results = {result.student: result for result in graded.results}
+    yield from ((results.get(mark.student), mark) for mark in marks)
+
+
 def checks_csv(classes: Iterable[ClassResults]) -> bytes:
-    """Return one row per check of each submission, without points where there is no mark."""
+    """Return a CSV table with one row per submission and check; without a mark, no points."""
     rows = [
         (
             graded.assignment,
@@ -91,7 +113,7 @@ def checks_csv(classes: Iterable[ClassResults]) -> bytes:
 
 
 def csv_bytes(header: Sequence[str], rows: Iterable[Sequence[Cell]]) -> bytes:
-    """Return a table in UTF-8."""
+    """Return a CSV table in UTF-8."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator='\r\n')
     writer.writerow(header)
@@ -100,7 +122,7 @@ def csv_bytes(header: Sequence[str], rows: Iterable[Sequence[Cell]]) -> bytes:
 
 
 def _field(cell: Cell) -> str:
-    """Return the text of a cell: empty for None, a number as a number, a string made harmless."""
+    """Return the text of a cell: empty for None, a number unchanged, a string made harmless."""
     if cell is None:
         return ''
     return harmless(cell) if isinstance(cell, str) else number(cell)
@@ -110,7 +132,7 @@ def harmless(text: str) -> str:
     """
     Return a string that a spreadsheet reads neither as a formula nor as several cells.
 
-    With a comma as decimal point, spreadsheets split cells at semicolons, quoted or not.
+    In languages with a decimal comma, spreadsheets split cells at semicolons, even quoted ones.
     """
     formula = text.lstrip(' ').startswith(FORMULA_STARTS) or text.lstrip().startswith(
         FORMULA_STARTS

@@ -1,1 +1,1 @@
-"""nbgrader's plug-ins and converters, and the only writer of its gradebook."""
+"""Plug-ins for nbgrader, and the only code of the grader that writes nbgrader's gradebook."""

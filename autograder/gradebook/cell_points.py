@@ -1,8 +1,8 @@
 """
 Compare the points of check cells with those of their exams.
 
-nbgrader takes the maximum of a cell from the notebook and the score from the exam.  If the two
-differ, no score can be right, and nbgrader drops a score above the maximum.
+nbgrader reads the maximum of a cell from the notebook and the score from the exam.  If the points
+differ, the score is wrong, and nbgrader discards a score above the maximum.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def unfit_points(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Itera
     """
     Yield one line for each check cell whose points differ from its exam's.
 
-    :param where: the notebook, as messages name it
+    :param where: name of the notebook in messages
     :param exams: all exams of the lesson
     """
     cells = {
@@ -47,7 +47,8 @@ def refuse_unfit_points(layout: Layout, lesson: Lesson) -> None:
     """
     Refuse a lesson whose check cells and exams give different points.
 
-    :raises ExamInvalid: naming each such cell of the solution, else of the release
+    :raises ExamInvalid: if there are such cells, in the solution or else in the release; the error
+        names each of them
     """
     for folder, fix in (
         (layout.solutions, 'give the cell and the exam the same points, then make release'),
@@ -55,7 +56,7 @@ def refuse_unfit_points(layout: Layout, lesson: Lesson) -> None:
     ):
         path = folder / lesson.assignment / lesson.notebook
         if not path.is_file():
-            continue  # nbgrader reports it with more detail
+            continue  # nbgrader reports a missing notebook in more detail.
         where = path.relative_to(layout.root).as_posix()
         if wrong := list(unfit_points(read_release(path), where, lesson.exams)):
             raise ExamInvalid(f'{" ".join(wrong)} No mark was changed.', f'Try: {fix}')

@@ -1,4 +1,4 @@
-"""Query the gradebook directly: importing nbgrader takes seconds, and reruns rarely need it."""
+"""Query the gradebook without nbgrader, whose import takes seconds."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ FILE_ADVICE = {
     'is locked': 'close the program that uses it (formgrader, a database browser)',
     **dict.fromkeys(INCOMPLETE, 'put a complete copy of the file in its place'),
 }
-"""Advice about a gradebook file, by a part of SQLite's message."""
+"""Advice for a gradebook file that fails, by a part of SQLite's error message."""
 
 
 class GradebookRefusedError(GraderError):
-    """The database failed, so no submission can be entered."""
+    """The database of the gradebook failed, so no submission can be entered."""
 
 
 def database_failure(error: BaseException) -> SQLAlchemyError | None:
     """
-    Return the database's failure behind an error of nbgrader, or None.
+    Return the database error that caused an error of nbgrader, or None.
 
     An invalid value in one row is not a failure of the database.
     """
@@ -44,13 +44,13 @@ def database_failure(error: BaseException) -> SQLAlchemyError | None:
 
 
 def refusal(layout: Layout, error: SQLAlchemyError) -> GradebookRefusedError:
-    """Return the error that explains a failed database in one line."""
+    """Return the error for a failure of the database."""
     return refused(layout, str(getattr(error, 'orig', None) or error))
 
 
 def refused(layout: Layout, said: str) -> GradebookRefusedError:
     """
-    Return the error about a gradebook in one line: where it is, what is wrong, what to do.
+    Return the error for an unusable gradebook, with its address, the problem and a remedy.
 
     :param said: the message of the database; only its first line is used
     """
@@ -79,7 +79,8 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
 
     This never creates a gradebook.
 
-    :raises GraderError: if it cannot be reached or read, with its address but no password
+    :raises GraderError: if the gradebook cannot be reached or read; the error shows its address
+        without the password
     """
     if not has_gradebook(layout):
         yield None
@@ -113,7 +114,9 @@ def query(layout: Layout, statement: Any, table: str = 'grade', **values: str) -
     """
     Return the rows of a query; none if the gradebook or a table does not exist yet.
 
-    :raises GraderError: if it cannot be queried
+    :param table: the query returns no rows if this table does not exist
+    :param values: values of the statement's parameters
+    :raises GraderError: if the gradebook cannot be queried
     """
     with connected(layout) as gradebook:
         if gradebook is None or not inspect(gradebook).has_table(table):

@@ -1,8 +1,8 @@
 """
 Run nbgrader's commands in this process, with the course's ``nbgrader_config.py``.
 
-A command line costs two seconds of imports each time; this module enters a whole class in about
-that time.
+Each start of nbgrader's command line spends two seconds on imports; this module enters a whole
+class in about that time.
 """
 
 from __future__ import annotations
@@ -12,11 +12,18 @@ from contextlib import contextmanager
 from functools import cache
 import logging
 from pathlib import Path
+import tempfile
 from typing import Any
 import warnings
 
 from nbgrader import api
-from nbgrader.converters import Autograde, BaseConverter, GenerateAssignment, NbGraderException
+from nbgrader.converters import (
+    Autograde,
+    BaseConverter,
+    GenerateAssignment,
+    GenerateFeedback,
+    NbGraderException,
+)
 from nbgrader.coursedir import CourseDirectory
 from sqlalchemy.exc import OperationalError, SQLAlchemyError
 
@@ -28,7 +35,7 @@ from autograder.layout import Layout
 from autograder.results import SubmissionResult
 
 MAX_LINES = 6
-"""Lines of nbgrader's output that are repeated: two lines each for three students."""
+"""Maximum number of nbgrader's log lines in an error: two lines each for three students."""
 
 
 def generate(layout: Layout, assignment: str, release: Path, database: bool) -> None:
@@ -36,7 +43,8 @@ def generate(layout: Layout, assignment: str, release: Path, database: bool) -> 
     Write the student version of an assignment, as ``nbgrader generate_assignment`` does.
 
     :param release: folder that receives ``<assignment>/``
-    :param database: whether to enter the assignment in the gradebook; False is deterministic
+    :param database: whether to enter the assignment in the gradebook; without this, the output is
+        deterministic
     :raises GraderError: with nbgrader's message
     """
     config = load_config(layout)
@@ -61,10 +69,10 @@ def autograde(
     Enter results in the gradebook, as ``nbgrader autograde`` does.
 
     :param submitted: folder of rebuilt notebooks, ``<student>/<assignment>/<notebook>.ipynb``
-    :param results: by student; student code is not run again
-    :param same_work: students whose answers are those that were entered last
-    :raises GraderError: with nbgrader's message; the other students are recorded anyway
-    :raises GradebookRefusedError: if the database failed; the students after that are not recorded
+    :param results: results by student; no student code runs
+    :param same_work: students whose answers have not changed since their last entry
+    :raises GraderError: with nbgrader's message, if some students failed; the others are recorded
+    :raises GradebookRefusedError: if the database failed; no further students are recorded
     """
     config = load_config(layout)
     config.CourseDirectory.submitted_directory = str(submitted)
@@ -78,7 +86,31 @@ def autograde(
         coursedir = CourseDirectory(config=config, log=log)
         recorder = _Recorder(coursedir=coursedir, config=config, log=log, force=True)
         recorder.results, recorder.same_work = dict(results), frozenset(same_work)
+        recorder.students = recorder.results
         _start(layout, recorder)
+
+
+def feedback(layout: Layout, assignment: str, students: Collection[str]) -> dict[str, bytes]:
+    """
+    Return the feedback page of each student, with the current marks of the gradebook.
+
+    :returns: HTML by student; a student whose work nbgrader has not entered has none
+    :raises GraderError: with nbgrader's message
+    """
+    config = load_config(layout)
+    config.CourseDirectory.assignment_id = assignment
+    with tempfile.TemporaryDirectory(prefix='feedback_', dir=layout.work) as folder:
+        config.CourseDirectory.feedback_directory = folder
+        with _logged(f'writing feedback for {assignment}') as log, _one_engine():
+            coursedir = CourseDirectory(config=config, log=log)
+            writer = _FeedbackWriter(coursedir=coursedir, config=config, log=log, force=True)
+            there = layout.work / 'autograded'
+            writer.students = [one for one in students if (there / one / assignment).is_dir()]
+            _start(layout, writer)
+        return {
+            path.parents[1].name: path.read_bytes()
+            for path in Path(folder).glob(f'*/{assignment}/*.html')
+        }
 
 
 @contextmanager
@@ -86,7 +118,7 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
     """
     Yield nbgrader's gradebook; create it if there is none.
 
-    :raises GraderError: if it has lost a table, or cannot be opened, read or written
+    :raises GraderError: if a table is missing, or the gradebook cannot be opened, read or written
     """
     refuse_incomplete(layout)
     try:
@@ -107,11 +139,11 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
 @contextmanager
 def _one_engine() -> Iterator[None]:
     """
-    Let nbgrader's gradebooks share SQLAlchemy's compiled queries and its list of tables.
+    Make all of nbgrader's gradebook objects share one SQLAlchemy engine.
 
-    nbgrader opens the gradebook seven times per submission, each time with a separate engine: it
-    compiles every query again, and checks for each of twenty tables whether it exists.  That took
-    half of the time for entering a submission.
+    nbgrader opens the gradebook seven times per submission, each time with a new engine.  Each
+    engine compiles every query again and checks whether each of twenty tables exists.  This took
+    half of the time to enter a submission.
     """
     make, tables = api.create_engine, api.Base.metadata
     api.create_engine = cache(make)
@@ -120,21 +152,21 @@ def _one_engine() -> Iterator[None]:
         yield
     finally:
         api.create_engine = make
-        del tables.create_all  # restores the method of the class
+        del tables.create_all  # Restore the method of the class.
 
 
 class _StopsAtDatabase(BaseConverter):
     """
-    A command of nbgrader that ends at the first failure of the database or of the disk.
+    An nbgrader command that stops at the first failure of the database or the disk.
 
-    nbgrader itself continues with the next student, who fails in the same way.  Only an
-    OperationalError ends it, and then it removes unfinished files.
+    nbgrader itself continues with the next student, whose entry fails in the same way.  It stops
+    only for an OperationalError, and then removes unfinished files.
     """
 
     failure: BaseException | None = None
 
     def init_assignment(self, assignment_id: str, student_id: str) -> None:
-        """Enter that a submission exists."""
+        """Create the entry of a submission in the gradebook."""
         with self._stopping():
             super().init_assignment(assignment_id, student_id)
 
@@ -171,24 +203,34 @@ def _start(layout: Layout, command: _StopsAtDatabase) -> None:
 
 
 class _Generator(_StopsAtDatabase, GenerateAssignment):
-    """nbgrader's GenerateAssignment."""
+    """nbgrader's GenerateAssignment, which stops if the database or the disk fails."""
 
 
-class _Recorder(_StopsAtDatabase, Autograde):
+class _OfStudents(_StopsAtDatabase):
+    """A command of nbgrader for exactly some students."""
+
+    students: Collection[str]
+
+    def init_notebooks(self) -> None:
+        """List the notebooks of each student; nbgrader would read the ids as glob patterns."""
+        self.assignments = {}
+        for student in self.students:
+            folder = Path(self._format_source(self.coursedir.assignment_id, student))
+            self.assignments[str(folder)] = sorted(str(path) for path in folder.glob('*.ipynb'))
+
+
+class _FeedbackWriter(_OfStudents, GenerateFeedback):
+    """nbgrader's GenerateFeedback for exactly these students."""
+
+
+class _Recorder(_OfStudents, Autograde):
     """nbgrader's Autograde for exactly the students whose results are known."""
 
     results: dict[str, SubmissionResult]
     same_work: frozenset[str]
 
-    def init_notebooks(self) -> None:
-        """List the notebooks by name, because students' names may contain glob patterns."""
-        self.assignments = {}
-        for student in self.results:
-            folder = Path(self._format_source(self.coursedir.assignment_id, student))
-            self.assignments[str(folder)] = sorted(str(path) for path in folder.glob('*.ipynb'))
-
     def init_single_notebook_resources(self, notebook_filename: str) -> dict[str, Any]:
-        """Pass on the data that :mod:`autograder.gradebook.nbgrader_plugin` needs."""
+        """Add the data that :mod:`autograder.gradebook.nbgrader_plugin` needs."""
         resources: dict[str, Any] = super().init_single_notebook_resources(notebook_filename)
         student = resources['nbgrader']['student']
         resources['nbgrader']['result'] = self.results[student]
@@ -197,26 +239,26 @@ class _Recorder(_StopsAtDatabase, Autograde):
 
 
 class _Errors(logging.Handler):
-    """Keep the errors that nbgrader reports."""
+    """Collect the errors that nbgrader logs."""
 
     def __init__(self) -> None:
         super().__init__(logging.ERROR)
         self.lines: list[str] = []
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep the last line of a message; in a traceback, it has the reason."""
+        """Store the last line of a message; in a traceback, that line is the reason."""
         lines = record.getMessage().strip().splitlines()
         self.lines.append(lines[-1] if lines else '')
 
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep warnings of SQLAlchemy and tracebacks of nbgrader's gradebook off the terminal."""
-    gradebook = logging.getLogger('tornado.application')  # nbgrader.api writes to this logger
+    """Suppress SQLAlchemy's warnings and the tracebacks that nbgrader's gradebook logs."""
+    gradebook = logging.getLogger('tornado.application')  # nbgrader.api uses this logger.
     before, gradebook.disabled = gradebook.disabled, True
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter('ignore')  # from SQLAlchemy, about nbgrader's own queries
+            warnings.simplefilter('ignore')  # SQLAlchemy warns about nbgrader's own queries.
             yield
     finally:
         gradebook.disabled = before
@@ -224,8 +266,8 @@ def _quiet() -> Iterator[None]:
 
 @contextmanager
 def _logged(doing: str) -> Iterator[logging.Logger]:
-    """Give nbgrader a separate log, and turn its failure into one sentence."""
-    # Not in the hierarchy of loggers: nothing is printed.
+    """Yield a logger for nbgrader, and raise nbgrader's failure as a GraderError."""
+    # This logger is outside the hierarchy of loggers, so it prints nothing.
     log = logging.Logger('nbgrader', logging.WARNING)
     errors = _Errors()
     log.addHandler(errors)

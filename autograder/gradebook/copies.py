@@ -23,13 +23,13 @@ from autograder.layout import Layout
 MAX_RECENT = 10
 MAX_DAYS = 10
 MAX_BYTES = 500_000_000
-"""Limit of all copies together; the newest copy is kept, whatever its size."""
+"""Maximum size of all copies together [bytes]; the newest copy is kept, whatever its size."""
 _NAME = '%Y-%m-%d_%H%M%SZ.db'
 _DAY_CHARS = len('2026-12-31')
 
 
 def copies_folder(layout: Layout) -> Path:
-    """Return the folder of the copies."""
+    """Return the folder that contains the copies of the gradebook."""
     return layout.work / 'gradebook_copies'
 
 
@@ -42,8 +42,9 @@ def keep_copy(layout: Layout) -> Path | None:
     """
     Copy the gradebook, and remove old copies.
 
-    :returns: a copy of what the gradebook has now; None if it is on a server or has no submission
-    :raises GraderError: if the gradebook is damaged, or no copy of it can be written
+    :returns: path of a copy with the current content; None if the gradebook is on a server or has
+        no submission
+    :raises GraderError: if the gradebook is damaged, or no copy can be written
     """
     path = gradebook_file(layout)
     if path is None or not path.is_file():
@@ -54,7 +55,7 @@ def keep_copy(layout: Layout) -> Path | None:
     if there and there[-1].stat().st_mtime_ns == changed_ns:
         return there[-1]
     copy = copies_folder(layout) / time.strftime(_NAME, time.gmtime())
-    unfinished = copy.with_name('unfinished')  # one fixed name: only one grading runs at a time
+    unfinished = copy.with_name('unfinished')  # A fixed name is safe: only one grading runs.
     try:
         with closing(sqlite3.connect(path)) as book:
             if _is_empty(book):
@@ -66,7 +67,7 @@ def keep_copy(layout: Layout) -> Path | None:
         unfinished.replace(copy)
     except (sqlite3.Error, OSError) as error:
         unfinished.unlink(missing_ok=True)
-        if type(error) is sqlite3.DatabaseError:  # temporary failures are subclasses
+        if type(error) is sqlite3.DatabaseError:  # Temporary failures raise a subclass.
             raise _damaged(layout, path, str(error)) from error
         raise GraderError(
             f'{path}: the gradebook cannot be copied: {error}. Nothing was entered.',
@@ -78,19 +79,19 @@ def keep_copy(layout: Layout) -> Path | None:
 
 
 def _copy(path: Path, to: Path) -> None:
-    """Check the whole gradebook, and write a copy of it to the disk."""
+    """Check the integrity of the gradebook, and write a copy to disk."""
     with closing(sqlite3.connect(path)) as book:
         (said,) = book.execute('pragma quick_check(1)').fetchone()
         if said != 'ok':
             raise sqlite3.DatabaseError(' '.join(said.split()))
-        # VACUUM INTO gives up on a locked gradebook; Connection.backup() would wait forever.
+        # VACUUM INTO fails if the gradebook is locked; Connection.backup() would wait forever.
         book.execute('vacuum into ?', (str(to),))
     with to.open('rb') as file:
         os.fsync(file.fileno())
 
 
 def _remove_old(there: list[Path]) -> None:
-    """Remove all but the newest copies and the first ones of the last days."""
+    """Remove all copies except the newest ones and the first copy of each recent day."""
     days: dict[str, Path] = {}
     for path in there:
         days.setdefault(path.name[:_DAY_CHARS], path)
@@ -104,11 +105,11 @@ def _remove_old(there: list[Path]) -> None:
 
 def refuse_damaged(layout: Layout) -> None:
     """
-    Refuse a gradebook file that is damaged, or empty although it was filled before.
+    Refuse a gradebook file that is damaged, or is empty although it had submissions before.
 
     A missing file is accepted: an instructor removes the file to start a new gradebook.
 
-    :raises GraderError: with the copy to restore
+    :raises GraderError: if the gradebook is damaged or empty; the error names the copy to restore
     """
     path = gradebook_file(layout)
     if path is None or not path.is_file():
@@ -117,7 +118,7 @@ def refuse_damaged(layout: Layout) -> None:
         with closing(sqlite3.connect(path)) as book:
             empty = _is_empty(book)
     except sqlite3.OperationalError:
-        return  # It may be locked now; the first statement that has to read it reports that.
+        return  # The file may be locked; the first query reports this.
     except sqlite3.DatabaseError as error:
         got = str(error)
     else:
@@ -143,7 +144,7 @@ def _was_filled(layout: Layout) -> bool:
 
 
 def _damaged(layout: Layout, path: Path, got: str) -> GraderError:
-    """Return the error about a damaged gradebook, with its newest copy."""
+    """Return the error for a damaged gradebook; it names the newest copy."""
     fix = 'restore it from a backup, because the grader has no copy'
     if there := copies(layout):
         fix = f'cp {shlex.quote(str(there[-1]))} {shlex.quote(str(path))}'
@@ -154,7 +155,7 @@ def _damaged(layout: Layout, path: Path, got: str) -> GraderError:
 
 
 def how_to_dump(layout: Layout) -> str:
-    """Return how to dump a gradebook on a server; empty for a file, which is copied."""
+    """Return how to dump a gradebook on a server; empty for a file, which the grader copies."""
     if gradebook_file(layout) is not None:
         return ''
     url = make_url(str(load_config(layout).CourseDirectory.db_url))

@@ -1,4 +1,4 @@
-"""Remove students from journals, gradebook and reports."""
+"""Remove all entries of students from the journals, the gradebook and the reports."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from autograder.layout import Layout
 
 
 def forget_made(layout: Layout, students: Collection[str]) -> None:
-    """Remove students from journals, gradebook and reports."""
-    # Journals first: an empty gradebook with non-empty journals would be refused as damaged.
+    """Remove all entries of students from the journals, the gradebook and the reports."""
+    # Start with the journals: an empty gradebook with non-empty journals is refused as damaged.
     for assignment in layout.assignments():
         drop(layout, assignment, students)
     if has_gradebook(layout):
@@ -32,7 +32,7 @@ def _forget_in_reports(layout: Layout, students: Collection[str]) -> None:
         try:
             others = results_of_others(layout, assignment, students)
         except GraderError:
-            continue  # the next grading writes them again
+            continue  # The results are damaged; the next grading replaces them.
         if others:
             write_all_reports(layout, assignment, others)
         else:

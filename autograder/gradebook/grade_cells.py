@@ -17,14 +17,14 @@ from autograder.submission.submission import Opened
 
 
 def to_node(opened: Opened) -> NotebookNode:
-    """Return the notebook in nbformat's form, with the problems in its metadata."""
+    """Convert a submission to an nbformat notebook, with its problems in the metadata."""
     notebook = from_dict(opened.notebook)
     notebook.metadata['autograder'] = {'problems': [asdict(one) for one in opened.problems]}
     return notebook
 
 
 def from_node(notebook: NotebookNode) -> Opened:
-    """Undo :func:`to_node`."""
+    """Convert a notebook from :func:`to_node` back to a submission."""
     noted = notebook.metadata.get('autograder', {}).get('problems', [])
     return Opened(notebook, tuple(Problem.from_json(problem) for problem in noted))
 
@@ -75,7 +75,7 @@ def is_check(cell: NotebookNode) -> bool:
 
 
 def _about(result: SubmissionResult, exam: ExamResult, nb: NotebookNode) -> list[Problem]:
-    """Return the problems with the answers directly above an exam's check cell."""
+    """Return the problems with the answer cells directly above the check cell of an exam."""
     own: set[str] = set()
     for cell in nb.cells:
         if is_check(cell):

@@ -1,18 +1,19 @@
 """
-Record what is already in the gradebook, so that unchanged results are not entered again.
+Record which results are in the gradebook, so that unchanged results are not entered again.
 
-nbgrader needs about 30 ms to enter a submission, three times what a rerun may cost. So the journal
-notes each entry in one line of a file that only grows; a line that was cut off does not count. A
-submission is skipped only if nothing of it has changed *and* the gradebook still shows the entry:
-a gradebook that was deleted, restored or edited is filled again. Manual grades are not part of
-this, because nbgrader always keeps them; but a late penalty may be a share of them, so late work
-is entered again after each manual grade.
+nbgrader needs about 30 ms to enter a submission, three times as long as a rerun may take.  So the
+journal appends one line per entry to a file; incomplete lines are ignored.  A submission is
+skipped only if it has not changed *and* the gradebook still shows the same values: a gradebook
+that was deleted, restored or edited is filled again.  Manual grades are not compared, because
+nbgrader always keeps them.  But a late penalty may be a share of them, so late work is entered
+again after each manual grade.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
+from datetime import timedelta
 from functools import cached_property
 import hashlib
 import json
@@ -22,6 +23,7 @@ from typing import Any
 
 from sqlalchemy import inspect, text
 
+from autograder.classroom.class_list import extensions
 from autograder.files import keep
 from autograder.gradebook.connection import connected, query, refused
 from autograder.gradebook.settings import gradebook_file, load_config
@@ -30,7 +32,7 @@ from autograder.layout import Layout
 from autograder.submission.reading import read_file
 
 Rows = dict[str, dict[str, Any]]
-"""The values that the gradebook shows, by student and by cell."""
+"""Values in the gradebook, by student and by cell."""
 
 SHOWN = """
 select submitted_assignment.student_id, base_cell.name, grade.auto_score,
@@ -53,14 +55,14 @@ def make_gradebook(layout: Layout) -> None:
     """
     Create the gradebook atomically, unless its file exists.
 
-    nbgrader creates its tables and then stores their version.  If it is killed in between, a later
-    nbgrader cannot upgrade the gradebook.  The journals are removed first: they describe a
-    gradebook that no longer exists.
+    nbgrader creates its tables and then stores their version.  If it is killed between the two
+    steps, a later version of nbgrader cannot upgrade the gradebook.  The journals are removed
+    first, because they describe a gradebook that no longer exists.
     """
     path = gradebook_file(layout)
     if path is None or path.exists():
         return
-    unfinished = Path(f'{path}.unfinished')  # one fixed name: only one grading runs at a time
+    unfinished = Path(f'{path}.unfinished')  # A fixed name is safe: only one grading runs.
     unfinished.parent.mkdir(parents=True, exist_ok=True)
     for left in (unfinished, Path(f'{unfinished}-journal')):
         left.unlink(missing_ok=True)
@@ -72,9 +74,9 @@ def make_gradebook(layout: Layout) -> None:
 
 def refuse_incomplete(layout: Layout) -> None:
     """
-    Refuse a gradebook that has lost a table, because nbgrader would create an empty one.
+    Refuse a gradebook with a missing table, because nbgrader would create an empty table.
 
-    :raises GradebookRefusedError: with the names of the tables
+    :raises GradebookRefusedError: if tables are missing; the error names them
     """
     from nbgrader.api import Base
 
@@ -90,7 +92,8 @@ def _make(path: Path, course: str) -> None:
     from nbgrader import api
     from nbgrader.dbutil import ALEMBIC_DIR
 
-    of_nbgrader = api.get_alembic_version  # starts a separate command, which takes a second
+    # nbgrader's function starts a separate command, which takes a second.
+    of_nbgrader = api.get_alembic_version
     api.get_alembic_version = ScriptDirectory(ALEMBIC_DIR).get_current_head
     try:
         with api.Gradebook(f'sqlite:///{path}', course):
@@ -111,12 +114,17 @@ class Journal:
 
     @cached_property
     def _shown(self) -> Rows:
-        """Return what the gradebook showed at first."""
+        """Return the values in the gradebook when they are first needed."""
         return shown(self.layout, self.lesson.assignment)
 
     @cached_property
+    def _more(self) -> Mapping[tuple[str, str], timedelta] | None:
+        """Return the extra time of single students."""
+        return extensions(self.layout)
+
+    @cached_property
     def _common(self) -> bytes:
-        """Return a digest of the release and the settings, which all entries depend on."""
+        """Return a digest of the release and the settings, on which all entries depend."""
         settings = (self.layout.root / 'nbgrader_config.py').read_bytes()
         release = json.dumps(self.lesson.release, sort_keys=True)
         data = settings + b'\0' + release.encode('utf-8', 'replace')
@@ -124,7 +132,7 @@ class Journal:
 
     def new(self, graded: Sequence[Graded]) -> list[Graded]:
         """
-        Return the submissions that differ from the gradebook.
+        Return the submissions whose results are not in the gradebook yet.
 
         :raises GraderError: if the gradebook cannot be queried
         """
@@ -137,9 +145,9 @@ class Journal:
 
     def note(self, entered: Sequence[Graded]) -> None:
         """
-        Note entries after nbgrader has written them.
+        Append notes about submissions that nbgrader has entered.
 
-        :param entered: what :func:`autograder.gradebook.record.record` was given
+        :param entered: the submissions passed to :func:`autograder.gradebook.record.record`
         """
         rows = shown(self.layout, self.lesson.assignment)
         lines = [
@@ -150,19 +158,22 @@ class Journal:
         path = journal(self.layout, self.lesson.assignment)
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open('ab') as file:
-            # An incomplete last line must not merge with the next one.
+            # Begin with a line break: an incomplete last line must not merge with the next one.
             file.write(b'\n' + b''.join(lines))
             file.flush()
             os.fsync(file.fileno())
 
     def _line(self, graded: Graded, rows: Rows) -> dict[str, Any]:
-        """Return the note about a submission: a digest of what is entered, and what is shown."""
+        """Return the note about a submission: a digest of its data, and the gradebook's values."""
         result = graded.result.to_json()
         for exam in result['exams']:
             exam.pop('timing', None)
             exam.pop('pictures', None)
         stamp, _ = read_file(graded.submission.folder / 'timestamp.txt', 'timestamp.txt')
+        more = self._more and self._more.get((graded.result.student, self.lesson.assignment))
         parts = [result, graded.opened.notebook, (stamp or b'')[:100].decode('latin-1')]
+        if more:
+            parts.append(str(more))
         text = json.dumps(parts, sort_keys=True, default=list).encode('utf-8', 'replace')
         digest = hashlib.sha256(self._common + text).hexdigest()[:32]
         return {'digest': digest, 'shown': rows.get(graded.result.student, {})}
@@ -174,17 +185,17 @@ def journal(layout: Layout, assignment: str) -> Path:
 
 
 def noted(path: Path) -> dict[str, dict[str, Any]]:
-    """Return the last complete line about each student."""
+    """Return the last note about each student, ignoring incomplete lines."""
     found = {}
     for line in path.read_bytes().splitlines() if path.is_file() else ():
-        with suppress(ValueError):  # cut off when the power failed
+        with suppress(ValueError):  # A power cut can leave an incomplete line.
             data = json.loads(line)
             found[data.pop('student')] = data
     return found
 
 
 def drop(layout: Layout, assignment: str, students: Collection[str]) -> None:
-    """Remove the notes about students."""
+    """Remove the notes about some students from the journal of an assignment."""
     path = journal(layout, assignment)
     known = noted(path)
     if known.keys() & set(students):
@@ -198,9 +209,9 @@ def drop(layout: Layout, assignment: str, students: Collection[str]) -> None:
 
 def shown(layout: Layout, assignment: str) -> Rows:
     """
-    Return what the gradebook shows of an assignment.
+    Return the values in the gradebook for an assignment.
 
-    :raises GraderError: if it cannot be queried
+    :raises GraderError: if the gradebook cannot be queried
     """
     rows: Rows = {}
     for student, cell, *facts in query(layout, text(SHOWN), assignment=assignment):
@@ -210,7 +221,7 @@ def shown(layout: Layout, assignment: str) -> Rows:
 
 
 def autograded(layout: Layout, lesson: Lesson, graded: Graded) -> Path:
-    """Return the path of the notebook that nbgrader keeps of a submission."""
+    """Return the path of the notebook that nbgrader stores for a graded submission."""
     folder = layout.work / 'autograded' / graded.result.student / lesson.assignment
     return folder / lesson.notebook
 

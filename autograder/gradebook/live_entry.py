@@ -1,8 +1,8 @@
 """
 Enter finished submissions in the gradebook while others still run.
 
-nbgrader takes about 30 ms per submission, and seconds to import.  Otherwise the coordinator would
-only wait for the runs during that time.
+nbgrader takes about 30 ms per submission, and seconds to import.  The coordinating process uses
+the time in which it would otherwise only wait for runs.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 
 TOGETHER = 10
-"""Submissions per entry: the time to begin an entry is then a tenth of the whole."""
+"""Submissions entered together; the fixed cost is then a tenth of the time for the entry."""
 
 
 @dataclass
 class Guard:
     """
-    Keep a command from lowering marks in the gradebook.
+    Prevent a command from lowering marks in the gradebook without permission.
 
-    :param yes: whether marks may be lowered or emptied
-    :param lowered: the marks that are, or would be, by assignment and student
+    :param yes: whether marks may be lowered or cleared
+    :param lowered: the marks that are, or would be, lowered or cleared, by assignment and student
     """
 
     layout: Layout
@@ -40,12 +40,12 @@ class Guard:
 
     @cached_property
     def copy(self) -> Path | None:
-        """Return the copy of the gradebook that was made before the command's first entry."""
+        """Return a copy of the gradebook from before the first entry, made on first use."""
         return keep_copy(self.layout)
 
     def allowed(self, lesson: Lesson, new: Sequence[Graded]) -> list[Graded]:
         """
-        Return the submissions that may be entered; note which of them would lower a mark.
+        Return the submissions that may be entered; store which of them would lower a mark.
 
         :raises GraderError: if the gradebook cannot be read
         """
@@ -59,9 +59,9 @@ class Guard:
 
     def refusal(self, done: str) -> str:
         """
-        Return why marks were not changed; empty if all were.
+        Return why marks were not changed; empty if no mark was protected.
 
-        :param done: the outcome of the command
+        :param done: what happened to the other marks, for the message
         """
         counts = {name: len(marks) for name, marks in self.lowered.items() if marks}
         if self.yes or not counts:
@@ -80,7 +80,7 @@ class Entering:
     """
     Enter results while other submissions run.
 
-    An entry that fails is tried again, and reported, after all runs.
+    If an entry fails, it is repeated after all runs; only a second failure is reported.
     """
 
     def __init__(self, layout: Layout, lesson: Lesson, guard: Guard) -> None:
@@ -91,7 +91,7 @@ class Entering:
         self.new, self.works = 0, True
 
     def add(self, graded: Graded) -> None:
-        """Enter a submission that is not in the gradebook yet, as soon as enough others wait."""
+        """Queue a submission unless it is in the gradebook; enter the queue when it is full."""
         self.waiting.append(graded)
         if not self.works:
             return
@@ -102,14 +102,14 @@ class Entering:
                 self.begin()
             if len(self.waiting) >= TOGETHER:
                 self._enter()
-        except Exception:  # noqa: BLE001 - whatever it is, it costs nobody else's run
+        except Exception:  # noqa: BLE001 - A failed entry must not stop the other runs.
             self.works = False
 
     def finish(self) -> tuple[int, str]:
         """
         Enter the remaining submissions.
 
-        :returns: how many of the class were new, and what the gradebook refused
+        :returns: number of new submissions, and why some were not entered, empty if all were
         """
         try:
             self.waiting = self.journal.new(self.waiting)
@@ -121,7 +121,7 @@ class Entering:
         return self.new, ''
 
     def _enter(self) -> None:
-        """Enter those that wait, unless a mark would be lowered."""
+        """Enter the queued submissions, except those that the guard does not allow."""
         new = self.guard.allowed(self.lesson, self.waiting) if self.waiting else []
         if new:
             self.begin()
@@ -132,8 +132,8 @@ class Entering:
 
 
 def begin_to_enter(layout: Layout, assignment: str, guard: Guard) -> None:
-    """Prepare the gradebook during the runs, because nbgrader takes seconds to import."""
-    journal.shown(layout, assignment)  # reports errors in plainer words than nbgrader
+    """Prepare the gradebook for entries; the first call imports nbgrader, which takes seconds."""
+    journal.shown(layout, assignment)  # Reports a failed database more clearly than nbgrader.
     journal.refuse_incomplete(layout)
     _ = guard.copy
     journal.make_gradebook(layout)
@@ -143,7 +143,7 @@ def begin_to_enter(layout: Layout, assignment: str, guard: Guard) -> None:
 def enter(
     layout: Layout, lesson: Lesson, graded: Sequence[Graded], guard: Guard
 ) -> tuple[int, str]:
-    """Enter new results in the gradebook; return how many there were, and what was refused."""
+    """Enter new results in the gradebook; return their number, and why some were not entered."""
     entering = Entering(layout, lesson, guard)
     for one in graded:
         entering.add(one)

@@ -1,8 +1,8 @@
 """
 Find the marks in the gradebook that new results would lower or clear.
 
-The current marks are compared with those after the entry: manual grades are kept, and the late
-policy applies to both.
+The current marks are compared with the marks after the entry, including manual grades and late
+penalties.
 """
 
 from __future__ import annotations
@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
 
+from autograder.classroom.class_list import extensions
 from autograder.explaining.feedback import number, printable
 from autograder.gradebook.record import timestamp_of
 from autograder.gradebook.settings import has_gradebook, load_config
@@ -28,7 +30,7 @@ class LoweredMark:
     """
     A mark that would be lowered or cleared.
 
-    :param emptied: check cells that would have no score any more
+    :param emptied: grade ids of the check cells that would lose their score
     """
 
     student: str
@@ -46,11 +48,11 @@ def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> l
     """
     Return the marks that entering results would lower or clear.
 
-    :param graded: what is about to be entered
+    :param graded: the results that are about to be entered
     :raises GraderError: if the gradebook cannot be read
     """
     if not has_gradebook(layout):
-        return []  # opening it would create a gradebook
+        return []  # Opening the gradebook would create it.
     from nbformat import from_dict
     from nbgrader.api import MissingEntry
 
@@ -89,23 +91,34 @@ def _compare(
 
 
 def mark_of(submission: SubmittedAssignment) -> float:
-    """Return the points of a submission, minus the late penalty."""
+    """Return the points of a submission in the gradebook, minus its late penalty."""
     return max(0.0, float(submission.score) - float(submission.late_submission_penalty or 0.0))
+
+
+def _due(layout: Layout, graded: Graded, submission: SubmittedAssignment) -> datetime | None:
+    """Return the due date that the entry will set; None if there is none."""
+    due, more = submission.assignment.duedate, extensions(layout)
+    if due is None:
+        return None
+    if more is None:
+        return due + (submission.extension or timedelta())
+    return due + more.get((graded.result.student, submission.assignment.name), timedelta())
 
 
 def _penalty(
     layout: Layout, graded: Graded, submission: SubmittedAssignment, score: float
 ) -> float:
-    """Return the penalty that the course's late policy sets for a score."""
+    """Return the penalty that the late policy of the course assigns to a score."""
     from nbgrader.preprocessors import AssignLatePenalties
     from nbgrader.utils import parse_utc
 
     stamp = timestamp_of(graded.submission.folder)
     when = parse_utc(stamp) if stamp else submission.timestamp
-    if when is None or submission.duedate is None or when <= submission.duedate:
+    due = _due(layout, graded, submission)
+    if when is None or due is None or when <= due:
         return 0.0
     policy = AssignLatePenalties(config=load_config(layout))
     policy.init_plugin()
-    late_s = (when - submission.duedate).total_seconds()
+    late_s = (when - due).total_seconds()
     penalty = policy.plugin_inst.late_submission_penalty(graded.result.student, score, late_s)
     return min(max(0.0, penalty or 0.0), score)

@@ -1,16 +1,16 @@
 """
-The grader's parts of nbgrader's commands, named in ``nbgrader_config.py``.
+Plug-ins that replace steps of nbgrader's commands; ``nbgrader_config.py`` names them.
 
-nbgrader would run student code and tests in one kernel and believe the outputs.  Instead
+nbgrader itself runs student code and tests in one kernel and trusts the outputs.  Instead:
 
 * :class:`SubmissionExporter` reads the submitted file, whatever it contains, and continues with
   the release plus the student's answers;
 * :class:`GradeOutside` replaces nbgrader's execution of the notebook: it grades in the sandbox
   and writes each check cell's feedback and score as outputs;
-* :class:`SaveGrades` records them, and nothing where there is no score;
+* :class:`SaveGrades` records them, and nothing where there is no score, and extra time;
 * :class:`ClearSolutionsByKind` creates the stubs of a release.
 
-Formgrader, feedback and export then work unchanged.
+nbgrader's formgrader, feedback and export work unchanged.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from nbconvert.exporters import HTMLExporter, NotebookExporter
 from nbconvert.filters import markdown2html
 from nbformat import NotebookNode
 from nbgrader import utils
+from nbgrader.api import Gradebook
 from nbgrader.preprocessors import (
     ClearSolutions,
     GetGrades,
@@ -33,6 +34,7 @@ from nbgrader.preprocessors import (
 from traitlets import Unicode
 from traitlets.utils.importstring import import_item
 
+from autograder.classroom.class_list import extensions
 from autograder.explaining.feedback import printable
 from autograder.explaining.feedback_html import with_unique_ids
 from autograder.gradebook.cell_points import refuse_unfit_points
@@ -64,7 +66,7 @@ _SAFE_TAGS = {
     *('del', 's', 'sub', 'sup', 'dl', 'dt', 'dd'),
 }
 _SAFE_ATTRIBUTES = {**bleach.ALLOWED_ATTRIBUTES, '*': ['class', 'id']}
-# The grader's pictures and the style around them, which load and run nothing.
+# Elements and styles of the grader's pictures; they load nothing and run no script.
 _PICTURE_TAGS = {'svg', 'g', 'title', 'desc', 'path', 'line', 'rect', 'text'}
 _PICTURE_ATTRIBUTES = [
     *('class', 'id', 'style', 'role', 'aria-label', 'aria-labelledby', 'tabindex'),
@@ -89,20 +91,20 @@ def safe_html(html: object) -> str:
     """
     Return HTML without scripts, event handlers and pictures from other sites.
 
-    nbconvert's own ``clean_html`` also refuses paragraphs, headings and parts of tables, and
-    shows their tags as text.
+    nbconvert's own ``clean_html`` also rejects paragraphs, headings and parts of tables: it shows
+    their tags as text.
     """
     text = html.decode() if isinstance(html, bytes) else str(html)
     return str(bleach.clean(text, tags=_SAFE_TAGS, attributes=_SAFE_ATTRIBUTES))
 
 
 def safe_markdown(source: str) -> str:
-    """Render a student's Markdown without scripts: instructors open it with their rights."""
+    """Render a student's Markdown without scripts, which would run with an instructor's rights."""
     return safe_html(markdown2html(source))
 
 
 def safe_output(html: object) -> str:
-    """Return the HTML of an output: like :func:`safe_html`, with the grader's pictures."""
+    """Clean the HTML of a cell output like :func:`safe_html`, but keep the grader's pictures."""
     text = html.decode() if isinstance(html, bytes) else str(html)
     return str(
         bleach.clean(
@@ -115,10 +117,10 @@ def safe_output(html: object) -> str:
 
 
 class ClearSolutionsByKind(ClearSolutions):
-    """nbgrader's ClearSolutions with a stub for each kind of file that a cell can be."""
+    """nbgrader's ClearSolutions, with a separate stub for each kind of file in a cell."""
 
     def preprocess_cell(self, cell: NotebookNode, resources: Resources, cell_index: int) -> Step:
-        """Replace the solution region with the stub of the cell's kind."""
+        """Replace the solution region of a cell with the stub for its kind of file."""
         try:
             file = parse_cell(cell.source) if cell.cell_type == 'code' else None
         except CellSyntaxError as error:
@@ -137,12 +139,12 @@ class ClearSolutionsByKind(ClearSolutions):
 
 
 class SubmissionExporter(NotebookExporter):
-    """Read a submitted file as release plus answers; read nbgrader's own files unchanged."""
+    """Rebuild submitted notebooks from release and answers; read nbgrader's files unchanged."""
 
     def from_filename(
         self, filename: str, resources: Resources | None = None, **kw: Any
     ) -> tuple[str, Resources]:
-        """Read a submitted notebook, or one that nbgrader wrote itself."""
+        """Read a submitted notebook, or a notebook that nbgrader wrote."""
         if resources is None or not getattr(self.parent, '_sanitizing', True):
             return super().from_filename(filename, resources=resources, **kw)
         assignment = resources['nbgrader']['assignment']
@@ -154,30 +156,30 @@ class SubmissionExporter(NotebookExporter):
         opened = open_submission(data, release, path.name, problems)
         for problem in opened.problems:
             self.log.warning('%s: %s', resources['nbgrader']['student'], problem.line())
-        for flag in opened.flags:  # flags quote the student, so they are written to no file
+        for flag in opened.flags:  # Flags quote the student, so they are logged but not saved.
             self.log.warning('%s: flag: %s', resources['nbgrader']['student'], printable(flag))
         return self.from_notebook_node(to_node(opened), resources=resources, **kw)
 
 
 class FeedbackExporter(HTMLExporter):
-    """Write the page for students; formgrader has HTMLExporter and its own template."""
+    """Write the feedback page for students; formgrader uses HTMLExporter with its own template."""
 
     def from_notebook_node(
         self, nb: NotebookNode, resources: Resources | None = None, **kw: Any
     ) -> tuple[str, Resources]:
-        """Return the page, with unique ids and wide tables that the keyboard can reach."""
+        """Return the page, with unique ids and with tables that can be scrolled by keyboard."""
         page, resources = super().from_notebook_node(nb, resources=resources, **kw)
         page = page.replace('<table', '<table tabindex="0" aria-label="Table"')
         return with_unique_ids(page), resources
 
 
 class GradesToShow(GetGrades):
-    """nbgrader's GetGrades, which also shows what still needs manual grading."""
+    """nbgrader's GetGrades, which also marks the cells that still need manual grading."""
 
     _lost: frozenset[str] = frozenset()
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
-        """Put scores and comments into a notebook."""
+        """Add the scores and comments in the gradebook to a notebook."""
         self._lost = from_node(nb).missing
         found: Step = super().preprocess(nb, resources)
         return found
@@ -198,7 +200,7 @@ class GradesToShow(GetGrades):
 
 
 class GradeOutside(NbGraderPreprocessor):
-    """Grade outside the reach of student code, and write the outcome into the check cells."""
+    """Grade in the sandbox instead of the kernel, and write the outcomes into the check cells."""
 
     engine_factory = Unicode(
         'autograder.grading.pipeline.grading_engine',
@@ -211,7 +213,7 @@ class GradeOutside(NbGraderPreprocessor):
     _engine: Engine | None = None
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
-        """Grade a notebook, unless :mod:`autograder.gradebook.record` has passed its result."""
+        """Grade a notebook, unless :mod:`autograder.gradebook.record` supplies the result."""
         result = resources['nbgrader'].get('result')
         if result is None:
             result = self._grade(nb, resources)
@@ -222,7 +224,7 @@ class GradeOutside(NbGraderPreprocessor):
 
     def _grade(self, nb: NotebookNode, resources: Resources) -> SubmissionResult:
         """
-        Grade one notebook from nbgrader, and note whether to keep its old scores.
+        Grade a notebook; set ``keep_scores`` if its mark in the gradebook would be lowered.
 
         :raises ExamInvalid: if a check cell and its exam give different points
         """
@@ -248,21 +250,36 @@ class SaveGrades(SaveAutoGrades):
     """
     nbgrader's SaveAutoGrades, with a different rule for manual grading.
 
-    A check without a score needs manual grading.  A manual grade stays valid if the work is
-    unchanged: otherwise a rerun would remove the mark until the instructor has graded each answer
-    again.
+    A check cell without a score needs manual grading.  A manual grade remains valid if the work is
+    unchanged.  Otherwise, after each rerun, there would be no mark until the instructor had graded
+    every answer again.
     """
+
+    root = Unicode('', help='Folder of the course; empty for the one of this package.').tag(
+        config=True
+    )
 
     _unusable = False
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
-        """Record the scores of a notebook."""
+        """Record the extra time of the student and the scores of a notebook."""
+        facts = resources['nbgrader']
+        more = extensions(Layout(Path(self.root)) if self.root else Layout.here())
+        if more is not None:
+            with Gradebook(facts['db_url']) as gradebook:
+                submission = gradebook.find_submission(facts['assignment'], facts['student'])
+                submission.extension = more.get((facts['student'], facts['assignment']))
+                gradebook.db.commit()
         self._unusable = any(problem.unusable for problem in from_node(nb).problems)
         found: Step = super().preprocess(nb, resources)
         return found
 
     def _add_score(self, cell: NotebookNode, resources: Resources) -> None:
-        """Record a score; without one, nbgrader alone would give full points."""
+        """
+        Record a score, or request manual grading if there is no score.
+
+        nbgrader itself would give full points to a cell without a score.
+        """
         if is_check(cell) and resources['nbgrader'].get('keep_scores', False):
             return
         grade = self.gradebook.find_grade(

@@ -1,7 +1,7 @@
 """
-Write nbgrader's gradebook; no other module does.
+Enter assignments, results and names in nbgrader's gradebook.
 
-Results are entered by nbgrader's own Autograde, one student after another, so formgrader, feedback
+nbgrader's own Autograde enters the results, one student after another.  So formgrader, feedback
 and export work as usual, and manual grades are kept.
 """
 
@@ -24,11 +24,11 @@ from autograder.submission.reading import read_file
 
 def enter_assignment(layout: Layout, assignment: str) -> None:
     """
-    Enter an assignment's cells and points in the gradebook, as they are in the solution.
+    Enter the cells and points of an assignment in the gradebook, from its solution.
 
-    :raises GraderError: if nbgrader refuses
+    :raises GraderError: if nbgrader cannot enter the assignment
     """
-    from autograder.gradebook import converters  # nbgrader takes seconds to import
+    from autograder.gradebook import converters  # nbgrader takes seconds to import.
 
     layout.work.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix='release_', dir=layout.work) as folder:
@@ -49,9 +49,9 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
     """
     Enter the results of a class in the gradebook, after :func:`enter_assignment`.
 
-    A submission for review gets a reason instead of a score.
+    A submission for review is entered with a reason instead of a score.
 
-    :raises GraderError: for what nbgrader could not enter; everyone else is entered anyway
+    :raises GraderError: if nbgrader could not enter some results; the others are entered
     """
     from autograder.gradebook import converters
 
@@ -68,16 +68,16 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
 
 
 def _is_same_work(layout: Layout, lesson: Lesson, graded: Graded) -> bool:
-    """Return whether all answers equal those that were entered last."""
+    """Return whether the answers have not changed since the last entry."""
     try:
         text = autograded(layout, lesson, graded).read_text(encoding='utf-8')
         return _answers(json.loads(text)) == _answers(graded.opened.notebook)
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
-        return False  # missing, or changed after nbgrader wrote it
+        return False  # The file is missing, or was changed after nbgrader wrote it.
 
 
 def _answers(notebook: Mapping[str, Any]) -> dict[str, str]:
-    """Return the cells that students may write, with their content."""
+    """Return the content of the cells that students may edit, by grade id."""
     found = {}
     for cell in notebook['cells']:
         marks = cell['metadata'].get('nbgrader', {})
@@ -87,7 +87,7 @@ def _answers(notebook: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _name(layout: Layout, students: Collection[str]) -> None:
-    """Give the gradebook the names of students that it does not have; formgrader shows them."""
+    """Add missing names of students to the gradebook, for formgrader."""
     from autograder.gradebook import converters
 
     people = {one: name for one, name in read_people(layout).items() if one in students}
@@ -97,7 +97,7 @@ def _name(layout: Layout, students: Collection[str]) -> None:
         for student in gradebook.students:
             if student.id in people and not (student.first_name or student.last_name):
                 first, _, last = people[student.id].rpartition(' ')
-                # A name of one word goes into last_name: formgrader shows "last, first".
+                # Store a single-word name as last_name, because formgrader shows "last, first".
                 gradebook.update_or_create_student(
                     student.id, first_name=first or student.id, last_name=last
                 )
@@ -114,7 +114,7 @@ def forget_students(layout: Layout, names: Collection[str]) -> None:
 
 
 def _stage(folder: Path, notebook: str, graded: Graded) -> None:
-    """Write the graded notebook where nbgrader looks for it."""
+    """Write the graded notebook to the folder from which nbgrader reads it."""
     from autograder.gradebook.grade_cells import to_node
 
     folder.mkdir(parents=True)
@@ -126,7 +126,7 @@ def _stage(folder: Path, notebook: str, graded: Graded) -> None:
 
 
 def timestamp_of(folder: Path) -> str:
-    """Return the time of delivery, or an empty string; nbgrader fails on an invalid time."""
+    """Return the time of delivery; empty if it is invalid, because nbgrader would fail."""
     from nbgrader.utils import parse_utc
 
     data, _ = read_file(folder / 'timestamp.txt', 'timestamp.txt')

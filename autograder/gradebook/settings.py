@@ -22,7 +22,7 @@ def load_config(layout: Layout) -> Config:
         raise GraderError(f'{path.name} is missing in {layout.root}.', 'Restore it from git.')
     try:
         return PyFileConfigLoader(path.name, path=str(layout.root)).load_config()
-    except Exception as error:  # noqa: BLE001 - it is a program, and instructors edit it
+    except Exception as error:  # noqa: BLE001 - The file is Python code that instructors edit.
         raise GraderError(
             f'{path}: nbgrader cannot read these settings: {type(error).__name__}: {error}.',
             'Try: fix the file, then run the same command again. Finished runs are kept.',
@@ -30,12 +30,12 @@ def load_config(layout: Layout) -> Config:
 
 
 def gradebook_file(layout: Layout) -> Path | None:
-    """Return the path of the gradebook, even if it does not exist; None for a server."""
+    """Return the path of the gradebook, which may not exist; None for a gradebook on a server."""
     place, found, path = str(load_config(layout).CourseDirectory.db_url).partition('sqlite:///')
     return Path(path) if found and not place else None
 
 
 def has_gradebook(layout: Layout) -> bool:
-    """Return whether a gradebook exists; one on a server always counts as existing."""
+    """Return whether the gradebook exists; for a gradebook on a server, always return True."""
     path = gradebook_file(layout)
     return path is None or path.is_file()

@@ -1,1 +1,1 @@
-"""Grade one submission or a class: run what is not recorded yet, then judge."""
+"""Grade one submission or a class: run the programs without a recording, then judge."""

@@ -1,4 +1,4 @@
-"""Judge stored recordings again, without a run."""
+"""Judge stored recordings again without running a program."""
 
 from __future__ import annotations
 
@@ -17,16 +17,20 @@ from autograder.sandboxes.isolation import MODES
 
 
 class NothingRuns(Engine):
-    """The exams without a sandbox, so that no program can run by mistake."""
+    """An engine without a sandbox, which provides the exams and refuses to run a program."""
 
     def exams(self, assignment: str) -> Sequence[Exam]:
-        """Return the full exams of an assignment in the lesson's order."""
+        """Return the hidden exams of an assignment in the lesson's order."""
         from autograder.exam import catalog
 
         return catalog.for_assignment(assignment)
 
     def run(self, exam: Exam, files: Mapping[str, str]) -> ExamResult:
-        """Refuse to run anything."""
+        """
+        Refuse to run a program.
+
+        :raises GraderError: always
+        """
         raise GraderError('Judging again runs no program.')
 
 
@@ -34,10 +38,10 @@ def again(
     layout: Layout, exam: Exam, files: Mapping[str, str], old: ExamResult | None
 ) -> tuple[ExamResult | None, str]:
     """
-    Judge one student's files with one exam, from the recording.
+    Judge one student's files with one exam, using the stored recording.
 
     :param old: the last result, which names the recording
-    :returns: the result; or None, and why there is none
+    :returns: the result and an empty string, or None and the reason
     """
     mode = old.mode if old else ''
     if mode in MODES and not MODES[mode].keeps_secrets:

@@ -1,8 +1,8 @@
 """
-Grade a whole ROS package: build it with colcon in the sandbox and run its executables.
+Grade a complete ROS package: build it with colcon in the sandbox and run its executables.
 
-The exams are unchanged; they run an executable instead of a node file.  If the build or the start
-of an executable fails, the verdicts speak of a package.
+The checks of an exam do not change, but an executable runs instead of a node file.  If the build
+fails or the executable is missing, the feedback describes this problem of the package.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ _IN_CELL = re.compile(r'^Line (\d+): ')
 
 def package_name(files: Mapping[str, str]) -> str:
     """
-    Return the name of the package that some files form, or an empty string.
+    Return the name in the manifest of a package; empty if colcon could not build the files.
 
-    :param files: of one package, by their path inside it
+    :param files: relative path to text
     """
     builds = 'CMakeLists.txt' in files or 'setup.py' in files
     found = _NAME.search(files.get(MANIFEST, ''))
@@ -39,7 +39,7 @@ def as_package(exam: Exam, package: str) -> Exam:
     """
     Return an exam that builds the package and runs its executable instead of a node file.
 
-    :param package: its name, from :func:`package_name`
+    :param package: the package's name, from :func:`package_name`
     """
     if exam.scenario.program != 'node':
         return exam
@@ -54,10 +54,10 @@ def explained(
     exam: Exam, result: ExamResult, recording: Recording | None, files: Mapping[str, str]
 ) -> ExamResult:
     """
-    Return a result with messages about a package instead of a node file.
+    Return a result whose messages describe a package instead of a notebook's cells.
 
     :param exam: from :func:`as_package`
-    :param recording: of the run, None if nothing was run
+    :param recording: None if nothing was run
     """
     run = Run(files, recording or Recording({}, ()), exam.facts)
     why = why_no_program(run)
@@ -75,7 +75,7 @@ def explained(
 
 
 def of_a_file(check: CheckResult) -> CheckResult:
-    """Correct line numbers: a file has no magic line, which a cell's numbers count."""
+    """Return a result with the line numbers of a file; a cell's numbers include its magic line."""
     words = _IN_CELL.sub(lambda found: f'Line {int(found[1]) - 1}: ', check.cause)
     return replace(check, cause=words)
 

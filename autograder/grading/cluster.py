@@ -1,8 +1,8 @@
 """
 Run exams on the workers of a Dask scheduler, as ``docs/cluster.md`` describes.
 
-Dask uses pickle to call functions in other processes.  The only function is
-:func:`autograder.runs.task.run_task`; its argument and its result are bytes of JSON, so no object
+Dask uses pickle to call functions in other processes.  Workers call only :func:`about` and
+:func:`autograder.runs.task.run_task`, whose arguments and results are bytes of JSON.  So no object
 made from a submission is ever pickled or unpickled.
 """
 
@@ -30,18 +30,18 @@ TRY_OUT_S = 120
 
 
 class ClusterUnavailable(GraderError):
-    """The scheduler or its workers cannot be used."""
+    """Report that a scheduler or its workers cannot be used."""
 
 
 class Cluster:
     """
-    A place for runs: all workers of a scheduler.
+    A :class:`~autograder.runs.task.Place` that runs tasks on all workers of a scheduler.
 
-    :param client: of ``distributed``, connected
+    :param client: a connected client of ``distributed``
     """
 
     def __init__(self, client: Any) -> None:
-        """Count the workers' threads; each does one run at a time."""
+        """Count the workers' threads, each of which runs one task at a time."""
         self.width = max(1, sum(client.nthreads().values()))
         self._executor = client.get_executor(pure=False)
 
@@ -49,7 +49,7 @@ class Cluster:
         """
         Run a task on any worker; the scheduler chooses a different one if a worker is lost.
 
-        :raises GraderError: if the task killed several workers, or the cluster was lost
+        :raises GraderError: if several workers died during the task, or the cluster was lost
         """
         from distributed.scheduler import KilledWorker
 
@@ -74,9 +74,9 @@ def cluster_engine(address: str, layout: Layout, fresh: bool = False) -> Iterato
     """
     Yield an engine for graded runs on a cluster.
 
-    :param address: of the scheduler, such as ``tcp://10.0.0.5:8786``
-    :param fresh: repeat all runs
-    :raises ClusterUnavailable: with the worker and its problem
+    :param address: address of the scheduler, such as ``tcp://10.0.0.5:8786``
+    :param fresh: repeat all runs, even if recordings are stored
+    :raises ClusterUnavailable: if the scheduler or a worker cannot be used, with the reason
     """
     from autograder.grading.pipeline import SandboxEngine
     from autograder.sandboxes.sandbox import Sandbox
@@ -113,7 +113,7 @@ def _connected(address: str) -> Iterator[Any]:
 
 
 def _ask_all(client: Any, address: str) -> dict[str, Mapping[str, Any]]:
-    """Ask every worker for its version and isolation, in the process that will run tasks."""
+    """Return the answer of :func:`about` from every worker process, by the worker's address."""
     workers = list(client.scheduler_info(n_workers=-1)['workers'])
     if not workers:
         raise ClusterUnavailable(
@@ -137,7 +137,7 @@ def _ask_all(client: Any, address: str) -> dict[str, Mapping[str, Any]]:
 
 
 def about() -> bytes:
-    """Return the version and the isolation of a worker as JSON; runs on the worker."""
+    """Return the version and isolation mode of this worker as JSON; called on each worker."""
     from autograder.sandboxes import choose
 
     mode = refusal = ''
@@ -151,10 +151,10 @@ def about() -> bytes:
 
 def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
     """
-    Return the isolation mode of all workers; raise if they differ.
+    Return the common isolation mode of all workers.
 
-    :param answers: by worker, what :func:`about` said
-    :raises ClusterUnavailable: if a worker has no isolation, or workers differ in mode or version
+    :param answers: the answers of :func:`about` by the workers' addresses
+    :raises ClusterUnavailable: if a mode cannot protect hidden exams, or modes or versions differ
     """
     first = ''
     for worker, found in answers.items():

@@ -1,4 +1,4 @@
-"""Run one exam on one set of files unless a recording exists, then judge the recording."""
+"""Run one student's files in an exam unless a recording is stored, then judge the recording."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ def examine(
     place: Place | None = None,
 ) -> ExamResult:
     """
-    Judge a student's files with an exam.
+    Run and judge a student's files with an exam.
 
-    :param files: relative path to text, only the files that exist
+    :param files: relative path to text, without missing files
     :param sandbox: from :func:`autograder.sandboxes.choose.strongest`, or ``Sandbox('none')`` for
         visible checks
-    :param recordings: folder that keeps recordings; None keeps nothing
-    :param fresh: run even if a recording is kept
-    :param told: called with each event of a run as it happens, if it takes place here
-    :param place: where to run, None for this thread; judging always happens here
-    :raises GraderError: for a fault of the grader; then there is no verdict
+    :param recordings: folder in which recordings are stored; None stores nothing
+    :param fresh: run even if a recording is stored
+    :param told: called with each event as it happens; not called for runs in ``place``
+    :param place: the workers that run the program; None runs it in this thread
+    :raises GraderError: if the grader failed, so that there is no verdict
     """
     if exam.hidden and not sandbox.keeps_secrets:
         raise SandboxUnavailable(
@@ -59,10 +59,10 @@ def judged(
     timing: Mapping[str, float] | None = None,
 ) -> ExamResult:
     """
-    Judge files from a recording of them; run nothing.
+    Judge a student's files from their recording, without running a program.
 
-    :param timing: of the run, if it was just made
-    :raises GraderError: if a check itself breaks
+    :param timing: times of the run [s]; None for a stored recording
+    :raises GraderError: if a check itself fails with an exception
     """
     began = time.perf_counter()
     run = Run(files, recording, exam.facts)
@@ -86,9 +86,10 @@ def judged(
 
 def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamResult | None:
     """
-    Judge files that need no run: one is missing, or the files alone decide; otherwise None.
+    Judge files without a run if a file is missing or the files alone decide the verdicts.
 
-    :param mode: isolation mode to name
+    :param mode: isolation mode that the result names
+    :returns: the result, or None if a run is needed
     """
     missing = [name for name in exam.requires if name not in files]
     if missing:
@@ -99,7 +100,7 @@ def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamRe
 
 
 def _without(exam: Exam, missing: list[str]) -> ExamResult:
-    """Return the result for a missing file: every check that needs it fails and says so."""
+    """Return the result for a missing file: the first check fails, and the others wait for it."""
     first, *others = exam.checks
     failed = CheckResult(
         first.name,

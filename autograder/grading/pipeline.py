@@ -1,9 +1,9 @@
 """
-Grade one submission, or a class in parallel: read, run, judge, put results together.
+Grade one submission, or a class in parallel: read, run, judge, and combine the results.
 
-Threads run programs, here or on a cluster, and judge their recordings.  A run needs 2 % of a
-processor here: its work is in other processes.  A fault of the grader makes one submission "for
-review"; it never gives zero points and never stops the others.
+Threads run programs, on this machine or a cluster, and judge their recordings.  A run takes 2 % of
+a processor in this process, because other processes do the work.  If the grader fails, one
+submission is "for review": it does not get zero points, and grading continues with the others.
 """
 
 from __future__ import annotations
@@ -34,32 +34,33 @@ if TYPE_CHECKING:
 
 
 THREADS = 'grading'
-"""How the names of the pool's threads begin."""
+"""Prefix of the names of the pool's threads."""
 
 
 class Engine(Protocol):
-    """A source of exams that can run them; tests use a quick one."""
+    """Provide the exams of an assignment and run them; tests use a fast implementation."""
 
     def exams(self, assignment: str) -> Sequence[Exam]:
         """Return the exams of an assignment in the lesson's order."""
 
     def run(self, exam: Exam, files: Mapping[str, str]) -> ExamResult:
         """
-        Judge files by what they do.
+        Run and judge a student's files with an exam.
 
-        :raises GraderError: if there is no verdict, through no fault of the files
+        :param files: relative path to text
+        :raises GraderError: if the grader failed, so that there is no verdict
         """
 
 
 @dataclass(frozen=True)
 class SandboxEngine:
     """
-    The real engine: hidden and visible exams, with student code in a sandbox.
+    The engine for grading, which runs student code in a sandbox.
 
-    :param recordings: folder of recordings; an identical run is read, not repeated
-    :param fresh: repeat all runs
-    :param hidden: whether the hidden checks are part of it
-    :param place: where runs take place, None for the calling thread
+    :param recordings: folder in which recordings are stored; None stores nothing
+    :param fresh: repeat all runs, even if recordings are stored
+    :param hidden: whether to use the hidden exams instead of the visible ones
+    :param place: the workers that run the programs; None runs them in the calling thread
     """
 
     sandbox: Sandbox
@@ -90,12 +91,13 @@ class SandboxEngine:
 
 def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') -> SandboxEngine:
     """
-    Return the engine for grades, with the strongest sandbox or an accepted weaker one.
+    Return the engine for grading, with the strongest sandbox or an accepted weaker one.
 
-    With a sandbox that hides nothing, the visible exams run instead of the hidden ones.
+    If the sandbox cannot hide files from programs, the engine uses the visible exams.
 
+    :param fresh: repeat all runs, even if recordings are stored
     :param allow_weak: see :func:`autograder.sandboxes.choose.strongest`
-    :raises SandboxUnavailable: if no isolation works that may run hidden exams
+    :raises SandboxUnavailable: if no accepted isolation mode works
     """
     from autograder.sandboxes import choose
 
@@ -106,10 +108,10 @@ def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') ->
 @dataclass(frozen=True)
 class Lesson:
     """
-    Everything that is needed to grade one assignment.
+    The data for grading one assignment.
 
     :param notebook: file name of the released notebook
-    :param release: its content
+    :param release: content of the released notebook
     """
 
     assignment: str
@@ -118,7 +120,7 @@ class Lesson:
     exams: tuple[Exam, ...]
 
     def files(self, opened: Opened) -> Mapping[str, ExamFiles]:
-        """Return the files of a submission that each exam gets, by the name of the exam."""
+        """Return the files of a submission for each exam, by the exam's name."""
         return extract(opened, self.exams, self.release, self.notebook)
 
 
@@ -135,7 +137,7 @@ def load_lesson(layout: Layout, assignment: str, engine: Engine) -> Lesson:
     """
     Read the release and the exams of an assignment.
 
-    :raises GraderError: if the course itself is incomplete
+    :raises GraderError: if the release or an exam cannot be used
     """
     try:
         path = layout.release(assignment)
@@ -150,13 +152,13 @@ def load_lesson(layout: Layout, assignment: str, engine: Engine) -> Lesson:
 
 
 def open_one(submission: Submission, lesson: Lesson) -> Opened:
-    """Read one submission; keep only the answers."""
+    """Read one submission and rebuild its notebook from the release and the answers."""
     data, problems = submission.read(lesson.notebook)
     return open_submission(data, lesson.release, lesson.notebook, problems)
 
 
 def grade_opened(opened: Opened, student: str, lesson: Lesson, engine: Engine) -> SubmissionResult:
-    """Grade one submission, with its exams in parallel."""
+    """Grade one submission, running its exams in parallel."""
     files = lesson.files(opened)
     with ThreadPoolExecutor(max_workers=max(1, len(lesson.exams))) as pool:
         tasks = {
@@ -171,9 +173,9 @@ def grade_notebook(
     data: bytes | None, lesson: Lesson, student: str, engine: Engine
 ) -> SubmissionResult:
     """
-    Grade the bytes of one notebook.
+    Grade one notebook.
 
-    :param data: content of the file, None if there is none
+    :param data: content of the notebook's file, None if it is missing
     """
     opened = open_submission(data, lesson.release, lesson.notebook)
     return grade_opened(opened, student, lesson, engine)
@@ -188,12 +190,12 @@ def grade_class(
     on_graded: Callable[[Graded], None] = lambda graded: None,
 ) -> tuple[Graded, ...]:
     """
-    Grade a class; equal files run once.
+    Grade a class; submissions with equal files share one run.
 
-    :param jobs: how many runs at a time
-    :param on_done: called for each exam of each submission, in any thread
-    :param on_graded: called for each submission in this thread, while the pool runs others
-    :returns: in the order of the submissions
+    :param jobs: maximum number of parallel runs
+    :param on_done: called after each exam of each submission, in any thread
+    :param on_graded: called for each graded submission in this thread, while others still run
+    :returns: the results in the order of the submissions
     """
     opened = [open_one(submission, lesson) for submission in submissions]
     files = [lesson.files(one) for one in opened]
@@ -218,7 +220,7 @@ def grade_class(
             graded.append(Graded(submission, opened[index], result))
             on_graded(graded[-1])
     finally:
-        # After Ctrl-C nothing new starts; the limits of the sandboxes end the current runs.
+        # After Ctrl-C, no new run starts; the current runs end at the latest at their limits.
         pool.shutdown(wait=False, cancel_futures=True)
     return tuple(graded)
 
@@ -234,7 +236,7 @@ def _tell(
 
 
 def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> ExamResult | GraderError:
-    """Run one exam; return a fault of the grader as a value, so that the others continue."""
+    """Run one exam; return an error of the grader instead of raising it, so others continue."""
     try:
         return engine.run(exam, files)
     except GraderError as error:
@@ -247,11 +249,10 @@ def end_runs(within_s: float = 5.0) -> bool:
     """
     End the runs of the pool's threads, so that the threads clean up and end.
 
-    Dying with the runs is not enough: a sandbox that is just being set up is not yet tied to
-    this process.
+    Exiting is not enough: a sandbox that is still being set up does not end with this process.
 
-    :param within_s: how long to try
-    :returns: whether the threads have ended
+    :param within_s: timeout [s]
+    :returns: whether all threads have ended
     """
     deadline = time.monotonic() + within_s
     while threads := [one for one in threading.enumerate() if one.name.startswith(THREADS)]:
@@ -264,10 +265,10 @@ def end_runs(within_s: float = 5.0) -> bool:
 
 def _end_sandboxes() -> None:
     """
-    End the sandboxes and probes of this process in the right order.
+    Kill the probes and then the sandboxes of this process.
 
-    Probes come first: no probe may record that a student's program was killed.  The outer process
-    of a sandbox is not killed, because that would orphan the inner one.
+    Probes are killed first, so that none can record that a student's program was killed.  The
+    outer process of a sandbox is not killed, because that would orphan the inner one.
     """
     import psutil  # installed only in the course's own Python
 
@@ -291,7 +292,7 @@ def _assemble(
     files: Mapping[str, ExamFiles],
     outcomes: Mapping[str, ExamResult | GraderError],
 ) -> SubmissionResult:
-    """Put the result of one submission together."""
+    """Combine the results of the exams into the result of one submission."""
     done = [outcome for outcome in outcomes.values() if isinstance(outcome, ExamResult)]
     faults = [str(outcome) for outcome in outcomes.values() if isinstance(outcome, GraderError)]
     problems = [*opened.problems]
@@ -311,10 +312,11 @@ def _assemble(
 @dataclass(frozen=True)
 class Done:
     """
-    One exam of one submission has ended.
+    The outcome of one exam of one submission.
 
-    :param student: whose it is
-    :param outcome: the result, or a fault of the grader
+    :param student: student id of the submission
+    :param exam: name of the exam
+    :param outcome: the result, or an error of the grader
     """
 
     student: str

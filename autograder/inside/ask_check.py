@@ -1,10 +1,10 @@
 """
-Ask a student's check about recorded runs, which come on ``/runs``; answer on ``/answers``.
+Call a student's check with recorded runs from ``/runs``, and publish its answers on ``/answers``.
 
 Usage: run_node.py ask_check.py WIRE SIMULATED CHECK.  WIRE and SIMULATED are the grader's
-``probe_wire.py`` and ``simulated.py``, which make the objects that the check gets, CHECK is the
-student's file.  The messages do not say which runs are right: the grader compares the answers
-outside.
+``probe_wire.py`` and ``simulated.py``, which create the objects that the check receives.  CHECK is
+the student's file.  The messages do not contain the correct answers; the grader compares the
+answers outside the sandbox.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from std_msgs.msg import String
 
 
 def load(name: str, path: Path) -> ModuleType:
-    """Return a module from its file; Landlock opens the file, and no folder above it."""
+    """Load a module directly from its file, because Landlock hides the folder around it."""
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec
     assert spec.loader
@@ -35,21 +35,25 @@ def load(name: str, path: Path) -> ModuleType:
 
 
 def answer_of(answer: object) -> str:
-    """Return an answer as text: ``'True'``, ``'False'``, or the type of anything else."""
+    """Return a check's answer as a string: ``'True'``, ``'False'``, or the name of its type."""
     return str(answer) if isinstance(answer, bool) else type(answer).__name__
 
 
 def ask(accepts: Callable[[object], object], run: object) -> str:
-    """Return the answer for a run as text; for an exception, ``'exception'`` and its traceback."""
+    """
+    Return a check's answer for a run as a string.
+
+    If the check raises an exception, print its traceback and return ``'exception'``.
+    """
     try:
         return answer_of(accepts(run))
-    except Exception:  # whatever a student's check raises; the next run may have an answer
+    except Exception:  # a check may raise anything, and may still answer for the next run
         traceback.print_exc()
         return 'exception'
 
 
 def main() -> None:
-    """Answer until the sandbox ends."""
+    """Answer messages until the sandbox is stopped."""
     wire, simulated, check = map(Path, sys.argv[1:4])
     load('autograder.probe.probe_wire', wire)
     simulation = load('autograder.simulated', simulated).Simulation

@@ -1,8 +1,8 @@
 """
-Build the student's package inside the sandbox with colcon, then echo its message.
+Build the student's package inside the sandbox with colcon, then echo messages of its type.
 
-Usage: build_package.py SOURCE PACKAGE TYPE.  After a successful build this process becomes
-``echo_node.py``, which imports TYPE from what was just built.
+Usage: build_package.py SOURCE PACKAGE TYPE.  After a successful build, this process becomes
+``echo_node.py``, which imports TYPE from the built package.
 """
 
 from __future__ import annotations
@@ -14,19 +14,20 @@ from pathlib import Path
 import shutil
 import sys
 
-import gate  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+import gate  # type: ignore[import-not-found]  # next to this file, inside the sandbox
 import warm_python  # type: ignore[import-not-found]
 
 
 def add_what_no_cell_is(folder: Path, package: str) -> None:
     """
-    Complete a Python package that came as cells with what ``ros2 pkg create`` makes.
+    Add the files that ``ros2 pkg create`` makes to a Python package from a notebook.
 
-    Nodes of a notebook are at the top; they go into the folder with the package's name.
+    The node files of a notebook are in the top folder; they move to the folder with the package's
+    name.
     """
     modules, marker = folder / package, folder / 'resource' / package
     if not (folder / 'setup.py').is_file() or modules.exists() or marker.exists():
-        return  # a whole package, or one in CMake
+        return  # a complete Python package, or a CMake package
     for made in (modules / '__init__.py', marker):
         made.parent.mkdir(exist_ok=True)
         made.touch()
@@ -39,8 +40,9 @@ def build(source: str, package: str) -> Path:
     """
     Build a copy of a package, or end with colcon's exit code.
 
-    :param source: folder of the package, read-only
-    :returns: where it is installed
+    :param source: read-only folder of the package
+    :returns: the folder in which the package is installed
+    :raises SystemExit: if the build fails
     """
     workspace = Path('/tmp/ws') if not os.environ.get('TMPDIR') else Path(os.environ['TMPDIR'])
     copy = workspace / 'src' / package
@@ -51,13 +53,13 @@ def build(source: str, package: str) -> Path:
     command += ['--build-base', str(workspace / 'build')]
     command += ['--install-base', str(workspace / 'install')]
     command += ['--event-handlers', 'console_direct+']
-    # Only whether it builds is asked: neither how fast the result runs nor how to debug it.
+    # The result needs neither optimisation nor debug information.
     command += ['--cmake-args', '-DCMAKE_BUILD_TYPE=None', '-DBUILD_TESTING=OFF']
     if shutil.which('ninja'):
-        command += ['-GNinja']  # runs more steps of a message build at a time than Make
-    # Four compilers at a time stay below the sandbox's limit of processes on any machine. No
-    # limit of load (-l): with one, a busy machine builds one file at a time. What runs is Python,
-    # so messages are not made for C++; environment/cmake says how.
+        command += ['-GNinja']  # Ninja runs more steps of a message build in parallel than Make
+    # Four parallel compilers stay below the sandbox's limit of processes on any machine. No load
+    # limit (-l), with which a busy machine would build one file at a time. Only Python programs
+    # run, so environment/cmake skips the C++ code of messages.
     settings = {**os.environ, 'MAKEFLAGS': '-j4', 'ROS2_COURSE_GRADED_BUILD': '1'}
     listening, names = warm_python.listen(workspace)
     colcon = partial(warm_python.become, [shutil.which('colcon'), *command], settings | names)
@@ -68,9 +70,9 @@ def build(source: str, package: str) -> Path:
 
 
 def variables(prefix: Path) -> dict[str, str]:
-    """Return the environment variables with which programs find the installed package."""
+    """Return the environment variables for programs of the installed package."""
     found = glob(f'{prefix}/lib/python3*/site-packages')
-    # The build ran in real time; from here on, time is virtual.
+    # The build ran in real time; the program runs in virtual time.
     whole = {**os.environ, 'LD_PRELOAD': os.environ['CLOCK_LIBRARY']}
     for name, value in (
         ('PYTHONPATH', ':'.join(found)),
@@ -82,7 +84,7 @@ def variables(prefix: Path) -> dict[str, str]:
 
 
 def main() -> None:
-    """Build and become the echo node, or end with colcon's exit code."""
+    """Build the package and become the echo node, or exit with colcon's exit code."""
     warm_python.import_colcon()
     gate.wait()
     source, package, type_name = sys.argv[1:4]

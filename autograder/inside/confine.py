@@ -1,19 +1,20 @@
 """
-Confine a program with Landlock, and end everything that it started.
+Confine a program with Landlock, and end every process that it started.
 
 Usage: confine.py RULES COMMAND...  where RULES is JSON::
 
-    {"uid": 1000000001, "read": [paths], "list": [folders], "write": [folders], "filter": file}
+    {"uid": 1000000001, "read": [paths], "list": [folders], "write": [folders],
+     "filter": file, "inherited": [descriptors]}
 
-This is for machines without namespaces.  The process stays outside the rules as the supervisor:
-processes that the program leaves behind become its children, so that nothing outlives the run.  On
-SIGTERM, or when the grader dies, it ends them all.  The program runs as its child behind the
-rules: it may read, execute and write only what they name, opens no TCP connection (Landlock 4 or
-newer), cannot signal processes outside (Landlock 6 or newer), and has the same system-call filter
-as in a sandbox.
+This is for machines without namespaces.  This process is the supervisor, to which the rules do not
+apply.  Processes that the program leaves behind become its children, so nothing outlives the run:
+when the program has ended, on SIGTERM, or when the grader dies, the supervisor ends them all.  The
+program is a child to which the rules apply.  It may read, execute and write only the listed paths,
+cannot use TCP (Landlock 4 or newer), cannot signal processes outside (Landlock 6 or newer), and
+has the same system-call filter as in a sandbox with namespaces.
 
-The library for this on PyPI has only development releases, which handle files only; three system
-calls replace it.  See landlock(7).
+The Landlock library on PyPI has only development releases, which support only files, so this
+module makes the three system calls itself.  See landlock(7).
 """
 
 from __future__ import annotations
@@ -31,17 +32,17 @@ from typing import Any, NoReturn
 # From linux/prctl.h and linux/seccomp.h.
 PR_SET_PDEATHSIG, PR_SET_SECCOMP, SECCOMP_MODE_FILTER = 1, 22, 2
 PR_SET_CHILD_SUBREAPER, PR_SET_NO_NEW_PRIVS = 36, 38
-# Landlock's, the same on all processors.
+# Numbers of Landlock's system calls, the same on all architectures.
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
 ASK_VERSION = 1
 PATH_BENEATH = 1
 EXECUTE, WRITE_FILE, READ_FILE, READ_DIR = 1, 2, 4, 8
 TRUNCATE, IOCTL_DEV = 1 << 14, 1 << 15
 OF_FILES = EXECUTE | WRITE_FILE | READ_FILE | TRUNCATE | IOCTL_DEV
-# How many rights to files each version knows, beginning with 1.
+# Number of file-access rights in each version of Landlock, from version 1 on.
 KNOWN_RIGHTS = (13, 14, 15, 15, 16)
 TCP_FROM, SCOPE_FROM = 4, 6
-TCP, SCOPE = 0b11, 0b11  # bind and connect; abstract sockets and signals
+TCP, SCOPE = 0b11, 0b11  # TCP: bind and connect; scope: abstract sockets and signals
 
 _libc = ctypes.CDLL(None, use_errno=True)
 _libc.syscall.restype = ctypes.c_long
@@ -49,9 +50,9 @@ _libc.syscall.restype = ctypes.c_long
 
 def by_number(number: int, *arguments: Any) -> int:
     """
-    Make a system call that the C library has no function for, and return its result.
+    Make a system call for which the C library has no function, and return its result.
 
-    :raises OSError: if that is an error
+    :raises OSError: if the call fails
     """
     result = int(_libc.syscall(number, *arguments))
     if result < 0:
@@ -61,9 +62,9 @@ def by_number(number: int, *arguments: Any) -> int:
 
 def prctl(option: int, *arguments: Any) -> None:
     """
-    Change a property of this process, as section 2 of the manual describes.
+    Change a property of this process with the system call of the same name.
 
-    :raises OSError: if the kernel refuses
+    :raises OSError: if the call fails
     """
     values = [ctypes.c_ulong(value) if isinstance(value, int) else value for value in arguments]
     if _libc.prctl(option, *values, *[ctypes.c_ulong(0)] * (4 - len(values))) != 0:
@@ -72,18 +73,20 @@ def prctl(option: int, *arguments: Any) -> None:
 
 def landlock_version() -> int:
     """
-    Return which version of Landlock the kernel has.
+    Return the version of Landlock's interface in this kernel.
 
-    :raises OSError: ENOSYS if it was built without, EOPNOTSUPP if it is switched off
+    :raises OSError: ENOSYS if the kernel has no Landlock, EOPNOTSUPP if Landlock is disabled
     """
     return by_number(CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint(ASK_VERSION))
 
 
 def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
     """
-    Give up all rights to files except those that the rules name.
+    Give up all file access except that in the rules and, if Landlock can, TCP and signals.
 
-    :param descriptors: the paths of the rules, opened before the uid changed
+    :param rules: described in the docstring of this module
+    :param descriptors: paths of the rules to descriptors, opened before the uid was changed
+    :raises OSError: if the kernel refuses
     """
     known = landlock_version()
     everything = (1 << KNOWN_RIGHTS[min(known, len(KNOWN_RIGHTS)) - 1]) - 1
@@ -107,9 +110,10 @@ def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
 
 def give_up(rules: dict[str, Any]) -> None:
     """
-    Give up all rights of this process except those that the rules leave.
+    Give up all rights of this process except those in the rules, and close other descriptors.
 
-    :param rules: as above; without ``read``, files stay as they are
+    :param rules: described in the docstring of this module; without ``read``, Landlock is not
+        used; a uid of 0 keeps the current one
     :raises OSError: if the kernel refuses
     """
     descriptors = {}
@@ -117,7 +121,7 @@ def give_up(rules: dict[str, Any]) -> None:
         if os.path.exists(path):
             descriptors[path] = os.open(path, os.O_PATH | os.O_CLOEXEC)
     with open(rules['filter'], 'rb') as file:
-        code = file.read()  # sock_filter records, eight bytes an instruction: seccomp(2)
+        code = file.read()  # sock_filter records, eight bytes per instruction: seccomp(2)
     held = ctypes.create_string_buffer(code, len(code))
     filter_calls = struct.pack('HxxxxxxP', len(code) // 8, ctypes.addressof(held))
     if rules['uid']:
@@ -135,14 +139,14 @@ def give_up(rules: dict[str, Any]) -> None:
 
 
 def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
-    """Confine this process and become the program."""
+    """Confine this process and replace it by the program."""
     os.setsid()
     give_up(rules)
     os.execvp(command[0], command)
 
 
 def descendants() -> list[int]:
-    """Return the pids of everything below this process."""
+    """Return the pids of all descendants of this process."""
     found, waiting = [], [os.getpid()]
     while waiting:
         pid = waiting.pop()
@@ -153,12 +157,12 @@ def descendants() -> list[int]:
                 found += children
                 waiting += children
         except OSError:
-            continue  # it has just ended
+            continue  # the process has just ended
     return found
 
 
 def end_all() -> None:
-    """End all processes below this one, including those that start meanwhile."""
+    """Kill all descendants of this process, including any that start in the meantime."""
     while left := descendants():
         for pid in left:
             try:
@@ -170,7 +174,7 @@ def end_all() -> None:
 
 
 def reap() -> dict[int, int]:
-    """Collect ended children and return their exit codes by pid."""
+    """Reap ended children and return their exit codes by pid; 128 + N after signal N."""
     ended: dict[int, int] = {}
     while True:
         try:
@@ -184,7 +188,7 @@ def reap() -> dict[int, int]:
 
 
 def main() -> None:
-    """Start the program, and stay until it and everything it started has ended."""
+    """Start the program, wait until it ends, and kill every process that it left running."""
     rules, command = json.loads(sys.argv[1]), sys.argv[2:]
     grader = os.getppid()
     prctl(PR_SET_CHILD_SUBREAPER, 1)

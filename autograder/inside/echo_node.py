@@ -1,8 +1,8 @@
 """
-Send back on ``/echo_out`` every message from ``/echo_in``, in the type that was just built.
+Republish every message from ``/echo_in`` on ``/echo_out``, with the message type just built.
 
-Usage: echo_node.py PACKAGE/msg/TYPE.  The probe uses the reference type, so an answer with the
-same values shows that the built type is correct.
+Usage: echo_node.py PACKAGE/msg/TYPE.  The probe uses the course's own build of the type, so an
+echo with the same values shows that the student's type is correct.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from rclpy.node import Node
 
 
 def main() -> None:
-    """Echo messages until the sandbox ends."""
+    """Echo messages until the sandbox is stopped."""
     package, kind, name = sys.argv[1].split('/')
     message_type = getattr(importlib.import_module(f'{package}.{kind}'), name)
     rclpy.init(args=[])

@@ -1,9 +1,8 @@
 """
-Make every program wait until the grader lets it run.
+Hold every program until the grader releases it.
 
-The program starts after one byte on standard input.  The end of the input means that the grader
-was killed: then the program ends before the student's first line, so that nothing outlives the
-grader.
+The program continues after one byte on standard input.  If the input ends instead, the grader was
+killed: the program exits before the student's first line runs, so it does not outlive the grader.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ import sys
 
 
 def wait() -> None:
-    """Wait for the grader's byte, and leave an empty standard input for the program."""
+    """Wait for the grader's byte, and replace standard input by an empty one."""
     if os.read(0, 1) != b'x':
         sys.exit('the grader is gone')
     nothing = os.open(os.devnull, os.O_RDONLY)

@@ -1,18 +1,18 @@
 """
-Replace Python in a message build: let a warm process run the program, and end as it ended.
+Replace Python in a message build: run programs in a process that has loaded their imports.
 
 The set-up copies this file below a first line that names the interpreter, and CMake uses the copy
-as Python.  It must start quickly, so it imports almost nothing.  Python itself runs every program
-that is not in :data:`PROGRAMS`.
+as its Python.  The file must start quickly, so it imports almost nothing.  It passes the programs
+in :data:`PROGRAMS` to ``warm_python.py``; Python itself runs all others.
 """
 
-import _socket as socket  # what socket imports would double the time
+import _socket as socket  # the imports of socket would double the start-up time
 from array import array
 import os
 import sys
 
 SOCKET = 'ROS2_COURSE_WARM_PYTHON'
-"""Environment variable with the path at which the warm process listens."""
+"""Environment variable with the path of the socket of ``warm_python.py``."""
 PROGRAMS = frozenset(
     {
         'compileall',
@@ -28,11 +28,11 @@ PROGRAMS = frozenset(
         'templates_2_cmake.py',
     }
 )
-"""Names of files, and of modules that are started with ``-m``."""
+"""Programs for ``warm_python.py``: names of files, and of modules started with ``-m``."""
 
 
 def main() -> None:
-    """Send the program to the warm process, or become the Python that was requested."""
+    """Send a program of :data:`PROGRAMS` to ``warm_python.py``; run any other in this process."""
     words = sys.argv[1:]
     named = words[1:2] if words[:1] == ['-m'] else words[:1]
     if named and os.path.basename(named[0]) in PROGRAMS and SOCKET in os.environ:
@@ -42,9 +42,9 @@ def main() -> None:
 
 def handed_over(words: list[str]) -> None:
     """
-    Send a command line with its environment, and end with the exit code that comes back.
+    Send a command line with its environment, and exit with the exit code in the reply.
 
-    The function returns if no warm process is listening.
+    The function returns only if no process is listening.
     """
     environment = [f'{name}={value}' for name, value in os.environ.items()]
     fields = [str(len(words)), *words, os.getcwd(), *environment]

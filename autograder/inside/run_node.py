@@ -1,12 +1,13 @@
 """
 Start a node file inside the sandbox as ``ros2 run`` would.
 
-Usage: run_node.py FILE [arguments of the program].  The file runs as a script.  If it only defines
-``main`` and leaves the call to an entry point, ``main()`` is called afterwards.
+Usage: run_node.py FILE [arguments of the program].  The file runs as a script.  If it defines
+``main`` but leaves the call to an entry point, this program calls ``main()`` afterwards.
 
-A folder of modules next to the file is a package that the file may import, even if it has the name
-of the course's message package: an installed package has both in one place.  If the file is also
-in such a folder, it is a module of that package, as with an entry point.
+The file can import a folder of modules next to it as a package, even if the folder has the name of
+the course's message package: in an installed package, modules and messages share one folder.  If
+such a folder contains a copy of the file, the file runs as a module of that package, as with an
+entry point.
 """
 
 from __future__ import annotations
@@ -22,17 +23,17 @@ from pathlib import Path
 import sys
 import types
 
-import gate  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+import gate  # type: ignore[import-not-found]  # next to this file, inside the sandbox
 from lean_start import lean  # type: ignore[import-not-found]
 from steady_rclpy import steady  # type: ignore[import-not-found]
 
 NO_PACKAGE = ('test', 'tests', 'launch', 'config')
 OF_EVERY_NODE = ('rcl_interfaces', 'type_description_interfaces', 'rosgraph_msgs')
-"""Packages of messages that a node itself loads."""
+"""Message packages that every node loads."""
 
 
 def outside_definitions(tree: ast.AST) -> Iterator[ast.AST]:
-    """Yield all syntax nodes that run with the file, without those of functions."""
+    """Yield all nodes of a syntax tree except those inside functions."""
     for child in ast.iter_child_nodes(tree):
         if not isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
             yield child
@@ -46,7 +47,12 @@ def leaves_main_to_others(tree: ast.Module) -> bool:
 
 
 def join_packages(folder: Path) -> list[Path]:
-    """Let Python find the modules of each package folder before an installed package."""
+    """
+    Extend installed packages by the folders of the same name, which take precedence.
+
+    :param folder: the folder of the node file
+    :returns: all package folders in it
+    """
     packages = sorted({file.parent for file in folder.glob('*/*.py')})
     packages = [one for one in packages if one.name.isidentifier() and one.name not in NO_PACKAGE]
     for package in packages:
@@ -59,12 +65,12 @@ def join_packages(folder: Path) -> list[Path]:
 
 def load_what_nodes_need() -> None:
     """
-    Load what every node loads, while the probe is still at its own start.
+    Import what every node imports, while the probe is still starting.
 
-    Modules of rclpy itself are not among them: that would hide a forgotten import.
+    Submodules of rclpy are not imported, because that could hide a missing import in the program.
     """
-    # What rclpy does with threads and processes of its own is over when the gate opens, so the
-    # program's first line runs at the very instant of the release.
+    # The threads and processes that these imports start have ended when the grader releases the
+    # program, so its first line runs exactly at the release.
     import rclpy  # noqa: F401
     from rosidl_generator_py import import_type_support  # type: ignore[import-untyped]
 
@@ -73,15 +79,15 @@ def load_what_nodes_need() -> None:
             with suppress(ImportError):
                 importlib.import_module(f'{package}.{kind}')
     for package in (*OF_EVERY_NODE, 'std_msgs'):
-        import_type_support(package)  # libraries alone
+        import_type_support(package)  # loads only libraries, no Python module
     importlib.import_module('concurrent.futures')
-    # The first log line looks for the file of each module, and keeps what it finds.
+    # Fill the cache of inspect: the first log line looks up the file of each module.
     inspect.getmodule(inspect.currentframe())
 
 
 def main() -> None:
     """Run the file that the command line names."""
-    gc.disable()  # all that is loaded here stays
+    gc.disable()  # imported modules are never garbage
     lean()
     steady()
     load_what_nodes_need()

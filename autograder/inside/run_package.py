@@ -1,10 +1,11 @@
 """
 Build the student's package inside the sandbox with colcon, then run one of its executables.
 
-Usage: run_package.py SOURCE PACKAGE EXECUTABLE [arguments of the program]. The executable is the
+Usage: run_package.py SOURCE PACKAGE EXECUTABLE [arguments of the program].  The executable is the
 file that ``ros2 run PACKAGE EXECUTABLE`` would start: a file of that name in ``lib/PACKAGE``.  If
-it is missing, one line on standard error lists the existing files, and the exit code reports it.
-``{share}`` in an argument stands for the folder ``share/PACKAGE`` of the installed package.
+the file is missing, one line on standard error lists the existing executables, and the exit code
+is 97; if the build fails, the exit code is 98.  ``{share}`` in an argument is replaced by the
+folder ``share/PACKAGE`` of the installed package.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import os
 from pathlib import Path
 import sys
 
-import build_package  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+import build_package  # type: ignore[import-not-found]  # next to this file, inside the sandbox
 import gate  # type: ignore[import-not-found]
 import warm_python  # type: ignore[import-not-found]
 
@@ -23,7 +24,7 @@ MARK = 'run_package: '
 
 
 def executable(prefix: Path, package: str, name: str) -> Path | None:
-    """Return the file to run, with or without a suffix in its name."""
+    """Return the executable file of this name, with or without the suffix ``.py``."""
     folder = prefix / 'lib' / package
     for file in (folder / name, folder / f'{name}.py'):
         if file.is_file() and os.access(file, os.X_OK):
@@ -32,7 +33,12 @@ def executable(prefix: Path, package: str, name: str) -> Path | None:
 
 
 def what_is_there(prefix: Path, package: str) -> dict[str, list[str]]:
-    """Return the names of executables in the right folder, and of the folders of others."""
+    """
+    Return the names of the existing executables, at most 20 of each kind.
+
+    :returns: ``lib``: executables in ``lib/PACKAGE``; ``bin``: executables in ``bin``; ``others``:
+        subfolders of ``lib`` with executables
+    """
     places = {'lib': f'lib/{package}/*', 'bin': 'bin/*', 'others': 'lib/*/*'}
     files = {word: prefix.glob(pattern) for word, pattern in places.items()}
     names = {
@@ -46,7 +52,7 @@ def what_is_there(prefix: Path, package: str) -> dict[str, list[str]]:
 
 
 def command(file: Path) -> list[str]:
-    """Return the command that starts a file: Python scripts run with the Python that has ROS."""
+    """Return the command for an executable; the Python of this process runs Python scripts."""
     with file.open('rb') as script:
         first = script.readline(200)
     if first.startswith(b'#!') and b'python' in first:
@@ -55,7 +61,7 @@ def command(file: Path) -> list[str]:
 
 
 def main() -> None:
-    """Build the package and become the program."""
+    """Build the package and replace this process by the program."""
     warm_python.import_colcon()
     gate.wait()
     source, package, name, *arguments = sys.argv[1:]

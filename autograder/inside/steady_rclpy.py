@@ -1,15 +1,15 @@
 """
-Work around two defects of rclpy's executors, so that they never cost points by chance.
+Work around two defects of rclpy's executors, so that correct programs do not fail at random.
 
-An executor lists the entities of its nodes and then puts them into a wait set.  Another of its
-threads may destroy a publisher or subscription in between, for example in a callback that cleans
-up.  rclpy 7.1 then skips destroyed subscriptions, timers, services and clients, but not events:
-``InvalidHandle`` ends the program, in about one of four runs of a correct managed node on three
-threads.  This patch also skips destroyed events.
+An executor lists the entities of its nodes and then adds them to a wait set.  In between, another
+of its threads may destroy a publisher or subscription, for example in a clean-up callback.  rclpy
+7.1 then skips destroyed subscriptions, timers, services and clients, but not event handlers:
+``InvalidHandle`` ends the program, in about one of four runs of a correct managed node with three
+threads.  This patch also skips destroyed event handlers.
 
-An executor keeps its nodes in a set, whose order depends on their addresses in memory.  If two
-timers are due at the same moment, either may come first.  With this patch, nodes are served in
-the order in which they were added.
+An executor stores its nodes in a set, whose order depends on their addresses in memory.  If timers
+of two nodes are due at the same time, either callback may run first.  With this patch, an executor
+serves its nodes in the order in which they were added.
 
 Usage as a program: steady_rclpy.py SCRIPT [arguments], for the executables of a package.
 """
@@ -26,19 +26,19 @@ import sys
 import types
 from typing import Any
 
-from lean_start import lean  # type: ignore[import-not-found]  # beside this file
+from lean_start import lean  # type: ignore[import-not-found]  # next to this file
 
 
 def steady() -> None:
-    """Patch rclpy once it is imported; importing it here could hide a forgotten import."""
+    """Patch rclpy when the program imports it; an import here could hide a missing one."""
     sys.meta_path.insert(0, _Patching())
 
 
 class _Patching:
     """
-    Find the modules of rclpy that need a patch, and patch each as it is loaded.
+    An import hook that patches the modules of rclpy in :data:`PATCHES` when they are loaded.
 
-    The class does not inherit from importlib.abc, because that import takes 20 ms.
+    The class does not inherit from ``importlib.abc.MetaPathFinder``, whose import takes 20 ms.
     """
 
     def __init__(self) -> None:
@@ -66,7 +66,7 @@ class _Patching:
 
 def bear_destroyed_events(module: Any) -> None:
     """
-    Make event handlers tolerate that their event is destroyed in the meantime.
+    Make event handlers skip an event that was destroyed in the meantime.
 
     :param module: ``rclpy.event_handler``, changed in place
     """
@@ -80,7 +80,7 @@ def bear_destroyed_events(module: Any) -> None:
         try:
             add_to_wait_set(self, wait_set)
         except destroyed:
-            self._event_index = None  # rclpy's own word for "not in a wait set"
+            self._event_index = None  # for rclpy, None means "not in a wait set"
 
     def take_if_there(self: Any) -> Any:
         try:

@@ -1,10 +1,10 @@
 """
-Run the small Python programs of a message build in forks of a process with their imports.
+Run the small Python programs of a message build in forks of a process with their imports loaded.
 
-A message build starts ten of them: colcon, the readers of ``package.xml``, the generators of code,
-``setup.py``.  Each needs a tenth of a second for its work and more for its imports.  This process
-imports once and runs each program in a fork.  ``hand_over.py`` is the other side, which CMake uses
-as Python.
+A message build starts ten such programs: colcon, readers of ``package.xml``, code generators and
+``setup.py``.  Each works for a tenth of a second, and its imports take longer.  This process
+imports their modules once and runs each program in a fork.  CMake uses ``hand_over.py`` as its
+Python, which sends the requests.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import signal
 import socket
 import sys
 
-import hand_over  # type: ignore[import-not-found]  # beside this file, inside the sandbox
+import hand_over  # type: ignore[import-not-found]  # next to this file, inside the sandbox
 
 IMPORTS = (
     'catkin_pkg.package',
@@ -39,30 +39,31 @@ IMPORTS = (
 )
 PLUGINS = 'colcon_core.'
 TRIAL = 'module trial { struct Trial { long number; }; };'
-MAX_BYTES = 1 << 18  # of a request: its command line and environment
+MAX_BYTES = 1 << 18  # length of a request, which contains a command line and an environment
 
 
 def import_colcon() -> None:
-    """Import colcon with all its plug-ins, and let it find CMake."""
+    """Import colcon with all its plug-ins, and set the path of CMake."""
     with contextlib.suppress(ImportError):
         from cmake import CMAKE_BIN_DIR  # type: ignore[import-not-found]
 
-        # PyPI's cmake is a Python program that starts CMake. Colcon looks once, when it is loaded.
+        # The command of PyPI's cmake is a slow Python wrapper, so name the real program. Colcon
+        # reads the variable only once, when it is imported.
         os.environ['CMAKE_COMMAND'] = str(Path(CMAKE_BIN_DIR) / 'cmake')
     for point in (point for found in distributions() for point in found.entry_points):
         if point.group.startswith(PLUGINS):
-            # Colcon itself says what is wrong with a plugin, and does without.
+            # Colcon itself reports a broken plug-in, and works without it.
             with contextlib.suppress(Exception):
                 point.load()
 
 
 def listen(folder: Path) -> tuple[socket.socket | None, dict[str, str]]:
     """
-    Listen for requests to run programs.
+    Open the socket for requests to run programs.
 
-    :param folder: for the socket
-    :returns: the socket, and the variable that names it for a build; nothing if sockets are
-        forbidden or the folder's path is too long for one
+    :param folder: in which the socket is created
+    :returns: the socket, and the environment variable with its path for the build; None and no
+        variable if sockets are forbidden or the path is too long for a socket
     """
     path = str(folder / 'warm')
     try:
@@ -78,7 +79,8 @@ def run_beside(program: Callable[[], object], listening: socket.socket | None) -
     """
     Run a program and, until it ends, serve the requests of ``hand_over.py``.
 
-    :returns: the program's exit code, 1 if a signal ended it
+    :param listening: the socket for requests; None serves none
+    :returns: the program's exit code; 1 if a signal ended it
     """
     first = _fork(program)
     server = _fork(partial(_serve, listening)) if listening else None
@@ -103,14 +105,14 @@ def _fork(program: Callable[[], object]) -> int:
 
 
 def _code_of(program: Callable[[], object]) -> int:
-    """Run a program and return the exit code with which ``python`` would end."""
+    """Run a program and return the exit code that ``python`` would return."""
     said: object = 1
     try:
-        gc.disable()  # the program ends before it is worth it, and it would copy what is shared
+        gc.disable()  # the program is short, and a collection would copy the shared memory pages
         said = program()
     except SystemExit as ended:
         said = ended.code
-    except BaseException:  # noqa: BLE001 - as Python itself ends
+    except BaseException:  # noqa: BLE001 - like Python, print any exception and exit
         sys.excepthook(*sys.exc_info())
     if said is not None and not isinstance(said, int):
         print(said, file=sys.stderr)
@@ -122,26 +124,26 @@ def _code_of(program: Callable[[], object]) -> int:
 
 
 def _serve(listening: socket.socket) -> None:
-    """Run the requested programs, each in a fork of this process, until it is stopped."""
-    for name in IMPORTS:  # it takes as long as the build needs to get to the first of them
+    """Run the requested programs, each in a fork of this process, until this process is killed."""
+    for name in IMPORTS:  # this takes about as long as the build needs before its first request
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
     with contextlib.suppress(ImportError):
         from rosidl_parser import parser  # type: ignore[import-untyped]
 
-        parser.get_ast_from_idl_string(TRIAL)  # the grammar is compiled with the first text
+        parser.get_ast_from_idl_string(TRIAL)  # the first call compiles the grammar
     while True:
         client, _ = listening.accept()
         _fork(partial(_answer, client))
         client.close()
-        # Their processor time then counts as that of this process. SIG_IGN would lose it.
+        # Reaping adds the forks' processor time to this process; with SIG_IGN it would be lost.
         with contextlib.suppress(ChildProcessError):
             while os.waitpid(-1, os.WNOHANG) != (0, 0):
                 pass
 
 
 def _answer(client: socket.socket) -> None:
-    """Run a requested program and send its exit code; the socket closes if it is killed."""
+    """Run a requested program and send its exit code; if the program is killed, send nothing."""
     text, descriptors, _, _ = socket.recv_fds(client, MAX_BYTES, 3)
     if not text:
         return  # the client ended before it sent a request
@@ -158,9 +160,10 @@ def _answer(client: socket.socket) -> None:
 
 def become(words: list[str], env: Mapping[str, str]) -> None:
     """
-    Run a program in this process as ``python`` runs it.
+    Run a program in this process as ``python`` would.
 
     :param words: the command line without the interpreter
+    :param env: all variables of its environment
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
     os.environ.clear()

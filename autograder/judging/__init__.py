@@ -1,1 +1,1 @@
-"""From a recording to verdicts and their causes: exams, checks, and what beginners get wrong."""
+"""Turn a recording and an exam into verdicts, and explain failed checks with likely causes."""

@@ -1,14 +1,15 @@
 """
-What many checks have in common: each function looks at one thing and fails with words.
+Provide bodies for checks: each function tests one property and explains a failure.
 
-They are the bodies of checks, not checks: the docstring that learners read stays in the exam::
+The functions are not checks themselves, because the docstring that learners read stays in the
+exam::
 
     def starts_its_node(run: Run) -> None:
         '''Your program starts a node called talker.'''
         require_node(run, '/talker')
 
-Each raises :class:`autograder.exam.exam.Failed` or returns.  All names of nodes and topics are
-full.
+Each ``require_...`` function raises :class:`autograder.exam.exam.Failed` or returns.  All names of
+nodes and topics are full names.
 """
 
 from __future__ import annotations
@@ -35,10 +36,11 @@ SECOND = 1_000_000_000
 
 def require_node(run: Run, node: str, only_named: bool = False) -> None:
     """
-    Fail unless a node was seen.
+    Fail unless the probe saw a node.
 
     :param node: full name, ``/talker`` or ``/lab/talker``
-    :param only_named: whether a program whose only node has a wrong name is judged by that node
+    :param only_named: whether dependent checks still run if the program's only node has a wrong
+        name
     """
     if node in run.recording.nodes:
         return
@@ -54,7 +56,7 @@ def require_node(run: Run, node: str, only_named: bool = False) -> None:
 
 
 def _why_elsewhere(run: Run, namespace: str, base: str) -> Cause | None:
-    """Explain a node of the right name that is in a different namespace."""
+    """Explain a node with the right name in a wrong namespace."""
     spaces = [name.rpartition('/')[0] for name in run.recording.nodes if name.endswith(f'/{base}')]
     if not spaces or namespace in spaces:
         return None
@@ -67,7 +69,7 @@ def _why_elsewhere(run: Run, namespace: str, base: str) -> Cause | None:
 
 
 def _own_namespace(code: Code) -> tuple[int | None, str]:
-    """Return the line that keeps a node from the namespace of the command line, and its repair."""
+    """Return the line that overrides the namespace of the command line, and the repair."""
     for call in (call for some in code.calls.values() for call in some):
         for one in call.keywords:
             if one.arg in ('namespace', 'use_global_arguments', 'cli_args'):
@@ -81,7 +83,7 @@ def _own_namespace(code: Code) -> tuple[int | None, str]:
 
 def require_endpoint(run: Run, kind: str, topic: str, type_name: str) -> list[Event]:
     """
-    Return the endpoints on a topic, or fail if none has the type.
+    Return the endpoints on a topic that have a type; fail if there are none.
 
     :param kind: ``'publisher'`` or ``'subscription'``
     """
@@ -97,9 +99,9 @@ def require_endpoint(run: Run, kind: str, topic: str, type_name: str) -> list[Ev
 
 def require_partner(ends: Iterable[Event]) -> None:
     """
-    Fail unless endpoints connect to a partner that was made with a plain depth, such as 10.
+    Fail unless endpoints match a partner that was created with a plain depth, such as 10.
 
-    A publisher may offer more than that, a subscription may ask for less.
+    A publisher may offer more, and a subscription may request less.
 
     :param ends: from :func:`require_endpoint`
     """
@@ -134,14 +136,14 @@ _UNUSUAL = {
         'Give create_subscription() the number 10, or leave out the durability.',
     ),
 }
-"""By kind of endpoint: the policy whose value most partners do not match, and what is told."""
+"""By kind of endpoint: a policy, the value that most partners do not match, and the feedback."""
 
 
 def require_reached(run: Run, topic: str, kind: str) -> None:
     """
-    Fail unless a subscription is there, and what an ordinary publisher sends reaches it.
+    Fail unless a subscription exists and receives the messages of an ordinary publisher.
 
-    :param topic: full name of a topic that the scenario feeds
+    :param topic: full name of a topic on which the probe publishes
     :param kind: type of its messages
     """
     ends = require_endpoint(run, 'subscription', topic, kind)
@@ -170,12 +172,14 @@ def require_messages(
     topic: str = '',
 ) -> Sequence[Event]:
     """
-    Return the messages if there are enough of them, or fail.
+    Return the messages if there are enough, otherwise fail.
 
-    :param found: from :meth:`autograder.recording.Recording.messages`; by default all that
-        came on the topic
-    :param what: what they are, with the topic
-    :param topic: full name of a watched topic, whose publisher must have been seen
+    :param found: from :meth:`autograder.recording.Recording.messages`; by default all messages on
+        the topic
+    :param least: required number of messages
+    :param what: description of the messages, with the topic
+    :param topic: full name of a watched topic, which must have a publisher
+    :raises ExamInvalid: if the scenario does not watch the topic
     """
     if found is None or topic:
         kind = run.names.published.get(topic)
@@ -204,7 +208,7 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
     Fail unless a field has one value in every message.
 
     :param messages: of the student's node
-    :param field: its name; dots lead into nested messages
+    :param field: name of the field; dots separate nested fields
     """
     others = [value for one in messages if (value := field_of(one, field)) != wanted]
     if not others:
@@ -226,14 +230,18 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
 
 
 def _own_value(run: Run, value: Any) -> str:
-    """Show the value of a field, unless it may be an input of a hidden exam."""
+    """Return the value of a field as text, unless it may be an input of a hidden exam."""
     if isinstance(value, str):
         return own_words(run, value, 'another text')[:40]
     return 'another value' if run.secret else repr(value)[:40]
 
 
 def field_of(message: Event, field: str) -> Any:
-    """Return a field of a message, in a list by its number; None if it was not recorded."""
+    """
+    Return a field of a message, None if it was not recorded.
+
+    :param field: name of the field; dots separate nested fields and list indices
+    """
     value: Any = message.get('data')
     for name in field.split('.'):
         if isinstance(value, list) and name.isdigit():
@@ -245,12 +253,12 @@ def field_of(message: Event, field: str) -> Any:
 
 def require_qos(ends: Iterable[Event], **wanted: Any) -> None:
     """
-    Fail unless each endpoint has the policies that are named.
+    Fail unless each endpoint has the given policies.
 
     :param ends: from :func:`require_endpoint`
     :param wanted: as recorded: ``reliability='RELIABLE'``, ``durability='VOLATILE'``,
         ``liveliness='AUTOMATIC'``, ``deadline_ns=200_000_000``, ``lifespan_ns=None``,
-        ``liveliness_lease_duration_ns=None``; the wire does not tell history and depth
+        ``liveliness_lease_duration_ns=None``; discovery does not announce history and depth
     """
     for end in ends:
         for policy, value in wanted.items():
@@ -281,10 +289,10 @@ def _policy_code(policy: str, value: Any) -> str:
 
 def own_logs(run: Run, node: str, level: int | None = None) -> list[Event]:
     """
-    Return the log lines of a node's own logger and of its children, in order.
+    Return the log lines of a node's own logger and of its child loggers, in order.
 
-    :param node: full name; the only node of a program is meant, whatever its name
-    :param level: 10 DEBUG, 20 INFO, 30 WARN, 40 ERROR, 50 FATAL
+    :param node: full name; ignored if the program has only one node
+    :param level: 10 DEBUG, 20 INFO, 30 WARN, 40 ERROR, 50 FATAL; None for all levels
     """
     nodes = run.recording.nodes
     meant = nodes[0] if len(nodes) == 1 else node
@@ -297,12 +305,12 @@ def own_logs(run: Run, node: str, level: int | None = None) -> list[Event]:
 
 
 def count_of(number: int) -> str:
-    """Return a count in words for a sentence."""
+    """Return a count as text for a sentence, ``no`` for 0."""
     return str(number) if number else 'no'
 
 
 def lines(count: int, level: int) -> str:
-    """Return how many lines of a level there are, in words for a sentence."""
+    """Return a count of log lines with their level as text for a sentence."""
     return f'{count_of(count)} {LEVELS[level]} line{"" if count == 1 else "s"}'
 
 
@@ -316,14 +324,15 @@ def require_answers(
     secret: bool = False,
 ) -> None:
     """
-    Fail unless the calls of a service were answered as wanted, one after the other.
+    Fail unless the calls of a service have the wanted responses, in order.
 
     :param service: full name
-    :param wanted: for each call, the fields that must be equal; an empty mapping takes any
-    :param what: the calls in words, such as ``the transitions configure and activate``
-    :param phase: of the run, whose calls count; by default all
-    :param explain: what the exam knows of another answer, by its place
-    :param secret: whether the answers may show inputs of a hidden exam
+    :param wanted: for each call, the fields that must be equal; an empty mapping accepts any
+        response
+    :param what: description of the calls, such as ``the transitions configure and activate``
+    :param phase: only count calls in this phase of the run, by default in all phases
+    :param explain: returns the exam's cause of a wrong response, given its index
+    :param secret: whether the responses may reveal inputs of a hidden exam
     """
     answers = (run.recording.phase(phase) if phase else run.recording).answers(service)
     for number, fields in enumerate(wanted):

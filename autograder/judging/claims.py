@@ -1,16 +1,17 @@
 """
-What an exam asks, as claims that are data: each returns a check with its name and its sentence.
+Provide ready-made checks for ordinary nodes, called claims.
 
-They fit the usual node.  A mark sheet reads like the table of the lesson::
+Each function returns a check with its name and sentence.  An exam reads like the table of its
+lesson::
 
     exam.check(points=1)(node('/speed_limiter'))
     exam.check(points=1)(hears('/wanted', TWIST))
     exam.check(points=2)(one_for_one('speeds', '/cmd_vel'))
     exam.check(points=3, needs=['one_for_one'])(publishes('speeds', '/cmd_vel', 'linear.x'))
 
-What is due after each input, and which slip explains something else, is a
-:class:`autograder.exam.specification.Specification`, in ``Exam(asks=...)``.  What came is a *row*
-for each input, or for a burst of them.
+A :class:`autograder.exam.specification.Specification` in ``Exam(asks=...)`` gives the expected
+answers and the slips.  The recorded answers to each input, or to a burst, are a *row*, see
+:mod:`autograder.judging.rows`.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ Judge = Callable[[Run], None]
 
 
 def claim(name: str, sentence: str) -> Callable[[Judge], Judge]:
-    """Return a decorator that gives a check its name and the sentence that learners read."""
+    """Return a decorator that sets a check's name and the sentence that learners read."""
 
     def named(judge: Judge) -> Judge:
         judge.__name__, judge.__doc__ = name, sentence
@@ -60,10 +61,11 @@ def node(
     """
     Return the check for a node.
 
-    :param name: its full name
+    :param name: full name of the node
     :param only_named: see :func:`autograder.judging.checks.require_node`
-    :param check: name of the check; so in all claims
-    :param sentence: what learners read, by default a plain sentence; so in all claims
+    :param check: name of the check
+    :param sentence: what learners read, by default a standard sentence; like ``check``, this is a
+        parameter of all claims
     """
     base = name.rpartition('/')[2]
 
@@ -76,9 +78,9 @@ def node(
 
 def hears(topic: str, kind: str, check: str = '', sentence: str = '') -> Judge:
     """
-    Return the check for a subscription that an ordinary publisher reaches.
+    Return the check for a subscription that receives messages of an ordinary publisher.
 
-    :param topic: full name of a topic that the scenario feeds
+    :param topic: full name of a topic on which the probe publishes
     :param kind: type of its messages
     """
     base = topic.rpartition('/')[2]
@@ -96,9 +98,9 @@ def hears(topic: str, kind: str, check: str = '', sentence: str = '') -> Judge:
 
 def offers(topic: str, kind: str, check: str = '', sentence: str = '', **qos: Any) -> Judge:
     """
-    Return the check for a publisher that an ordinary subscription is connected to.
+    Return the check for a publisher that matches an ordinary subscription.
 
-    :param qos: policies that it must have, see :func:`autograder.judging.checks.require_qos`
+    :param qos: required policies, see :func:`autograder.judging.checks.require_qos`
     """
     base = topic.rpartition('/')[2]
 
@@ -116,9 +118,9 @@ def offers(topic: str, kind: str, check: str = '', sentence: str = '', **qos: An
 
 def requests(topic: str, kind: str, check: str, sentence: str, **qos: Any) -> Judge:
     """
-    Return the check for the quality of service that a subscription asks for.
+    Return the check for the QoS profile that a subscription requests.
 
-    :param qos: policies that it must have, see :func:`autograder.judging.checks.require_qos`
+    :param qos: required policies, see :func:`autograder.judging.checks.require_qos`
     """
 
     @claim(check, sentence)
@@ -135,10 +137,10 @@ def passes(
     sentence: str = '',
 ) -> Judge:
     """
-    Return the check for a node with a topic that it hears and one on which it answers.
+    Return the check for a node that subscribes to one topic and publishes on another.
 
-    :param source: full name and type of the topic that the scenario feeds
-    :param target: those of the one that it watches
+    :param source: full name and type of the topic on which the probe publishes
+    :param target: full name and type of the topic that the probe records
     """
     hear, say = source[0].rpartition('/')[2], target[0].rpartition('/')[2]
 
@@ -158,11 +160,11 @@ def one_for_one(
     places: Collection[int] | None = None,
 ) -> Judge:
     """
-    Return the check that each input is answered by as many messages as are due.
+    Return the check that each input causes the expected number of messages.
 
-    :param ask: name of the specification; its answers are tuples with a value for each message
-    :param topic: full name of a topic that the scenario watches
-    :param places: of the inputs that the check is about, by default all
+    :param ask: name of the specification; its answers are tuples with one value per message
+    :param topic: full name of a topic that the probe records
+    :param places: indices of the inputs to check, by default all
     """
 
     @claim(check, sentence or 'It publishes exactly what each input asks for, and nothing else.')
@@ -182,13 +184,13 @@ def publishes(
     what: str = 'what is due',
 ) -> Judge:
     """
-    Return the check that the messages after each input have the values that are due.
+    Return the check that the messages after each input have the expected values.
 
     :param ask: see :func:`one_for_one`
-    :param fields: whose values they are, a tuple of values where there are several; dots lead
-        into nested messages
-    :param places: of the inputs that the check is about, by default all
-    :param what: what is due, in words that may be told of hidden inputs
+    :param fields: names of the fields to compare; several give a tuple of values; dots separate
+        nested fields
+    :param places: indices of the inputs to check, by default all
+    :param what: description of the expected values that may be shown for hidden inputs
     """
     base = topic.rpartition('/')[2]
 
@@ -209,10 +211,10 @@ def beats(
     sentence: str = '',
 ) -> Judge:
     """
-    Return the check that messages come once a period, by whatever clock, to the end of the run.
+    Return the check that messages arrive once per period, on any clock, until the run ends.
 
-    :param topic: full name of a topic that the scenario watches
-    :param during_s: how long it is watched [s]
+    :param topic: full name of a topic that the probe records
+    :param during_s: duration of the recording [s]
     """
 
     @claim(check, sentence or f'It publishes once every {period_s:g} s.')
@@ -224,11 +226,11 @@ def beats(
 
 def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Judge:
     """
-    Return the check that each input is followed by as many WARN lines as are due.
+    Return the check that each input causes the expected number of WARN lines.
 
-    :param ask: name of the specification; its answers are counts, its inputs have a ``kind``,
-        which is how they are called
-    :param logger: full name of the node whose lines count
+    :param ask: name of the specification; its answers are counts, and its inputs have a ``kind``,
+        their description in feedback
+    :param logger: full name of the node whose log lines are judged
     """
 
     @claim(check, sentence or 'It logs exactly the warnings that each input asks for.')
@@ -241,10 +243,10 @@ def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Ju
 
 def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judge:
     """
-    Return the check that each call of a service has the answer that is due.
+    Return the check that each call of a service has the expected response.
 
-    :param ask: name of the specification; its inputs are the requests in their order, its answers
-        the fields that must be equal
+    :param ask: name of the specification; its inputs are the requests in order, its answers the
+        fields that must be equal
     """
     base = service.rpartition('/')[2]
 

@@ -1,9 +1,9 @@
 """
-Find the moment in a recording at which a check saw something unexpected.
+Find the moment in a recording at which a check first observed a deviation.
 
-A check says only what it expected and what it observed.  It may name the moment
-(``Failed(at=...)``).  Else the recording is cut shorter and shorter, and the moment is where the
-same words come out for the first time.
+A check reports only what it expected and observed, and it may name the moment
+(``Failed(at=...)``).  Otherwise a binary search finds the shortest part of the recording, from its
+start, for which the check fails with the same words.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ class Deviation:
     """
     A moment of a run.
 
-    :param index: of the event in the recording
-    :param how: how it was found: ``named``, ``cut``, ``ended`` if the run broke off, or ``end`` if
-        only the whole run shows it
+    :param index: index of an event in the recording
+    :param how: how it was found: ``named`` by the check, ``cut`` by shortening the recording,
+        ``ended`` if the run ended early, or ``end`` if only the whole run shows the deviation
     """
 
     index: int
@@ -33,9 +33,9 @@ class Deviation:
 
 def deviation(check: Check, run: Run) -> Deviation | None:
     """
-    Return where a check first saw something else, None if it passes or looks at files alone.
+    Return the moment at which a check first observed a deviation.
 
-    :param run: the files and the recording
+    None if the check passes or is static, or if the recording is empty.
     """
     events = run.recording.events
     failure = failure_of(check, run)
@@ -55,7 +55,7 @@ def _last_before_the_end(events: Sequence[Event]) -> int:
 
 
 def failure_of(check: Check, run: Run) -> Failed | None:
-    """Return how a check fails, None if it passes."""
+    """Return the failure of a check, None if it passes."""
     try:
         check.judge(run)
     except Failed as failure:
@@ -64,7 +64,7 @@ def failure_of(check: Check, run: Run) -> Failed | None:
 
 
 def _index_at(events: Sequence[Event], at: int) -> int:
-    """Return the first event at or after a virtual time, or the last one before the end."""
+    """Return the index of the first event from a virtual time on, or of the last regular one."""
     for number, event in enumerate(events):
         clock = event.get('clock_ns')
         if clock is not None and clock >= at and event['event'] not in TAIL:
@@ -73,7 +73,7 @@ def _index_at(events: Sequence[Event], at: int) -> int:
 
 
 def _shortest(check: Check, run: Run, failure: Failed) -> int:
-    """Return the last event of the shortest beginning that brings the same words."""
+    """Return the index of the last event of the shortest part with the same failure."""
     events = run.recording.events
     body = len(events)
     while body and events[body - 1]['event'] in TAIL:
@@ -84,7 +84,7 @@ def _shortest(check: Check, run: Run, failure: Failed) -> int:
         try:
             cut = Recording(run.recording.header, [*events[:middle], *events[body:]])
             found = failure_of(check, replace(run, recording=cut))
-        except Exception:  # noqa: BLE001 - a check need not bear half a recording
+        except Exception:  # noqa: BLE001 - a check may break on half a recording
             found = None
         words = found and (found.expected, found.observed)
         same = words == (failure.expected, failure.observed)

@@ -1,8 +1,8 @@
 """
-What an instructor should look at in a recording, in words.  None of it changes a verdict.
+List what an instructor should look at in a recording, without any effect on a verdict.
 
-Most of it has an innocent reason now and then, so a flag says what was seen and accuses nobody.
-Nothing here depends on how fast the machine is: the same submission gets the same flags.
+Most observations can have an innocent reason, so a flag only states a fact.  Flags do not depend
+on the speed of the machine: equal submissions get equal flags.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from autograder.exam.scenario import Scenario
 from autograder.recording import Event, Recording
 
 MANY_ENDPOINTS = 100
-"""Publishers and subscriptions; a node of the course has fewer than ten."""
+"""More publishers and subscriptions cause a flag; a node of the course has fewer than ten."""
 
 _OWN_TOPICS = ('/rosout', '/parameter_events')  # one publisher per node, created by rclpy
 
 
 def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
     """
-    Return what was noticed.
+    Return the flags of a run.
 
     :param scenario: what the probe did in this run
     """
@@ -48,7 +48,7 @@ def _counts(recording: Recording) -> Iterator[int]:
 
 
 def _about_topics(recording: Recording, scenario: Scenario) -> Iterator[str]:
-    """Say who publishes where the grader does, or where only rclpy should."""
+    """Yield flags about topics on which only the grader or only rclpy should publish."""
     if recording.endpoints('publisher', '/clock'):
         yield 'the program publishes on /clock, which the grader owns'
     inputs = {topic for kind, topic, _ in scenario.endpoints() if kind == 'subscription'}
@@ -61,19 +61,19 @@ def _about_topics(recording: Recording, scenario: Scenario) -> Iterator[str]:
 
 
 def _extra_publishers(graph: Event, topic: str) -> bool:
-    """Return whether a topic has more publishers of a name than there are nodes of it."""
+    """Return whether a topic has more publishers under a node name than nodes with this name."""
     nodes: Counter[str] = Counter(graph['nodes'])
     makers = Counter(
         end['node']
         for end in graph['endpoints']
         if end['topic'] == topic and end['kind'] == 'publisher'
     )
-    # One may be the first news of a node whose name is not known yet.
+    # The first publisher may be discovered before the name of its node, so always allow one.
     return any(count > max(1, nodes[node]) for node, count in makers.items())
 
 
 def _about_nodes(recording: Recording) -> Iterator[str]:
-    """Say which nodes are not what they seem to be."""
+    """Yield flags about imitated, duplicate and invalid node names."""
     if recording.of('imitated'):
         yield "a node has the name of the grader's own node"
     names = [name for graph in recording.of('graph', when='end') for name in graph['nodes']]
@@ -84,5 +84,5 @@ def _about_nodes(recording: Recording) -> Iterator[str]:
 
 
 def is_a_name(name: str) -> bool:
-    """Return whether rclpy would have let a node have this full name."""
+    """Return whether rclpy accepts this full name for a node."""
     return all(part.isascii() and part.isidentifier() for part in name.split('/')[1:])

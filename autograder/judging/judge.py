@@ -1,4 +1,4 @@
-"""The judge: a pure function from a recording and an exam to verdicts."""
+"""Judge a recording with the checks of an exam, as a pure function."""
 
 from __future__ import annotations
 
@@ -18,9 +18,8 @@ def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
     """
     Judge every check of an exam, in order.
 
-    :param exam: its checks
     :param run: files and recording; nothing is executed
-    :raises GraderError: if a check itself breaks, which says nothing about the student
+    :raises GraderError: if a check itself breaks, which is not the student's fault
     """
     results: dict[str, CheckResult] = {}
     blocked: set[str] = set()
@@ -34,7 +33,7 @@ def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
     """
     Return whether a run could change any verdict.
 
-    :param files: the student's files; checks that look at them alone are judged here
+    :param files: the student's files, which are enough for static checks
     """
     nothing = Run(files, Recording({}, ()), exam.facts)
     results: dict[str, CheckResult] = {}
@@ -55,7 +54,8 @@ def _judge_one(
     """
     Judge one check.
 
-    :param blocked: checks for which others wait; this one is added if it belongs to them
+    :param blocked: names of checks that block the checks that need them; this check is added if it
+        fails or is blocked
     """
     waits = [name for name in check.needs if name in blocked]
     if waits:
@@ -88,7 +88,7 @@ def _judge_one(
             try_this=run.names.fill(why.try_this),
             read=where_to_read(why.cause_id) or check.read or exam.read,
         )
-    except Exception as error:  # noqa: BLE001 - any other exception is ours, whatever its type
+    except Exception as error:  # noqa: BLE001 - any other exception is a fault of the grader
         place = line_in(Layout.here().exams, error)
         raise GraderError(
             f'Check {check.name} of exam {exam.name} broke{f" in {place}" if place else ""}: '

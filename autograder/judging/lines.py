@@ -1,7 +1,7 @@
 """
-Log lines that are due after inputs: how many come, and which show their number.
+Judge the log lines that follow inputs: their number, and whether they show the input.
 
-The lines that follow an input, or a burst of them, are a row, see
+The lines that follow an input, or a burst of inputs, are a row, see
 :mod:`autograder.judging.rows`.
 """
 
@@ -24,10 +24,11 @@ from autograder.recording import INFO, WARN
 @dataclass(frozen=True)
 class Followed:
     """
-    Inputs that go together, and the log lines that followed them.
+    One input or a burst, and the log lines that followed.
 
-    :param inputs: one, or all of a burst; each tells with ``is_in`` whether a text shows it
-    :param row: None if the run ended before
+    :param inputs: one input, or all of a burst; each has a method ``is_in``, which returns whether
+        a text shows the input
+    :param row: None if the run ended before all of the inputs were sent
     """
 
     inputs: Sequence[Any]
@@ -35,20 +36,20 @@ class Followed:
 
     @property
     def logs(self) -> Row:
-        """Return the lines that followed."""
+        """Return the lines that followed, empty if the inputs were not sent."""
         return self.row or []
 
     def count(self, level: int) -> int:
-        """Return how many lines have a level."""
+        """Return the number of lines at a level."""
         return sum(entry['level'] == level for entry in self.logs)
 
     def showing(self, one: Any, level: int = INFO) -> int:
-        """Return how many lines of a level show an input."""
+        """Return the number of lines at a level that show an input."""
         return sum(one.is_in(entry['text']) for entry in self.logs if entry['level'] == level)
 
 
 def followed(run: Run, ask: str) -> list[Followed]:
-    """Pair every input of a specification, sent or not, with what was logged after it."""
+    """Return every input or burst of a specification, sent or not, with the log lines after it."""
     found = rows(run, ask, run.recording.logs())
     return [Followed(run.asked(ask).row(place), row) for place, row in enumerate(found)]
 
@@ -63,14 +64,16 @@ def require_warnings(
     shared: bool = False,
 ) -> None:
     """
-    Fail unless inputs are followed by as many WARN lines as are due.
+    Fail unless inputs are followed by the expected number of WARN lines.
 
-    :param asked: what is due; its inputs have ``kind``, words for what they try
+    :param asked: specification with the expected counts; its inputs have a ``kind``, their
+        description in feedback
     :param followed: log lines after each input, see :func:`rows`
-    :param places: of the inputs that the check is about
-    :param part: places on which one mistake may explain all, see ``Specification.cause``
-    :param why_missing: explains a warning that did not come, by default by where else it is
-    :param shared: see :func:`share`
+    :param places: indices of the inputs to check
+    :param part: indices for which one slip may explain all answers, see ``Specification.cause``
+    :param why_missing: explains a missing warning, given its index; by default, searches for the
+        line in other places
+    :param shared: whether to give a part of the points, see :func:`share`
     """
     came = warnings_after(followed)
     wrong = [place for place in places if (came[place] or 0) != asked.answers[place]]
@@ -95,9 +98,10 @@ def require_warnings(
 
 def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> float:
     """
-    Return the part of the points for what was right before a program ended in mid-run.
+    Return the fraction of the points for correct results before the program ended during the run.
 
-    How far a program came until the limit of processor time is the machine's doing: no part of it.
+    It is 0 if the run was complete, and at the CPU limit, because how far a program gets before
+    this limit depends on the machine.
     """
     if None not in followed or run.recording.end_reason == 'cpu_limit' or not due:
         return 0.0
@@ -109,5 +113,5 @@ def _what(inputs: Sequence[Any]) -> str:
 
 
 def warnings_after(followed: Iterable[Row | None]) -> list[int | None]:
-    """Return how many WARN lines came after each input, None where it was not sent."""
+    """Return the number of WARN lines after each input, None if the input was not sent."""
     return [row if row is None else sum(line['level'] == WARN for line in row) for row in followed]

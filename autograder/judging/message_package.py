@@ -1,9 +1,9 @@
 """
-What exams about a package have in common: its files, and how the build of a message ended.
+Check the files of a package, and explain a failed build of its messages.
 
-Bodies of checks as in :mod:`autograder.judging.checks`, for ``.msg`` files and ``package.xml``; a
-build is explained from what the tools printed, by :mod:`autograder.judging.causes.builds`.  All of
-it reads text that may come from anybody.
+The functions are bodies of checks, as in :mod:`autograder.judging.checks`, for ``.msg`` files,
+``package.xml`` and ``CMakeLists.txt``.  :mod:`autograder.judging.causes.builds` explains a build
+from the output of the tools.  All of this input is untrusted.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Fields = Sequence[tuple[str, str]]
 
 A_FIELD = 'A field is a type, a space and a name, and perhaps a default. An = makes a constant.'
 LONGEST_CMAKE = 20_000
-"""Characters; the lesson's file has 700."""
+"""Maximum length that is read [characters]; the file of the lesson has 700."""
 _BOUNDS = (
     (re.compile(r'\[(\d+)\]$'), '[{0}] is exactly {0}'),
     (re.compile(r'\[<=(\d+)\]$'), '[<={0}] is at most {0}'),
@@ -39,9 +39,9 @@ _BOUNDS = (
 
 def fields_of(text: str) -> list[tuple[str, str]]:
     """
-    Read a message definition as (type, name) pairs, in order, without constants.
+    Return the fields of a message definition as (type, name) pairs, in order, without constants.
 
-    :param text: a .msg file; a line that is no field gives its own words back
+    :param text: content of a .msg file; a line that is not a valid field gives its first two words
     """
     found = []
     for line in text.splitlines():
@@ -55,9 +55,9 @@ def fields_of(text: str) -> list[tuple[str, str]]:
 
 def require_fields(text: str, wanted: Fields) -> None:
     """
-    Fail unless a message definition has exactly some fields, in their order.
+    Fail unless a message definition has exactly the given fields, in order.
 
-    :param text: a .msg file
+    :param text: content of a .msg file
     """
     found = fields_of(text)
     if found == list(wanted):
@@ -102,7 +102,7 @@ def _why_fields(found: Fields, wanted: Fields, text: str) -> Cause:
 
 
 def _why_wrong(kind: str, name: str, types: Mapping[str, str]) -> Cause:
-    """Explain a line that is no field of the specification."""
+    """Explain a line that is not a field of the specification."""
     line = f'{kind} {name}'.strip()[:80]
     names = f'(?P<name>{"|".join(types)})'
     for cause_id, condition, pattern, text, repair in _FIELD_SLIPS:
@@ -124,7 +124,7 @@ _IF: Mapping[str, Callable[[str, str], bool]] = {
         re.split(r'[^\w/]', kind)[0] == re.split(r'[^\w/]', wanted)[0]
     ),
 }
-"""Conditions of a row, asked of the type in the line and of the one that is due."""
+"""Conditions of a row, given the type in the line and the expected type."""
 
 
 def _bound_of(wanted: str) -> str:
@@ -155,7 +155,11 @@ Programs that use the message need the runtime of generated code.
 member_of_group
 This group tells ROS 2 that the package has messages.
 """
-"""Rows of three: what ``package.xml`` has to say (REP 149), tags that all say it, and why."""
+"""
+Rows of three lines: a declaration that ``package.xml`` needs (REP 149), valid tags, the reason.
+
+``|`` separates alternative tags; an alternative with a space needs both of its tags.
+"""
 _BUILD_TYPES = {
     'ament_cmake': 'Only packages of type ament_cmake can have messages.',
     'ament_python': 'By this type colcon knows that the package is built with setup.py.',
@@ -166,14 +170,14 @@ def require_declarations(
     text: str, package: str, needed: str = _DECLARATIONS, build_type: str = 'ament_cmake'
 ) -> None:
     """
-    Fail unless a package.xml declares what its package needs.
+    Fail unless a package.xml declares everything that its package needs.
 
-    :param text: a package.xml
-    :param package: name that the package must have
-    :param needed: rows as in ``_DECLARATIONS``, by default what a message needs
+    :param text: content of a package.xml
+    :param package: required name of the package
+    :param needed: rows as in ``_DECLARATIONS``, by default those for a message package
     """
     try:
-        root = ElementTree.fromstring(text)  # noqa: S314 - expat refuses bombs
+        root = ElementTree.fromstring(text)  # noqa: S314 - expat rejects XML bombs
     except ElementTree.ParseError as error:
         raise Failed(
             expected='a well-formed package.xml',
@@ -205,7 +209,7 @@ def require_declarations(
 
 
 def _named(line: str) -> str:
-    """Return the text between the tags of a line."""
+    """Return the text between the tags of an element."""
     return line.partition('>')[2].partition('<')[0]
 
 
@@ -218,9 +222,10 @@ def _why_not_declared(line: str, have: set[tuple[str, str]], why: str) -> str:
 
 def require_registered(text: str) -> None:
     """
-    Fail if a package is built and does not tell ROS 2 that it is there.
+    Fail if a package generates messages but is not registered with ROS 2.
 
-    :param text: a CMakeLists.txt; if it lacks other commands too, this does not fail
+    :param text: content of a CMakeLists.txt; only ``ament_package()`` may be missing, otherwise
+        this does not fail
     """
     bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE]).lower()
     called = re.findall(r'\b(ament_(?:auto_)?package|rosidl_generate_interfaces)\s*\(', bare)
@@ -240,11 +245,13 @@ def require_registered(text: str) -> None:
 
 def commands_of(text: str) -> list[tuple[str, list[str]]]:
     """
-    Read a CMake file as (command, arguments) pairs.
+    Return the commands of a CMake file as (command, arguments) pairs.
 
-    :param text: command names are lower-cased, comments and quotes dropped, and variables of
-        ``set``, ``list(APPEND)`` and ``project`` put in; bracket arguments and generator
-        expressions are not understood, and lessons do not use them
+    Command names are in lower case.  Comments and quotes are removed, and variables from ``set``,
+    ``list(APPEND)`` and ``project`` are replaced by their values.  Bracket arguments and generator
+    expressions, which no lesson uses, are not parsed.
+
+    :param text: content of a CMakeLists.txt
     """
     bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE])
     variables: dict[str, str] = {}
@@ -264,7 +271,7 @@ def commands_of(text: str) -> list[tuple[str, list[str]]]:
 
 
 def mistake_in_build(run: Run) -> Diagnosis:
-    """Return what the tools printed as a build failed."""
+    """Return the diagnosis of a failed build, from the output of the tools."""
     output = output_of(run)
     found = diagnose(output, run.files)
     if not found.cause and 'Traceback' in output and 'echo_node.py' in output:
@@ -273,7 +280,7 @@ def mistake_in_build(run: Run) -> Diagnosis:
 
 
 def why_no_build(run: Run) -> Cause:
-    """Explain a message package of which no message came, from how its build ended."""
+    """Explain why no message of a package arrived, from the way its build ended."""
     killed = str(run.recording.process.get('killed', ''))
     if killed in LIMITS:
         return why_killed(killed, 'build')

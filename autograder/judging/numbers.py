@@ -1,4 +1,4 @@
-"""Numbers in what a node says: which there are, and why they are not 1, 2, 3 and so on."""
+"""Read numbers in log lines and messages, and explain wrong numbering."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from autograder.exam.exam import Cause
 COUNT_IN = 'Make self.count once, in __init__(), as 0, and add 1 in the callback, once.'
 _NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
 GRAIN = 0.051
-"""How far a number may be from the value that it shows: it may be rounded to one decimal."""
+"""Maximum difference between a value and its number in a text, which may have one decimal."""
 
 
 def numbers_in(text: str) -> list[float]:
-    """Return the numbers in a text, with their signs; the decimal separator may be a comma."""
+    """Return the numbers in a text, with their signs; a comma may be the decimal separator."""
     return [float(found.replace(',', '.')) for found in _NUMBER.findall(text)]
 
 
 def whole_numbers_in(text: str) -> list[int]:
-    """Return the digits in a text as numbers; 003 is 3, and digits of any script are digits."""
+    """Return the groups of digits in a text as integers: 003 is 3; digits of all scripts count."""
     return [int(digits) for digits in re.findall(r'\d{1,9}', text)]
 
 
 def shows(text: str, *values: float) -> bool:
-    """Return whether a text shows one of some values, however rounded."""
+    """Return whether a text shows one of some values, with any rounding."""
     return any(abs(one - value) <= GRAIN for one in numbers_in(text) for value in values)
 
 
 def why_not_numbered(texts: Sequence[str], place: int, first: int = 1) -> Cause | None:
     """
-    Explain a text without its number.
+    Explain a text that lacks its number.
 
-    :param texts: all, in order
-    :param place: index of the first that is wrong
-    :param first: number of the first text; greater where the first ones were lost
+    :param texts: all texts, in order
+    :param place: index of the first wrong text
+    :param first: number of the first text; above 1 if earlier texts were lost
     """
     text, due = texts[place], first + place
     if '{' in text and '}' in text:

@@ -1,4 +1,4 @@
-"""Why the executable of a package did not start: the build, its place, or its entry point."""
+"""Explain why the executable of a package did not start: build, install, entry point."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from autograder.judging.causes.tracebacks import traceback_of
 
 NO_EXECUTABLE, NOT_BUILT = 97, 98
 MARK = 'run_package: '
-"""As in inside/run_package.py, which imports nothing of the project."""
+"""Start of the line from ``inside/run_package.py``, which imports nothing from the project."""
 _NO_ENTRY = re.compile(
     r"No module named '(?P<module>[\w.]{1,80})'"
     r"|module '(?P<place>[\w.]{1,80})' has no attribute '(?P<function>\w{1,60})'"
@@ -22,7 +22,7 @@ _NO_ENTRY = re.compile(
 
 
 def why_no_program(run: Run) -> Cause | None:
-    """Return why a package has no program to run, None if it has one."""
+    """Return why a package has no program to run, None if it has one or is not a package."""
     process: Mapping[str, Any] = run.recording.process
     code = process.get('exit') if run.facts.get('package') else None
     if code == NOT_BUILT:
@@ -33,7 +33,7 @@ def why_no_program(run: Run) -> Cause | None:
 
 
 def _why_no_entry(run: Run) -> Cause | None:
-    """Explain an entry point that names what is not there."""
+    """Explain an entry point that names a missing package, module or function."""
     trace, package = traceback_of(run), run.facts['package']
     found = _NO_ENTRY.search(trace.error) if trace is not None and not trace.line else None
     if found is None:
@@ -58,7 +58,11 @@ def _why_no_executable(run: Run) -> Cause:
 
 
 def installed(run: Run) -> dict[str, list[str]]:
-    """Return the list that run_package has written; students can forge it, so it only explains."""
+    """
+    Return the installed files that ``run_package`` lists.
+
+    Students can forge this list, so it only explains.
+    """
     found: dict[str, list[str]] = {'lib': [], 'bin': [], 'others': []}
     said = str(run.recording.process.get('stderr', ''))
     lines = [line for line in said.splitlines() if line.startswith(MARK)]

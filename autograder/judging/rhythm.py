@@ -1,4 +1,4 @@
-"""Whether messages or log lines come in the rhythm that is asked for, and which other one."""
+"""Check that messages or log lines keep a rhythm, and explain a different one."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from autograder.judging.checks import SECOND
 from autograder.recording import Event
 
 GRAIN_S = 0.015
-"""How exact a rhythm is asked to be [s]: a clock that is polled moves by up to 0.01 s."""
+"""Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
 FLOOD = 10
-"""How many times what is due is a flood: what is recorded of it is no more than its beginning."""
+"""A flood is more than this multiple of the expected count; its recording is incomplete."""
 
 
 def require_period(
@@ -27,15 +27,15 @@ def require_period(
     when: str = '',
 ) -> None:
     """
-    Fail unless messages or log lines come once a period, by whatever clock, to the end of a phase.
+    Fail unless messages or log lines arrive once per period, on any clock, until a phase ends.
 
-    One more or less fits into the time that was watched.
+    One more or one less is accepted.
 
-    :param found: what came in one phase, in order
-    :param during_s: length of the phase [s]
-    :param what: what came, in the singular
-    :param explain: what the exam knows of other rhythms; it is asked before their gaps are
-    :param when: the phase in words, to be put behind what is expected
+    :param found: messages or lines of one phase, in order
+    :param during_s: duration of the phase [s]
+    :param what: the expected thing in the singular, such as ``message``
+    :param explain: returns the exam's own cause, which has priority over causes found in the gaps
+    :param when: description of the phase, appended to the expectation
     """
     seconds = [one['clock_ns'] / SECOND for one in found]
     gaps = [later - earlier for earlier, later in pairwise(seconds)]
@@ -55,7 +55,7 @@ def require_period(
 
 
 def _rhythm(what: str, count: int, gaps: Sequence[float], due: float) -> str:
-    """Return in words how many messages came, and how far apart."""
+    """Return a description of the number of messages and the gaps between them."""
     if is_flood(count, due):
         return f'far more {what}s'
     if not gaps:
@@ -73,12 +73,12 @@ def why_other_rhythm(
     grain_s: float = GRAIN_S,
 ) -> Cause | None:
     """
-    Explain messages or log lines that come in another rhythm, if the gaps between them show why.
+    Explain messages or log lines with a different rhythm, if the gaps between them show why.
 
-    The other parameters are those of :func:`require_period`.
+    For the other parameters see :func:`require_period`.
 
-    :param rate: seconds a virtual second, of the clock that the rhythm is measured on
-    :param grain_s: how far a gap may be from the mean of an even rhythm [s]
+    :param rate: seconds of the measuring clock per virtual second
+    :param grain_s: tolerance of a gap around the mean of an even rhythm [s]
     """
     gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND * rate for one, two in pairwise(found)]
     due = during_s / period_s
@@ -115,7 +115,7 @@ def why_other_rhythm(
 
 
 def _why_several(found: Sequence[Event], what: str) -> Cause:
-    """Explain several messages or lines of one moment; a line tells where it was logged."""
+    """Explain several messages or log lines at one moment; log lines contain their place."""
     places = sorted({one['line'] for one in found if one.get('line')})
     if len(places) > 1:
         lines = ' and '.join(map(str, places[:3]))
@@ -132,5 +132,5 @@ def _why_several(found: Sequence[Event], what: str) -> Cause:
 
 
 def is_flood(count: float, due: float) -> bool:
-    """Tell whether so many are far more than were due, so that no text should tell the count."""
+    """Return whether a count is far too high, so that feedback should not show it."""
     return count > FLOOD * max(due, 1.0)

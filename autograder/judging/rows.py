@@ -1,8 +1,8 @@
 """
-Rows: what followed each input of a run, compared with what was due.
+Collect the events that follow each input of a run, and compare them with the expected answers.
 
-What is due, and which slip explains something else, is a
-:class:`autograder.exam.specification.Specification`.
+The events after one input, or after a burst, are a row.  The expected answers and the slips are in
+a :class:`autograder.exam.specification.Specification`.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ Row = list[Event]
 
 def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
     """
-    Return the events that followed each input of a specification, those of a burst in one row.
+    Return the events after each input of a specification; a burst has one row.
 
     :param ask: name of the specification
-    :param events: of the run, each with the number of the input that it follows
-    :returns: None in place of a row whose input was not sent, or not all of the burst
+    :param events: events of the run, each with the index of the last input before it
+    :returns: None for a row whose input, or burst, was not completely sent
     """
     count, burst = len(run.asked(ask).inputs), run.asked(ask).burst
     found: list[Row] = [[] for _ in range(count)]
@@ -51,11 +51,11 @@ def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
 
 def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, ...] | None]:
     """
-    Return the values that came on a topic after each input, those after a burst in order.
+    Return the values on a topic after each input; those after a burst are sorted.
 
-    :param fields: see :func:`publishes`; without one, their only field
-    :returns: None in place of an input that was not sent; a value is None if its message was too
-        large to be recorded
+    :param fields: see :func:`publishes`; by default the first field of the message
+    :returns: None for an input that was not sent; a value is None if its message was too large to
+        be recorded
     """
     found = [
         None if row is None else tuple(_value(one, fields) for one in row)
@@ -68,9 +68,9 @@ def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, .
 
 def endpoints_at(run: Run, when: str, kind: str, topic: str) -> list[Event]:
     """
-    Return the endpoints on a topic at one look at the graph.
+    Return the endpoints on a topic in one graph of the recording.
 
-    :param when: name of a :class:`autograder.exam.scenario.Look`, ``start`` or ``end``
+    :param when: label of a :class:`autograder.exam.scenario.Look`, ``start`` or ``end``
     :param kind: ``'publisher'`` or ``'subscription'``
     """
     ends = (end for graph in run.recording.of('graph', when=when) for end in graph['endpoints'])
@@ -78,7 +78,7 @@ def endpoints_at(run: Run, when: str, kind: str, topic: str) -> list[Event]:
 
 
 def seconds_after_join(run: Run, topic: str, listener: str) -> float:
-    """Return how long after a listener has joined its first message came [s]."""
+    """Return the time from the join of a listener to its first message [s]."""
     joined = run.recording.of('joined', listener=listener)[0]
     first = run.recording.messages(topic, listener)[0]
     return float(first['clock_ns'] - joined['clock_ns']) / SECOND
@@ -100,10 +100,10 @@ def require_one_for_one(
     places: Collection[int] | None = None,
 ) -> None:
     """
-    Fail unless inputs are answered by as many messages as are due, and nothing comes before.
+    Fail unless each input causes the expected number of messages, and none precedes the inputs.
 
     :param came: see :func:`published`
-    :param places: of the inputs that the check is about, by default all
+    :param places: indices of the inputs to check, by default all
     """
     if run.recording.of('message', topic=topic, after_input=None):
         raise Failed(expected='nothing before the first input', observed='a message', why=UNASKED)
@@ -123,7 +123,7 @@ def require_one_for_one(
 def why_other_answer(
     asked: Specification, came: Sequence[tuple[Any, ...] | None], place: int
 ) -> Cause | None:
-    """Explain a wrong answer by a slip, or a wrong number of messages by where else it is."""
+    """Explain a wrong answer by a slip, or a wrong number of messages by a general cause."""
     if slip := asked.cause(came, place):
         return slip
     more = len(came[place] or ()) - len(asked.answers[place])
@@ -142,11 +142,11 @@ def require_values(
     what: str = 'what is due',
 ) -> None:
     """
-    Fail unless inputs are answered by the values that are due.
+    Fail unless each input is answered with the expected values.
 
     :param came: see :func:`published`
-    :param places: of the inputs that the check is about, by default all
-    :param what: what is due, in words that may be told of hidden inputs
+    :param places: indices of the inputs to check, by default all
+    :param what: description of the expected values that may be shown for hidden inputs
     """
     for place in asked.wrong(came, places)[:1]:
         raise Failed(
@@ -158,9 +158,9 @@ def require_values(
 
 def shown_values(run: Run, values: Sequence[Any] | None, secret: str = 'something else') -> str:
     """
-    Return values as text for a message, unless they may be inputs of a hidden exam.
+    Return values as text for feedback, unless they may be inputs of a hidden exam.
 
-    :param secret: the text to return instead of such values
+    :param secret: the text that replaces such values
     """
     if values and run.secret:
         return secret

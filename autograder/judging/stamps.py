@@ -1,8 +1,8 @@
 """
-Stamps on the ROS clock: whether each is of its moment, and where a wrong one comes from.
+Check stamps from the ROS clock, and explain wrong ones.
 
-The clock of such an exam begins far from system time and shows nothing between two of its steps,
-so the wrong clock, a lost fraction and a made-up stamp can be told by arithmetic.
+In these exams, the ROS clock starts far from system time and advances in steps.  So arithmetic is
+enough to detect a wrong clock, a lost fraction or an invented stamp.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from autograder.recording import Event
 from autograder.submission.code.learners_code import FieldUse, use_of_field
 
 SYSTEM_TIME_S = 1e9
-"""Stamps beyond are of the computer's own time of day: 2001 and later."""
+"""Stamps above this value are from the system clock, which passed it in 2001 [s]."""
 FAR_S = 1000
-"""So far from the ROS clock [s], a stamp is from another one."""
+"""A stamp further than this from the ROS clock is from a different clock [s]."""
 MILLISECOND = 1_000_000
 
 
@@ -29,11 +29,11 @@ def require_stamps(
     run: Run, found: Iterable[tuple[Event, int]], clock: RosClock, field: str = 'timestamp'
 ) -> None:
     """
-    Fail unless messages are stamped with the ROS time of their moment.
+    Fail unless messages have the ROS time of their moment as stamp.
 
-    :param found: messages, each with the virtual time of the earliest moment that its stamp may
-        have [ns]; the latest is when it came
-    :param field: of the type ``builtin_interfaces/msg/Time``
+    :param found: messages, each with the virtual time of the earliest valid stamp [ns]; the latest
+        valid stamp is the time of the message
+    :param field: name of a field of type ``builtin_interfaces/msg/Time``
     """
     for message, earliest_ns in found:
         stamp = field_of(message, field)
@@ -51,10 +51,10 @@ def require_stamps(
 
 
 def _described(run: Run, seconds: float, now: float) -> str:
-    # Such values differ from run to run, so they are described and not shown.
+    # System time differs from run to run, so describe such a stamp without its value.
     if seconds > SYSTEM_TIME_S:
         return "a stamp of this computer's own time of day"
-    # The fraction of an older stamp is the moment at which a hidden clock began.
+    # The fraction of an old stamp would reveal when a hidden clock began.
     if run.secret and seconds % 1:
         return f'a stamp of {"an earlier" if seconds < now else "a later"} moment'
     return f'a stamp of {seconds:.9g} s'
@@ -81,7 +81,7 @@ def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause
 
 
 def _why_zero(code: FieldUse, field: str, take: str) -> Cause:
-    """Explain a stamp of 0 by what the code does with the field."""
+    """Explain a stamp of 0 by the code that uses the field."""
     if not code.given and code.local:
         alone = f'The {field} is never set: {field} alone is a variable of its own.'
         return Cause('missing_stamp', alone, take)

@@ -1,1 +1,1 @@
-"""Drive a student's program from a process in the same network, and record what it does."""
+"""Send inputs to a student's program from a process in the same network, and record its output."""

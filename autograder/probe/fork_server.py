@@ -1,14 +1,15 @@
 """
-Keep a Python with rclpy loaded, and make the probe of each run a fork of it.
+Keep a Python process with rclpy loaded, and fork it to create the probe of each run.
 
-Loading rclpy takes longer than a probe then works.  Here it is done once, before there is any node
-or network, and the next run uses the same process.
+Loading rclpy takes longer than the work of a probe.  This process loads it once, before any node
+or network exists, and serves many runs.
 
-This process takes orders from the grader alone.  A fork joins the network of its run.  Before it
-reads a word about the run, it gives up its rights, see :func:`confine.give_up`: it gets a uid that
-belongs to nobody, no capability, and the system-call filter of the students' programs.
+Only the grader can send orders to this process.  A fork enters the network of its run.  Before it
+reads the scenario, it gives up its rights (:func:`confine.give_up`): it gets an unused uid, no
+capabilities, and the system-call filter of the students' programs.
 
-This file imports nothing of this project but its neighbours: only their text enters the sandbox.
+From this project, this file imports only ``probe/`` and ``inside/``: the sandbox has no other file
+of the grader.
 """
 
 from __future__ import annotations
@@ -21,24 +22,24 @@ import resource
 import socket
 from typing import Any, NoReturn
 
-import probe  # type: ignore[import-not-found]  # beside this file; first, because it is lean
+import probe  # type: ignore[import-not-found]  # first, because it calls lean()
 
 # isort: split
-import confine  # type: ignore[import-not-found]  # of the programs in the sandbox
+import confine  # type: ignore[import-not-found]  # in inside/
 from probe_wire import load_type  # type: ignore[import-not-found]
 
 READY, BORN = b'ready', b'born'
 ORDER_BYTES = 1 << 16
-MOST_FILES = 8  # standard input, output and error; the place on the clock; namespaces
+MOST_FILES = 8  # standard input, output and error; the socket of the clock; namespaces
 EVERY_RUN = ('rcl_interfaces/msg/Log', 'rcl_interfaces/srv/GetParameters', 'std_msgs/msg/String')
-libc = ctypes.CDLL(None, use_errno=True)  # and the library of the clock, which is loaded into it
+libc = ctypes.CDLL(None, use_errno=True)  # includes the clock's library, which is preloaded
 
 
 def main() -> None:
-    """Load what every probe needs, then serve the grader until it is gone."""
+    """Load the message types that every probe needs, then serve the grader until it exits."""
     for name in EVERY_RUN:
         load_type(name).__class__.__import_type_support__()
-    gc.freeze()  # a collection in a fork would copy what it looks at
+    gc.freeze()  # a garbage collection in a fork would copy the memory pages that it visits
     with socket.socket(fileno=0) as grader:
         grader.send(READY)
         serve(grader)
@@ -46,9 +47,9 @@ def main() -> None:
 
 def serve(grader: socket.socket) -> None:
     """
-    Make a probe for each order, one at a time, and report its exit code.
+    Fork a probe for each order, one at a time, and report its exit code.
 
-    :param grader: a socket that keeps messages apart
+    :param grader: socket of type SOCK_SEQPACKET, which keeps message boundaries
     """
     while True:
         order, files, _, _ = socket.recv_fds(grader, ORDER_BYTES, MOST_FILES)
@@ -65,12 +66,12 @@ def serve(grader: socket.socket) -> None:
 
 def become(order: dict[str, Any], grader: socket.socket, files: list[int]) -> NoReturn:
     """
-    Become the probe of a run.
+    Turn this fork into the probe of a run.
 
-    :param order: ``variables``; ``limits`` by the names of setrlimit(2) in small letters; and
-        ``rules`` for :func:`confine.give_up`, None if it keeps its rights
-    :param files: descriptors of standard input, output and error, of the place on the clock, and
-        of the namespaces to enter
+    :param order: ``variables`` of the environment; ``limits``, with the names of setrlimit(2) in
+        lower case; and ``rules`` for :func:`confine.give_up`, None to keep all rights
+    :param files: descriptors of standard input, output and error, of the probe's socket for the
+        virtual clock, and of the namespaces to enter
     """
     code = 1
     try:
@@ -85,13 +86,13 @@ def become(order: dict[str, Any], grader: socket.socket, files: list[int]) -> No
             resource.setrlimit(getattr(resource, f'RLIMIT_{name.upper()}'), (value, value))
         if order['rules'] is not None:
             confine.give_up({**order['rules'], 'inherited': [given, place]})
-        grader.send(BORN)  # the kernel adds the process id, as the grader sees it
+        grader.send(BORN)  # the kernel adds this process's id in the grader's namespace
         os.dup2(given, 0)
         os.close(given)
         libc.join_virtual_clock(place)
         probe.main()
         code = 0
-    except BaseException as error:  # noqa: BLE001 - from here no way leads back into the loop
+    except BaseException as error:  # noqa: BLE001 - a fork must never return to the server's loop
         os.write(2, f'{type(error).__name__}: {error}\n'.encode(errors='replace'))
     finally:
         os._exit(code)

@@ -1,13 +1,13 @@
 """
-Drive a student's program from inside the network of its sandbox, and write down what it does.
+Run a scenario inside the network of a student's sandbox, and record what the program does.
 
-The probe knows the *scenario* (which topics to watch, what to send, and when) but no expected
-value.  It reads one JSON line from standard input, runs the scenario, and writes one JSON event
-per line to standard output; :mod:`autograder.recording` documents the events.  It runs as a
-separate process, confined and disposable, because it parses whatever the student's code sends.
+The probe receives the *scenario* (which topics to watch, what to send, and when) but no expected
+values.  It reads one JSON line from standard input, runs the scenario, and writes one JSON event
+per line to standard output; :mod:`autograder.recording` documents the events.  It is a separate,
+confined process, because it parses messages that untrusted code sends.
 
-This file and the other ``probe_*.py`` import nothing from this project except each other: only
-their text enters the probe's sandbox.
+The files of the probe import nothing from this project except each other and ``inside/``: the
+probe's sandbox has no other file of the grader.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ import os
 import sys
 
 sys.path.append(os.path.join(os.path.dirname(sys.path[0]), 'inside'))
-gc.disable()  # all that is loaded stays
+gc.disable()  # imported modules are never garbage
 # ruff: noqa: E402
 
-from lean_start import lean  # type: ignore[import-not-found]  # of the programs in the sandbox
+from lean_start import lean  # type: ignore[import-not-found]  # in inside/
 
-lean()  # before anything of ROS
+lean()  # before the first import of a ROS package
 
-import probe_loopback  # type: ignore[import-not-found]  # beside this file
+import probe_loopback  # type: ignore[import-not-found]  # next to this file
 from probe_run import Probe  # type: ignore[import-not-found]
 
 
 def main() -> None:
-    """Read the scenario, say that we are ready, wait for the start, run, and leave at once."""
+    """Read the scenario, write ``ready``, wait for the start, run, and exit without clean-up."""
     gc.freeze()
     gc.enable()
     probe_loopback.wait()
@@ -38,11 +38,11 @@ def main() -> None:
     while not scenario.endswith(b'\n'):
         said = os.read(0, 1 << 16)
         if not said:
-            return  # the grader is gone, and nobody wants to know
+            return  # the grader has closed its end of the pipe
         scenario += said
     probe = Probe(json.loads(scenario))
     probe.write({'event': 'ready'})
-    # Not a wait on the virtual clock: time stands still until the student's program is let go.
+    # This read bypasses the virtual clock, which stands still until the program is released.
     if os.readv(0, [bytearray(1)]) == 1:
         probe.run()
     probe.output.flush()

@@ -1,11 +1,11 @@
 """
-The ROS graph as the probe sees it: nodes and endpoints other than its own.
+Read the ROS graph: the nodes and endpoints other than the probe's own.
 
-The student's side can forge news of the graph.  So names are arbitrary strings, and no name
-identifies anything: the probe recognises its endpoints by the id of its own participant, and its
-node because it was there first.
+The student's program can forge discovery data, so a name may be any string and identifies nothing.
+The probe recognises its endpoints by the id of its own participant, and its node because that node
+existed first.
 
-This file imports nothing of this project: only its text enters the probe's sandbox.
+From this project, this file imports only files of the probe: its sandbox has no others.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from probe_wire import qos_json  # type: ignore[import-not-found]  # beside this file
+from probe_wire import qos_json  # type: ignore[import-not-found]  # next to this file
 from rclpy.node import Node, NodeNameNonExistentError
 
 # Ignore subscriptions on these topics: every node has them.
 HIDDEN_TOPICS = ('/parameter_events', '/rosout', '/clock')
-MOST_NODES, MOST_ENDPOINTS = 200, 500  # that are listed; all are counted
+MOST_NODES, MOST_ENDPOINTS = 200, 500  # limits of the lists; ``count`` includes every endpoint
 LONGEST_NAME = 256
-PROCESS_BYTES = 8  # of an endpoint's id, for Fast DDS: vendor, machine and process
-# What rcl accepts as a node's full name; to ask it about another one is an error.
+PROCESS_BYTES = 8  # the start of an endpoint's id in Fast DDS: vendor, machine and process
+# A full node name that rcl accepts; a query with any other name is an error.
 NODE_NAME = re.compile(r'(?:/[A-Za-z_][A-Za-z0-9_]*)+')
 
 
@@ -29,11 +29,11 @@ class Graph:
     """
     The graph around the probe's node.
 
-    :param node: which subscribes to ``/rosout``; nobody else is there yet under its name
+    :param node: the probe's node, which subscribes to ``/rosout``; no other node has its name yet
     """
 
     def __init__(self, node: Node) -> None:
-        """Learn the prefix of the ids of the probe's own endpoints."""
+        """Read the common prefix of the ids of the probe's own endpoints."""
         self.node = node
         self.own_name = node.get_fully_qualified_name()
         infos = node.get_subscriptions_info_by_topic('/rosout')
@@ -42,7 +42,7 @@ class Graph:
         self.processes: dict[bytes, int] = {}
 
     def names(self) -> list[str]:
-        """Return the full name of every node but the probe's; imitations of its name count."""
+        """Return the full names of all nodes except the probe's, including any with its name."""
         found = sorted(
             f'{namespace.rstrip("/")}/{name}'[:LONGEST_NAME]
             for name, namespace in self.node.get_node_names_and_namespaces()
@@ -55,10 +55,10 @@ class Graph:
 
     def _is_there(self, name: str) -> bool:
         """
-        Return whether a node has a publisher, as every node has for changes of its parameters.
+        Return whether a node has a publisher; every node has one for ``/parameter_events``.
 
-        If a program ends as soon as it is found, the middleware may hear of its node after it has
-        heard that all its endpoints are gone.  Then it lists this node for ever.
+        If a program ends as soon as it is discovered, the middleware may receive the data of its
+        node after the removal of all its endpoints.  Then the middleware lists the node forever.
         """
         if not NODE_NAME.fullmatch(name):
             return True
@@ -69,7 +69,7 @@ class Graph:
             return False
 
     def askable(self) -> list[str]:
-        """Return the names of nodes whose services can be called, without repeats."""
+        """Return the distinct names of the nodes whose services can be called."""
         return sorted({name for name in self.names() if NODE_NAME.fullmatch(name)})
 
     def facts(self) -> dict[str, Any]:
@@ -80,7 +80,7 @@ class Graph:
             if topic not in HIDDEN_TOPICS:
                 endpoints += self._endpoints(topic, 'subscription')
         endpoints.sort(key=lambda e: (e['topic'], e['kind'], e['node'], e['type']))
-        for end in endpoints:  # the ids differ from run to run, these numbers do not
+        for end in endpoints:  # replace process ids, which vary from run to run, by stable numbers
             end['process'] = self.processes.setdefault(end['process'], len(self.processes))
         names = self.names()
         return {

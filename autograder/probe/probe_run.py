@@ -1,13 +1,12 @@
 """
-One run of one scenario: the probe's endpoints, what it hears, and its waits.
+Run one scenario: create the probe's endpoints, receive messages, and wait in virtual time.
 
-The probe is an ordinary ROS program on the virtual clock that it shares with the student's
-program.  Time stands still while either computes.  So when a wait of the probe is over, the
-student's program has handled everything that it was sent, and all its answers have arrived: the
-probe does not have to ask.
+The probe is an ordinary ROS program that shares a virtual clock with the student's program.  Time
+stands still while either of them computes.  So when a wait of the probe ends, the student's
+program has handled every message sent to it, and all its answers have arrived; the probe needs no
+other synchronisation.
 
-This file imports nothing of this project but the probe's own parts: only its text enters the
-probe's sandbox.
+From this project, this file imports only files of the probe: its sandbox has no others.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ import time
 from typing import Any
 
 from builtin_interfaces.msg import Time
-from probe_graph import Graph  # type: ignore[import-not-found]  # beside this file
+from probe_graph import Graph  # type: ignore[import-not-found]  # next to this file
 from probe_steps import CONNECT_S, Stop, take  # type: ignore[import-not-found]
 from probe_wire import load_type, qos_profile, to_json  # type: ignore[import-not-found]
 from rcl_interfaces.msg import Log
@@ -35,18 +34,18 @@ from rosgraph_msgs.msg import Clock
 from type_description_interfaces.srv import GetTypeDescription
 
 SECOND = 1_000_000_000
-LOOK_S = 0.05  # how often we look for the first node; two programs meet in 0.11 s
-# From the first node to the first step. Together they put the steps off the grid of all usual
-# periods, so no input meets a tick of a timer.
+LOOK_S = 0.05  # interval between checks for the first node; discovery takes 0.11 s
+# The time from the first node to the first step. Its value keeps the steps off multiples of all
+# usual periods, so that no input coincides with a timer.
 MEET_S = 0.48
-SETTLE_S = 0.2
-LONGEST_EVENT = 65536  # characters of one message's JSON; longer ones are recorded by their size
+SETTLE_S = 0.2  # time for both sides to discover a new endpoint, or its removal
+LONGEST_EVENT = 65536  # characters of a message's JSON; only the size of longer ones is recorded
 MOST_EVENTS = 20000
-MOST_ASKED = 50  # nodes
+MOST_ASKED = 50  # maximum number of nodes whose services are called at the end
 ANSWER_S = 3.0
 QUESTIONS = ((GetParameters, 'get_parameters'), (GetTypeDescription, 'get_type_description'))
-# rclpy's own warnings about endpoints that do not fit are read by nobody here; without them there
-# is a third of the entities to wait for.
+# No rclpy warnings about incompatible QoS, which would not be read. Without their event handlers,
+# the probe waits for a third of the entities.
 SILENT_PUBLISHER = PublisherEventCallbacks(use_default_callbacks=False)
 SILENT_SUBSCRIPTION = SubscriptionEventCallbacks(use_default_callbacks=False)
 
@@ -59,9 +58,9 @@ class Probe:
     """
 
     def __init__(self, scenario: dict[str, Any]) -> None:
-        """Create every endpoint of the probe before the student's code is started."""
+        """Create every endpoint of the probe, before the student's code starts."""
         self.scenario = scenario
-        # Other output on standard output, such as rclpy's own warnings, is not an event.
+        # Send other output, such as rclpy's warnings, to standard error: it is not an event.
         self.output = os.fdopen(os.dup(1), 'w', encoding='utf-8')
         os.dup2(2, 1)
         self.events, self.full = 0, False
@@ -69,7 +68,7 @@ class Probe:
         self.over_ns: int | None = None
         self.input: int | None = None
         self.context = Context()
-        # A probe may write no files.
+        # The probe cannot write log files in its sandbox.
         options = ['--ros-args', '--disable-external-lib-logs']
         rclpy.init(args=options, context=self.context)
         self.node = Node(
@@ -99,8 +98,8 @@ class Probe:
         self.imitated = False
 
     def _watch_topics(self) -> None:
-        # A best-effort, volatile reader matches every writer, so a QoS mistake is seen as what it
-        # is and not as silence.
+        # A best-effort, volatile subscription matches every publisher, so a wrong QoS profile of
+        # the program does not hide its messages.
         hearing = QoSProfile(
             depth=100,
             reliability=ReliabilityPolicy.BEST_EFFORT,
@@ -126,29 +125,33 @@ class Probe:
 
     @property
     def clock_ns(self) -> int | None:
-        """Return the virtual time since the program was let go; it ends with the last step."""
+        """Return the virtual time since the release [ns], None before it; fixed after the end."""
         if self.began_ns is None or self.over_ns is not None:
             return self.over_ns
         return time.monotonic_ns() - self.began_ns
 
     def emit(self, event: str, **facts: Any) -> None:
-        """Write one event; what comes when the last step is over is left out."""
+        """
+        Write one event; messages and log lines after the last step are dropped.
+
+        :raises Stop: if the recording has too many events
+        """
         if self.over_ns is not None and event in ('message', 'log'):
             return
         self.events += 1
         if self.events > MOST_EVENTS and event not in ('graph', 'end', 'imitated'):
             if self.full:
-                return  # what was on its way when the scenario was broken off
+                return  # callbacks may still run after the scenario was stopped
             self.full = True
             raise Stop('too_many_events')
         self.write({'event': event, 'clock_ns': self.clock_ns, **facts})
 
     def write(self, line: dict[str, Any]) -> None:
-        """Write one line to the grader."""
+        """Write one line of JSON to the grader."""
         print(json.dumps(line, allow_nan=False), file=self.output, flush=True)
 
     def message(self, topic: str, message: Any, info: Any, **facts: Any) -> None:
-        """Write down a message that was received, and how many its publisher had sent by then."""
+        """Write the event of a received message, with its sequence number from the publisher."""
         data = to_json(message)
         size = len(json.dumps(data))
         what = {'too_large': size} if size > LONGEST_EVENT else {'data': data}
@@ -167,7 +170,7 @@ class Probe:
         )
 
     def graph(self, when: str) -> None:
-        """Write down the graph as it is now."""
+        """Write the current graph."""
         seen = self.seen.facts()
         if self.seen.own_name in seen['nodes'] and not self.imitated:
             self.imitated = True
@@ -180,15 +183,15 @@ class Probe:
         """
         Let virtual time pass, and handle the messages that arrive.
 
-        The probe waits on the middleware itself: an executor checks every entity of the node
-        again for each wait, and that was half of the probe's cost.
+        The probe uses a wait set directly: an executor checks every entity of the node again for
+        each wait, which was half of the probe's processor time.
         """
         until_ns = time.monotonic_ns() + round(seconds * SECOND)
         while (now_ns := time.monotonic_ns()) < until_ns:
             self._take_messages(self._due_ns(now_ns, until_ns) - now_ns)
 
     def _take_messages(self, most_ns: int) -> None:
-        """Wait at most so long for messages, and handle them, of each topic one in turn."""
+        """Wait for messages, at most ``most_ns``, and handle one of each topic in turn."""
         heard = list(self.node.subscriptions)
         waiting = _rclpy.WaitSet(len(heard), 0, 0, 0, 0, 0, self.context.handle)
         waiting.clear_entities()
@@ -203,28 +206,28 @@ class Probe:
                     one.callback(*message)
 
     def wait_until(self, condition: Callable[[], bool], seconds: float) -> bool:
-        """Wait until something holds, at most so long; tell whether it does."""
+        """Wait until a condition is true; return False if it is still false after the timeout."""
         until_ns = time.monotonic_ns() + round(seconds * SECOND)
         while not condition():
             now_ns = time.monotonic_ns()
             if now_ns >= until_ns:
                 return False
-            # A time-out is a float of seconds, which is cut to whole nanoseconds.
+            # rclpy truncates the timeout to whole nanoseconds; half of one prevents a loss.
             self.executor.spin_once(
                 timeout_sec=(self._due_ns(now_ns, until_ns) - now_ns + 0.5) / SECOND
             )
         return True
 
     def _due_ns(self, now_ns: int, until_ns: int) -> int:
-        """Return when to look next; the ROS time that is due by now is told."""
+        """Publish the ROS time if it is due, and return when the current wait must end [ns]."""
         return min(until_ns, self._tick(now_ns)) if self.clock else until_ns
 
     def settle(self) -> None:
-        """Listen until both sides know of an endpoint of ours, or that it is gone."""
+        """Listen until both sides have discovered a new endpoint of the probe, or its removal."""
         self.listen(SETTLE_S)
 
     def _tick(self, now_ns: int) -> int:
-        """Publish the ROS time if it is due, and return when the next one is."""
+        """Publish the ROS time if it is due, and return when the next one is due [ns]."""
         clock = self.scenario['ros_clock']
         step_ns = round(clock['step_s'] * SECOND)
         every_ns = round(step_ns / clock['rate'])
@@ -242,14 +245,14 @@ class Probe:
     # -- the scenario ----------------------------------------------------------------------
 
     def run(self) -> None:
-        """Run the whole scenario; always ends with a graph and an ``end`` event."""
+        """Run the scenario, then write the last graph and the ``end`` event."""
         self.began_ns = time.monotonic_ns()
         reason = 'complete'
         try:
             if not self._somebody_comes():
                 raise Stop('no_node')
             self.emit('seen', nodes=self.seen.askable())
-            self.graph('seen')  # for a program that ends with the first tick of a timer
+            self.graph('seen')  # for a program that ends in the first callback of a timer
             self.listen(MEET_S)
             self.graph('start')
             for number, step in enumerate(self.scenario['steps'], 1):
@@ -263,7 +266,7 @@ class Probe:
         self.emit('end', reason=reason)
 
     def _somebody_comes(self) -> bool:
-        """Listen until there is a node; tell whether one came in time."""
+        """Listen until a node appears; return whether one appeared in time."""
         for _ in range(round(self.scenario['appear_s'] / LOOK_S)):
             self.listen(LOOK_S)
             if self.seen.askable():
@@ -271,7 +274,7 @@ class Probe:
         return False
 
     def _ask_all(self) -> None:
-        """Find out which nodes are spun: each has a service that only its executor answers."""
+        """Record which nodes are spun: each node has a service that only its executor answers."""
         nodes = self.seen.askable()[:MOST_ASKED]
         clients = {name: self._client_of(name) for name in nodes}
         self.wait_until(lambda: all(map(_is_ready, clients.values())), CONNECT_S)
@@ -285,7 +288,11 @@ class Probe:
             self.emit('asked', node=name, answered=name in answers and answers[name].done())
 
     def _client_of(self, name: str) -> Any:
-        """Return a client of a service that every node has: REP 2016 if it has no parameters."""
+        """
+        Return a client for a standard service of a node; None if the node has none.
+
+        A node without parameter services has the type description service of REP 2016.
+        """
         namespace, _, base = name.rpartition('/')
         try:
             known = self.node.get_service_names_and_types_by_node(base, namespace or '/')

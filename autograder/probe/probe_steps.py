@@ -1,10 +1,9 @@
 """
 Execute the steps of a scenario, which :mod:`autograder.exam.scenario` defines.
 
-Each step is a function of the probe and the step's data.
+Each kind of step is a function that gets the probe and the step's data.
 
-This file imports nothing of this project but the probe's own parts: only its text enters the
-probe's sandbox.
+From this project, this file imports only files of the probe: its sandbox has no others.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from probe_wire import (  # type: ignore[import-not-found]  # beside this file
+from probe_wire import (  # type: ignore[import-not-found]  # next to this file
     fill,
     load_type,
     policy_name,
@@ -21,11 +20,11 @@ from probe_wire import (  # type: ignore[import-not-found]  # beside this file
 )
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 
-CONNECT_S = 1.0  # how long two endpoints may need to find each other
+CONNECT_S = 1.0  # timeout for the discovery of an endpoint
 
 
 class Stop(Exception):
-    """The scenario ends here; the reason goes into the ``end`` event."""
+    """End the scenario early; the message is the reason in the ``end`` event."""
 
 
 def advance(probe: Any, step: dict[str, Any]) -> None:
@@ -34,7 +33,11 @@ def advance(probe: Any, step: dict[str, Any]) -> None:
 
 
 def feed(probe: Any, step: dict[str, Any]) -> None:
-    """Send messages, one per second or in one burst, and listen after the last one."""
+    """
+    Send messages, at intervals of ``every_s`` or in one burst, and listen after the last one.
+
+    :raises Stop: if the program does not subscribe to the topic and the step is not optional
+    """
     cls, publisher = probe.feeds[step['topic']]
     if not probe.wait_until(lambda: publisher.get_subscription_count() > 0, CONNECT_S):
         probe.emit('not_connected', topic=step['topic'])
@@ -53,7 +56,7 @@ def feed(probe: Any, step: dict[str, Any]) -> None:
 
 
 def call(probe: Any, step: dict[str, Any]) -> None:
-    """Call a service once, because a repeated transition would be a different one."""
+    """Call a service once, without a retry: a second call could cause another transition."""
     facts = {'service': step['service'], 'type': step['type'], 'request': step['request']}
     client = probe.services[step['service']]
     if not probe.wait_until(client.service_is_ready, CONNECT_S):
@@ -72,9 +75,9 @@ def call(probe: Any, step: dict[str, Any]) -> None:
 
 def _of_the_only_node(probe: Any, step: dict[str, Any]) -> Any:
     """
-    Return the client of a service under the name of the program's only node, None without one.
+    Return a client for the service with the name of the program's only node, or None.
 
-    So a wrong name of the node costs its own check, and not those of all that the node does.
+    So a wrong node name fails only the check of the name, and not all checks of the service.
     """
     names, service = probe.seen.askable(), step['service']
     if len(names) != 1:
@@ -84,12 +87,12 @@ def _of_the_only_node(probe: Any, step: dict[str, Any]) -> Any:
     if other == service or not probe.wait_until(client.service_is_ready, CONNECT_S):
         probe.node.destroy_client(client)
         return None
-    probe.services[service] = client  # for the next call
+    probe.services[service] = client  # later calls use this client too
     return client
 
 
 def join(probe: Any, step: dict[str, Any]) -> None:
-    """Add a subscription, and listen."""
+    """Add a subscription of the probe, and listen."""
     name, topic = step['name'], step['topic']
     refused: list[str] = []
 
@@ -111,7 +114,7 @@ def join(probe: Any, step: dict[str, Any]) -> None:
 
 
 def offer(probe: Any, step: dict[str, Any]) -> None:
-    """Add a publisher of a topic."""
+    """Add a publisher of the probe."""
     name, topic, cls = step['name'], step['topic'], load_type(step['type'])
     refused: list[str] = []
     callbacks = PublisherEventCallbacks(
@@ -141,7 +144,7 @@ def leave(probe: Any, step: dict[str, Any]) -> None:
 
 
 def mark(probe: Any, step: dict[str, Any]) -> None:
-    """Begin a phase."""
+    """Record the start of a phase of the scenario."""
     probe.emit('mark', name=step['name'])
 
 
@@ -166,7 +169,9 @@ def take(probe: Any, number: int, step: dict[str, Any]) -> None:
     """
     Execute one step.
 
-    :raises RuntimeError: if we fail at it; its words are one line, the only one the grader shows
+    :raises Stop: if the scenario ends with this step
+    :raises RuntimeError: if the probe fails; its message is one line, because the grader shows
+        only the last line
     """
     try:
         STEPS[step['do']](probe, step)

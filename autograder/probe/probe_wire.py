@@ -1,7 +1,7 @@
 """
-Convert messages, requests and quality of service between JSON and ROS, for the probe.
+Convert messages, service requests and QoS profiles between JSON and ROS, for the probe.
 
-This file imports nothing of this project: only its text enters the probe's sandbox.
+This file imports nothing from this project.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def load_type(name: str) -> Any:
 
 
 def to_json(value: Any) -> Any:
-    """Turn a message into JSON types; floats that JSON lacks become 'nan', 'inf', '-inf'."""
+    """Convert a message to JSON types; non-finite floats become 'nan', 'inf' and '-inf'."""
     if hasattr(value, 'get_fields_and_field_types'):
         return {name: to_json(getattr(value, name)) for name in value.get_fields_and_field_types()}
     if isinstance(value, float) and not math.isfinite(value):
@@ -44,7 +44,7 @@ def to_json(value: Any) -> Any:
 
 
 def fill(message: Any, data: dict[str, Any]) -> Any:
-    """Set a message's fields from JSON types and return it."""
+    """Set a message's fields from JSON types and return the message."""
     types = message.get_fields_and_field_types()
     for name, value in data.items():
         current = getattr(message, name)
@@ -58,14 +58,14 @@ def fill(message: Any, data: dict[str, Any]) -> Any:
 
 
 def _item(type_name: str, value: Any) -> Any:
-    """Return one element of a sequence."""
+    """Convert one element of a sequence from JSON types."""
     if '/' in type_name:
         return fill(load_type(type_name.replace('/', '/msg/'))(), value)
     return float(value) if type_name in ('float', 'double') else value
 
 
 def qos_json(profile: QoSProfile) -> dict[str, Any]:
-    """Return the policies that are visible over the network; unset periods are None."""
+    """Return the QoS policies that discovery transmits; durations that are not set are None."""
     periods = {}
     for name in ('deadline', 'lifespan', 'liveliness_lease_duration'):
         nanoseconds = getattr(profile, name).nanoseconds
@@ -79,7 +79,7 @@ def qos_json(profile: QoSProfile) -> dict[str, Any]:
 
 
 def qos_profile(data: dict[str, Any]) -> QoSProfile:
-    """Return the profile that a scenario describes."""
+    """Return the QoS profile that a scenario describes; a depth of 0 means KEEP_ALL."""
     periods = {
         'deadline': data['deadline_s'],
         'lifespan': data['lifespan_s'],
@@ -96,5 +96,5 @@ def qos_profile(data: dict[str, Any]) -> QoSProfile:
 
 
 def policy_name(status: Any) -> str:
-    """Return the policy that an event of incompatible quality of service names."""
+    """Return the name of the policy that caused an incompatible-QoS event."""
     return str(qos_policy_name_from_kind(status.last_policy_kind)).removesuffix('_QOS_POLICY')

@@ -1,1 +1,1 @@
-"""Run a program through a scenario, here or on other machines, and record it."""
+"""Run a program through a scenario, on this machine or another one, and record the run."""

@@ -1,4 +1,4 @@
-"""A folder for all temporary files of a grading, which the next grading removes after a kill."""
+"""One folder for all temporary files of a grading; if it is killed, the next one removes it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import shutil
 import tempfile
 
 FOLDERS = 'grading-'
-"""How the names of the folders begin."""
+"""Prefix of the folders' names."""
 
 
 @contextmanager
@@ -19,7 +19,7 @@ def grading_folder() -> Iterator[Path]:
     """
     Yield a folder for all temporary files of this process, and remove it afterwards.
 
-    A killed grading cannot remove its folder, so folders of killed gradings are removed first.
+    A killed grading leaves its folder behind; such folders are removed first.
     """
     above = Path(tempfile.gettempdir())
     for left in above.glob(f'{FOLDERS}*'):
@@ -38,12 +38,12 @@ def _made(above: Path) -> tuple[Path, int]:
     """Create a folder and lock it; the kernel releases the lock when the process ends."""
     while True:
         folder = Path(tempfile.mkdtemp(prefix=FOLDERS, dir=above))
-        folder.chmod(0o711)  # the sandboxes' throw-away users pass through
+        folder.chmod(0o711)  # the temporary users of the sandboxes need access to subfolders
         lock = os.open(folder / 'lock', os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         fcntl.flock(lock, fcntl.LOCK_EX)
         if os.fstat(lock).st_nlink:
             return folder, lock
-        os.close(lock)  # another grading was quicker, and treated it as a leftover
+        os.close(lock)  # before it was locked, another grading removed the folder as a leftover
 
 
 def _remove_if_left(folder: Path) -> None:
@@ -52,11 +52,11 @@ def _remove_if_left(folder: Path) -> None:
             return
         lock = os.open(folder / 'lock', os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC)
     except OSError:
-        return  # being made or removed by another one
+        return  # another grading is creating or removing the folder
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         shutil.rmtree(folder, ignore_errors=True)
     except BlockingIOError:
-        pass  # in use
+        pass  # the grading that owns the folder is still running
     finally:
         os.close(lock)

@@ -1,9 +1,9 @@
 """
-Find the stored recording of some files in a scenario, or record them now.
+Load the stored recording of some files in a scenario, or run and record them.
 
 A recording depends only on the files, the scenario and the environment.  It is stored under a
-digest of the three, so that equal files (such as the untouched stub of half a class) run once, a
-rerun runs nothing, and a changed check is judged again in milliseconds.
+digest of the three, so equal files (such as the untouched stub of half a class) run once, grading
+again runs nothing, and an edited check is judged in milliseconds.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ Outcome = tuple[Recording, dict[str, float]]
 @dataclass(frozen=True)
 class Kept:
     """
-    A recording, with facts about it.
+    A recording, with its timing and the name of its file.
 
-    :param timing: of the run [s], empty if it was made earlier
-    :param name: of its file; empty if it is not kept
+    :param timing: times of the run [s]; empty for a stored recording
+    :param name: name of its file; empty if the recording is not stored
     """
 
     recording: Recording
@@ -57,11 +57,11 @@ def recorded(
     Return the recording of some files in the scenario of an exam.
 
     :param files: relative path to text
-    :param recordings: folder that keeps recordings; None keeps nothing
-    :param fresh: run even if a recording is kept
-    :param told: called with each event of a run as it happens, if it takes place here
-    :param place: where to run, None for this thread
-    :raises GraderError: for a fault of ours
+    :param recordings: folder in which recordings are stored; None stores nothing
+    :param fresh: run even if a recording is stored
+    :param told: called with each event as it happens; not called for runs in ``place``
+    :param place: the workers that run the program; None runs it in this thread
+    :raises GraderError: if the grader failed
     """
     texts = (*files.values(), json.dumps(exam.scenario.to_json()))
     about = {
@@ -100,7 +100,7 @@ def _run(
 
 def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome:
     if path.exists() and not fresh:
-        with suppress(RecordingInvalid):  # damaged or of an older format: it is made again
+        with suppress(RecordingInvalid):  # a damaged file or an older format: record again
             return Recording.load(path), {}
     recording, timing = run()
     recording.save(path)
@@ -108,7 +108,7 @@ def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome
 
 
 def _once_or_twice(once: Callable[[], Outcome]) -> Outcome:
-    """Run once; if the grader's own limits ended the run, run once more and record that."""
+    """Run once; if the probe failed or something outside ended the run, repeat it once."""
     try:
         recording, timing = once()
         again = _may_have_been_ended(recording)
@@ -121,14 +121,14 @@ def _once_or_twice(once: Callable[[], Outcome]) -> Outcome:
 
 
 ENDING = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
-"""What people and systems end a process with; a program's own mistakes send other signals."""
+"""Signals with which people and systems end a process; a program's own errors send others."""
 
 
 def _may_have_been_ended(recording: Recording) -> bool:
     """
     Return whether another program may have ended the student's program or a compiler.
 
-    A program that ends itself does so again, and then that is evidence.
+    A program that kills itself does so again in the repeated run, which then counts.
     """
     process = recording.process
     if process.get('killed') or not process.get('exit'):
@@ -139,7 +139,7 @@ def _may_have_been_ended(recording: Recording) -> bool:
 
 
 def files_digest(files: Mapping[str, str]) -> str:
-    """Return a digest of a student's files, as it is written in a recording's header."""
+    """Return the digest of a student's files that the header of a recording contains."""
     return _digest(json.dumps(sorted(files.items())))
 
 

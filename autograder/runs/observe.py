@@ -1,9 +1,9 @@
 """
 Run the student's program in the sandbox with the probe next to it, and record the run.
 
-Both are on one virtual clock, so the recording does not depend on the machine.  The grader's side
-of the pipes is one loop over file descriptors.  It reads a limited amount of output from the probe
-and the program, and ends the run when the probe has finished or the watchdog reports a limit.
+Both processes share one virtual clock, so the recording does not depend on the machine.  One loop
+over file descriptors reads a limited amount of output from the probe and the program.  It ends the
+run when the probe has finished or the watchdog reports an exceeded limit.
 """
 
 from __future__ import annotations
@@ -39,22 +39,23 @@ from environment.ros import RosEnvironment
 
 KEPT_OUTPUT = 64 * 1024
 LARGEST_RECORDING = 32 << 20
-PROBE, STUDENT = 0, 1  # places on the virtual clock; at one instant the probe comes first
-LEAVES_S = 60.0  # bounds what a sandbox needs to end: milliseconds
+# Positions on the virtual clock. If both are due at the same instant, the probe runs first.
+PROBE, STUDENT = 0, 1
+LEAVES_S = 60.0  # timeout for the exit of a sandbox, which normally takes milliseconds
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
 OF_A_CHECK = {
     str(HERE / name): f'/grader/{name}' for name in ('probe/probe_wire.py', 'simulated.py')
 }
-"""What a learner's check of recorded runs sees of the grader."""
+"""Grader files that the sandbox shows to a check written by a student."""
 BUILDS = ('build', 'package')
-"""Programs of a scenario that colcon builds first."""
-# A message package takes some 5 s of processor time; six times that, for slower machines.
+"""Values of ``program`` in a scenario for which colcon builds a package first."""
+# Building a message package takes about 5 s of processor time; slower machines get six times that.
 BUILD_LIMITS = Limits(cpu_s=30)
-# A build and a run, one after the other.
+# The package is built, and then its program runs.
 PACKAGE_LIMITS = Limits(cpu_s=BUILD_LIMITS.cpu_s + Limits.cpu_s)
 _BREAKS = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGXCPU)
 BROKEN = tuple(code for sign in _BREAKS for code in (-sign, 128 + sign))
-"""Exit codes of a probe that broke on what it was sent; faults in its code give other codes."""
+"""Exit codes of a probe that crashed on received data; faults in its code give other codes."""
 _NO_TYPE = 'Try: name the package in environment/messages.txt, then make prepare.'
 
 
@@ -62,11 +63,9 @@ def program_for(
     scenario: Mapping[str, Any], submission: Path, ros: RosEnvironment
 ) -> tuple[Program, Limits]:
     """
-    Return the program that a scenario runs.
+    Return the program that a scenario runs, and its limits.
 
-    :param scenario: what the probe is told
-    :param submission: host folder with the student's files, readable by everyone
-    :param ros: the prepared environment
+    :param submission: host folder with the student's files, readable by every user
     """
     python = ros.python
     binds = {**INSIDE, str(submission): '/submission'}
@@ -77,7 +76,7 @@ def program_for(
     if scenario['program'] == 'package':
         argv = [python, '/grader/inside/run_package.py', '/submission', scenario['build_type']]
         argv += [scenario['file'].removesuffix('.py'), *_ros_arguments(scenario)]
-        # A package of the course's own name brings the messages itself.
+        # A package with the name of the course's message package builds the messages itself.
         own = scenario['build_type'] == ros.package
         return Program(argv, binds, course_messages=not own), PACKAGE_LIMITS
     argv = [python, '/grader/inside/run_node.py']
@@ -97,9 +96,9 @@ def _ros_arguments(scenario: Mapping[str, Any]) -> list[str]:
 @contextmanager
 def laid_out(files: Mapping[str, str]) -> Iterator[tuple[Path, Path]]:
     """
-    Write the student's files to a new folder and yield it with an empty home.
+    Yield a temporary folder with the student's files, and an empty home folder.
 
-    :param files: relative path to text; the paths come from our own cell parser
+    :param files: relative path to text; the grader's parser has validated the paths
     """
     base = Path(tempfile.mkdtemp(prefix='run-'))
     try:
@@ -125,22 +124,22 @@ def observe(
     told: Callable[[Mapping[str, Any]], None] | None = None,
 ) -> tuple[Recording, dict[str, float]]:
     """
-    Run a student's files through a scenario.
+    Run a student's files through a scenario and record the run.
 
     :param exam_name: for the recording's header
-    :param scenario: what the probe is told, :meth:`autograder.exam.scenario.Scenario.to_json`
+    :param scenario: made by :meth:`autograder.exam.scenario.Scenario.to_json`
     :param files: relative path to text
     :param told: called with each event as it happens
-    :returns: the recording, and wall-clock facts [s] that no verdict may use
-    :raises ProbeFailed: if our own observer died: there is no evidence then
-    :raises SandboxUnavailable: if the sandbox refuses
+    :returns: the recording, and wall-clock times [s] that no verdict may use
+    :raises ProbeFailed: if the probe failed, so that there is no evidence
+    :raises SandboxUnavailable: if the sandbox cannot be started
     """
     compile_code()
     began = time.monotonic()
     with sandbox.turn(), laid_out(files) as (submission, home), virtual_clock(2) as clock:
         program, limits = program_for(scenario, submission, sandbox.ros)
-        # Packages are built in real time: run_package.py and build_package.py load the library
-        # into what they become.
+        # Packages are built in real time. After the build, run_package.py and build_package.py
+        # load the library of the virtual clock into the program that replaces them.
         placed = clock.command(STUDENT, later=scenario['program'] in BUILDS)
         program = replace(program, argv=(*placed, *program.argv))
         student = sandbox.start(program, limits, home, (clock.places[STUDENT].fileno(),))
@@ -155,7 +154,7 @@ def observe(
 
 
 class _Watched:
-    """The loop over one run's pipes."""
+    """One run: the loop that reads the output of the probe and of the student's program."""
 
     def __init__(
         self,
@@ -192,7 +191,11 @@ class _Watched:
         self.oom_kills = oom_kills()
 
     def run(self) -> list[dict[str, Any]]:
-        """Drive the run to its end and return all events."""
+        """
+        Run until the probe has finished or a limit is exceeded, and return all events.
+
+        :raises ProbeFailed: if the probe failed, or something outside ended the program
+        """
         try:
             self._loop()
             self._hear_of_its_end()
@@ -220,10 +223,10 @@ class _Watched:
         return self.events if self.ended_ns is None else _until(self.events, self.ended_ns)
 
     def _hear_of_its_end(self) -> None:
-        """Record whether the program ended before its scenario, in virtual time."""
+        """Record the exit of the program if it ended before its scenario, in virtual time."""
         over = self.events[-1] if self.events else {}
         if over.get('event') != 'end':
-            return  # a limit has ended the run, or the probe has broken off
+            return  # a limit has ended the run, or the probe has failed
         ended_ns = self.clock.ended_ns(STUDENT)
         if ended_ns is None or ended_ns - self.released_ns > over['clock_ns']:
             self.exit = None  # the run does not include what happens after the scenario
@@ -233,7 +236,7 @@ class _Watched:
             self.exit = self.student.process.wait(LEAVES_S)
 
     def _loop(self) -> None:
-        # A neutral name that no program can know in advance.
+        # A random name for the probe's node, which no program can predict.
         order = {**self.scenario, 'name': f'n{secrets.token_hex(6)}'}
         self._tell_probe(json.dumps(order).encode() + b'\n')
         with selectors.DefaultSelector() as pipes:
@@ -272,7 +275,7 @@ class _Watched:
             self._keep(key.data, data)
 
     def _keep(self, name: str, data: bytes) -> None:
-        """Keep the beginning and the end of the output: the end has the traceback."""
+        """Add data to the output, of which the start and the end (with the traceback) are kept."""
         self.printed += len(data)
         kept = self.output[name] + data
         if len(kept) > KEPT_OUTPUT:
@@ -280,7 +283,7 @@ class _Watched:
         self.output[name] = kept
 
     def _read_the_rest(self) -> None:
-        """Read the program's last output, without waiting for more."""
+        """Read the program's remaining output without blocking."""
         for name in self.output:
             stream = getattr(self.student.process, name)
             os.set_blocking(stream.fileno(), False)
@@ -300,7 +303,7 @@ class _Watched:
                     f'The probe wrote a line that is not an event: {error}.'
                 ) from error
             if event['event'] == 'ready':
-                # Virtual time stands still until the probe has heard that it goes on.
+                # Virtual time stands still until the probe has received the byte that starts it.
                 self.ready_s, self.released_ns = time.monotonic(), self.clock.elapsed_ns
                 self.student.release()
                 self._tell_probe(b'g')
@@ -328,7 +331,7 @@ class _Watched:
             self.probe.stdin.write(line)
             self.probe.stdin.flush()
         except BrokenPipeError:
-            pass  # it ended first
+            pass  # the probe has already ended
 
     def _nobody_else_ended_it(self) -> None:
         """Raise if the machine or another program ended the student's program."""
@@ -336,13 +339,13 @@ class _Watched:
             return
         if oom_kills() > self.oom_kills and self.exit in KILLED:
             raise ProbeFailed('The machine ran out of memory, and the system ended the program.')
-        # No signal from inside reaches the launcher, which is in another pid namespace.
+        # No process in the sandbox can signal the launcher, which is in another pid namespace.
         if self.student.namespaces and self.exit < 0:
             raise ProbeFailed(f'Another program ended the sandbox with signal {-self.exit}.')
 
     def _look_around(self) -> None:
-        """Record what the probe cannot see: other ROS domains, and further processes."""
-        if self.student.home is None:  # else the network is that of the whole machine
+        """Record what the probe cannot see: other ROS domains, and processes left running."""
+        if self.student.home is None:  # otherwise, the program shares the machine's network
             self.domains = other_domains(ports(self.student.pid))
         launcher = bool(self.student.namespaces) or self.student.supervised
         running = self.exit is None
@@ -362,7 +365,7 @@ class _Watched:
 
 
 def _until(events: list[dict[str, Any]], ended_ns: int) -> list[dict[str, Any]]:
-    """Return the events until the program ended, and the last graph."""
+    """Return the events up to the end of the program, and the last graph."""
     *before, end, process = events
     kept = [
         event

@@ -1,9 +1,9 @@
 """
-Runs on other machines: a task and its answer are JSON as bytes.
+Run programs on other machines; tasks and answers are JSON, encoded as bytes.
 
-A task holds the scenario and the student's files, its answer the recording.  So no object made
-from a submission ever passes between processes, and a worker knows neither checks nor the course's
-secret.
+A task contains the scenario and the student's files, and its answer contains the recording.  So no
+object made from a submission is ever pickled, and a worker receives neither the checks nor the
+course secret.
 """
 
 from __future__ import annotations
@@ -25,28 +25,28 @@ if TYPE_CHECKING:
 
 class Place(Protocol):
     """
-    A place with workers, in which tasks run.
+    A pool of workers that run tasks.
 
-    :param width: how many at a time
+    :param width: how many tasks can run at the same time
     """
 
     width: int
 
     def run(self, task: bytes) -> bytes:
         """
-        Run one task; several threads may call this at the same time.
+        Run one task; several threads may call this method at the same time.
 
-        :raises GraderError: if the place failed, whatever the task is
+        :raises GraderError: if the workers failed; a task that fails returns an answer instead
         """
 
 
 def task_of(exam: str, scenario: Mapping[str, Any], files: Mapping[str, str], mode: str) -> bytes:
     """
-    Return one run as bytes.
+    Return one run as a task for a worker.
 
-    :param scenario: what the probe is told, :meth:`autograder.exam.scenario.Scenario.to_json`
-    :param files: of the student, relative path to text
-    :param mode: the isolation to use
+    :param scenario: made by :meth:`autograder.exam.scenario.Scenario.to_json`
+    :param files: the student's files, relative path to text
+    :param mode: the isolation mode to use
     """
     task = {
         'version': version(),
@@ -60,10 +60,10 @@ def task_of(exam: str, scenario: Mapping[str, Any], files: Mapping[str, str], mo
 
 def outcome_of(answer: bytes) -> tuple[Recording, dict[str, float]]:
     """
-    Read the result of :func:`run_task`.
+    Read the answer of :func:`run_task`.
 
     :returns: the recording, and times of the run [s]
-    :raises GraderError: of the kind that there was on the other side
+    :raises GraderError: if the worker raised one; an error of the same class if it is known here
     """
     found = json.loads(answer)
     if 'fault' in found:
@@ -75,17 +75,17 @@ def outcome_of(answer: bytes) -> tuple[Recording, dict[str, float]]:
 
 def run_task(task: bytes) -> bytes:
     """
-    Run a student's program in a sandbox of this machine and return the recording.
+    Run a student's program in a sandbox on this machine and return the recording.
 
     :param task: made by :func:`task_of`
-    :returns: for :func:`outcome_of`; our own fault is an answer too, never an exception
+    :returns: the answer for :func:`outcome_of`; a fault of the grader is also returned, not raised
     """
     try:
         recording, timing = _run(json.loads(task))
         answer = {'recording': recording.to_bytes().decode('utf-8'), 'timing': timing}
     except GraderError as error:
         answer = _fault(error)
-    except Exception as error:  # noqa: BLE001 - a defect of ours, for a person to look at
+    except Exception as error:  # noqa: BLE001 - a defect of the grader, reported for review
         answer = _fault(errors.defect(error, 'A worker'))
     return json.dumps(answer).encode()
 
@@ -108,7 +108,11 @@ def _run(task: Mapping[str, Any]) -> tuple[Recording, dict[str, float]]:
 
 @lru_cache(maxsize=2)
 def _sandbox(mode: str) -> Sandbox:
-    """Return the sandbox that was tried on this machine before."""
+    """
+    Return the sandbox for an isolation mode, created once per worker.
+
+    :raises GraderError: if this is not the full isolation that works for the worker's user
+    """
     from autograder.sandboxes.isolation import full
     from autograder.sandboxes.sandbox import Sandbox
 

@@ -1,8 +1,8 @@
 """
-Digests of everything that decides how a program runs, to compare two machines.
+Compute digests of everything that affects how a program runs, to compare two machines.
 
-The project may be in different folders, but its files, its Python and its ROS have to be the same.
-Digests compare them; for people, a recording also names versions (:func:`made_with`).
+The project may be in different folders, but its files, its Python and its ROS must be the same.
+A recording also contains readable versions (:func:`made_with`).
 """
 
 from __future__ import annotations
@@ -29,21 +29,21 @@ RUNS_PROGRAMS = (
     'sandboxes/sandbox.py',
     'simulated.py',
 )
-"""The files in and around the sandbox on which a recording depends."""
+"""Files of the grader that can affect a recording."""
 ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')
-"""Names under which rclpy may be installed."""
+"""Names of Python distributions that may contain rclpy."""
 GIT_S = 5.0
-"""How long git may take: a name for people is not worth more."""
+"""Timeout of git; the commit is only informative, so a longer wait is not worthwhile."""
 FURTHER = 'packages of environment/messages.txt'
-"""What two machines must have in common, and what only runs that name such a package depend on."""
+"""Key of the extra message packages in a version; a run depends only on those that it names."""
 TASKS = 1
-"""Format of what :mod:`autograder.runs.task` sends and gets."""
+"""Version of the format of tasks and answers in :mod:`autograder.runs.task`."""
 
 
 @lru_cache(maxsize=4)
 def version(python: str = sys.executable) -> Mapping[str, str]:
     """
-    Return the facts that two machines must have in common, by name.
+    Return the versions and digests that must be equal on two machines, by name.
 
     :param python: interpreter of the prepared environment
     """
@@ -60,7 +60,7 @@ def version(python: str = sys.executable) -> Mapping[str, str]:
 
 
 def difference(wanted: Mapping[str, str], got: Mapping[str, str]) -> str:
-    """Return how two versions differ, as text; empty if they are equal."""
+    """Return a description of how two versions differ; empty if they are equal."""
     return '; '.join(
         f'{name}: expected {wanted.get(name) or "nothing"}, got {got.get(name) or "nothing"}'
         for name in dict.fromkeys((*wanted, *got))
@@ -70,13 +70,13 @@ def difference(wanted: Mapping[str, str], got: Mapping[str, str]) -> str:
 
 def environment_digest(python: str, texts: Iterable[str]) -> str:
     """
-    Return a digest of the environment, for the names and headers of recordings.
+    Return a digest of the environment, for the file names and headers of recordings.
 
-    A package of ``environment/messages.txt`` counts only for runs that name it: adding one leaves
-    all other recordings valid.
+    The digest includes a package of ``environment/messages.txt`` only if one of the texts names
+    it, so adding a package keeps all other recordings valid.
 
     :param python: interpreter of the prepared environment
-    :param texts: the files of the program and the scenario
+    :param texts: contents of the program's files, and the scenario as JSON
     """
     further = _further(Path(python).parents[1])
     named = {name for text in texts for name in further if name in text}
@@ -86,21 +86,22 @@ def environment_digest(python: str, texts: Iterable[str]) -> str:
 
 @lru_cache(maxsize=1)
 def made_with() -> Mapping[str, str]:
-    """Return versions for the headers of recordings, without unknown ones."""
+    """Return the known versions of grader, Python and rclpy, for the headers of recordings."""
     found = {'grader': commit(HERE.parent), 'python': platform.python_version(), 'rclpy': _rclpy()}
     return {name: text for name, text in found.items() if text}
 
 
 def commit(root: Path) -> str:
     """
-    Return the commit of a copy of the project, marked if files have changed since.
+    Return the commit of a copy of the project, with a suffix if files have changed since.
 
-    :returns: empty if it is no copy of a repository, or git is missing or refuses
+    :returns: empty if the folder is not a git repository, or if git is missing or fails
     """
-    if not (root / '.git').exists():  # else git would answer for a repository around it
+    if not (root / '.git').exists():  # otherwise git would describe an enclosing repository
         return ''
     command = ['git', '-C', str(root), 'describe', '--always', '--dirty', '--exclude=*']
-    # Nothing of a hook that runs us, and no lock that would be in somebody's way.
+    # Ignore the variables of a git hook that runs this program, and take no lock that could block
+    # another git command.
     around = {name: text for name, text in os.environ.items() if not name.startswith('GIT_')}
     try:
         done = subprocess.run(
@@ -118,7 +119,7 @@ def commit(root: Path) -> str:
 
 
 def _rclpy() -> str:
-    """Return the version of rclpy, without importing it."""
+    """Return the version of rclpy without importing it; empty if it is not installed."""
     for name in ROS_PACKAGES:
         try:
             return metadata.version(name)
@@ -133,7 +134,7 @@ def _digest_of_grader() -> str:
 
 
 def _digest_of_settings(venv: Path) -> str:
-    """Return a digest of the settings of ROS, whatever the folders are called."""
+    """Return a digest of the ROS settings that does not depend on the names of folders."""
     text = (venv / FILE_NAME).read_text(encoding='utf-8')
     share = Path(json.loads(text)['workspace'], 'share')
     for folder, name in ((venv, 'VENV'), (HERE.parent, 'COURSE'), (sys.base_prefix, 'PYTHON')):
@@ -145,7 +146,7 @@ def _digest_of_settings(venv: Path) -> str:
 
 def _digest_of_packages(venv: Path) -> str:
     """Return a digest of the installed ROS packages; empty for a sourced ROS."""
-    # By their folders: to read the metadata of all packages takes seconds.
+    # Use the names of their folders, because reading the metadata of all packages takes seconds.
     found = venv.glob('lib/python*/site-packages/ros_*.dist-info')
     packages = {path.name: path.name.removeprefix('ros_').partition('-')[0] for path in found}
     names = sorted(name for name, package in packages.items() if package not in _further(venv))

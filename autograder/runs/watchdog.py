@@ -1,8 +1,8 @@
 """
-Enforce the limits of a run: processor time, memory, files, output, and standing still.
+Enforce the limits of a run: processor time, memory, files, output, and stalled virtual time.
 
-Real time costs no points: a busy machine makes a run longer and changes nothing in it.  After
-ten minutes the machine counts as too busy, and the submission is for review.
+Real time costs no points: a busy machine makes a run longer and changes nothing in it.  A run that
+takes more than ten minutes of real time is aborted, and the submission is for review.
 """
 
 from __future__ import annotations
@@ -16,22 +16,26 @@ from autograder.sandboxes.confined import Confined, Limits
 from autograder.sandboxes.processes import proportional, states, usage, used_ns
 
 WATCH_EVERY_S = 0.05
-BUSY_S = 3.0  # processor time without a node: imports take 0.3 s, and 1 s on a slow machine
-PROBE_S = 10.0  # processor time of the probe beyond the program's: then it fights with packets
-# Real time in which virtual time stands still and nobody computes. A thread that waits for a disk
-# looks like one that waits for a child of vfork; somebody may stop the probe and let it go on.
+# Limit of processor time before the first node: imports take 0.3 s, and 1 s on a slow machine.
+BUSY_S = 3.0
+# If the probe and the driver use this much more processor time than the program, a flood of
+# packets keeps them busy.
+PROBE_S = 10.0
+# Limits of real time in which virtual time stands still and no process computes. DISK_S is longer
+# because a thread that waits for a disk looks like one that waits for a child of vfork, and
+# because a person may stop the probe and continue it.
 OUTSIDE_S, DISK_S, BUILD_S = 0.3, 3.0, 20.0
-# A program that prints waits for us; more than the pipe holds shows that it went on meanwhile.
-PIPE = 1 << 16  # bytes
-MOST_WALL_S = 600.0  # before a machine counts as too busy for a verdict
+# A program that prints waits until the grader reads. Printed output shows progress only if it is
+# longer than the capacity of a pipe [bytes].
+PIPE = 1 << 16
+MOST_WALL_S = 600.0  # real time after which the machine is too busy for a verdict
 
 
 class Watchdog:
     """
-    Checks a run from outside, every 50 ms.
+    Check the limits of a run from outside the sandbox, every 50 ms.
 
-    :param student: the program
-    :param others: host pids of what the run needs beside it: the probe and the driver
+    :param others: host pids of the probe and of the clock's driver
     :param builds: whether a package is built before the program runs
     """
 
@@ -55,17 +59,17 @@ class Watchdog:
         self.progress: tuple[int, ...] = ()
 
     def is_due(self) -> bool:
-        """Return whether it is time for the next check."""
+        """Return whether the next check is due."""
         return time.monotonic() > self.looked + WATCH_EVERY_S
 
     def look(self, recorded: int, printed: int, begun: bool) -> str:
         """
         Return the name of the limit that was exceeded, or an empty string.
 
-        :param recorded: bytes that came from the probe
-        :param printed: bytes that came from the program
-        :param begun: whether a node was seen
-        :raises TooBusy: if the machine is too busy for a verdict
+        :param recorded: bytes received from the probe so far
+        :param printed: bytes printed by the program so far
+        :param begun: whether a node has been seen
+        :raises TooBusy: if the run has taken more than ten minutes of real time
         """
         before, self.looked = self.looked, time.monotonic()
         if self.looked - self.began > MOST_WALL_S:
@@ -100,7 +104,7 @@ class Watchdog:
         count, size = self.student.files()
         if count > self.limits.inodes:
             return 'inode_limit'
-        # A sandbox's folders have a size of their own.
+        # The folders of a sandbox with namespaces are limited by their file system.
         return 'disk_limit' if self.student.home and size > self.limits.folder else ''
 
     def _stands_still(
@@ -112,18 +116,18 @@ class Watchdog:
         Each cause of waiting has a separate timeout: a probe that was stopped for a second does
         not use up the 0.3 s of the program.
 
-        :param recorded: bytes that came from the probe
-        :param printed: bytes that came from the program
-        :param begun: whether a node was seen
-        :param passed_s: real time since the last look
-        :param used_s: processor time since then, of the program, the probe and the driver
+        :param recorded: bytes received from the probe so far
+        :param printed: bytes printed by the program so far
+        :param begun: whether a node has been seen
+        :param passed_s: real time since the last check
+        :param used_s: processor time since the last check, of program, probe and driver
         """
         everyone = (self.student.pid, *self.others)
         progress = (self.clock.jumps, recorded, printed // PIPE)
         if progress != self.progress:
             self.progress, self.still_s = progress, {}
         elif not any(b'R' in states(pid) for pid in everyone):
-            # If it was this process that did not look for long, the program is not to blame.
+            # If the grader's own process was delayed, do not charge the program for the delay.
             passed_s = min(passed_s, 2 * WATCH_EVERY_S)
             patience_s = self._patience_s(begun)
             still_s = self.still_s.get(patience_s, 0.0) + max(0.0, passed_s - used_s)

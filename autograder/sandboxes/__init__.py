@@ -1,1 +1,1 @@
-"""Sandboxes for student code: isolation modes, limits, and what each mode does not protect."""
+"""Run student code in sandboxes with different isolation modes and with limits."""

@@ -1,9 +1,9 @@
 """
-Choose the strongest isolation that works here, or an accepted weaker one.
+Choose the strongest isolation mode that works on this machine, or an accepted weaker one.
 
-A mode works only if it does everything that a run needs.  Inside, rclpy can be imported, the
-grader's files cannot be read, and time is virtual.  From outside, the probe can enter the
-sandbox's network.
+A mode works only if it provides everything that a run needs.  Inside the sandbox, rclpy can be
+imported, the grader's files cannot be read, and time is virtual.  From outside, the probe can
+enter the sandbox's network.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ else:
 @functools.lru_cache(maxsize=4)
 def strongest(allow_weak: str = '') -> Sandbox:
     """
-    Return the strongest sandbox that works here, after trying it.
+    Return the strongest sandbox that works on this machine, after a trial run.
 
-    :param allow_weak: the weakest mode of :data:`autograder.sandboxes.isolation.WEAK` that is
-        accepted; empty for nothing but isolation
-    :raises SandboxUnavailable: with the exact fix, and the weaker modes that would work
+    :param allow_weak: the weakest accepted mode of :data:`autograder.sandboxes.isolation.WEAK`;
+        empty to require full isolation
+    :raises SandboxUnavailable: with the exact fix, and the weaker modes that the user may accept
     """
     root = os.geteuid() == 0
     refusals: dict[str, SandboxUnavailable] = {}
@@ -61,9 +61,9 @@ def strongest(allow_weak: str = '') -> Sandbox:
 
 def usable(mode: str) -> Sandbox:
     """
-    Return the sandbox of a mode.
+    Return the sandbox of a mode, after a trial run.
 
-    :raises SandboxUnavailable: with the exact fix, if it does not work here
+    :raises SandboxUnavailable: with the exact fix, if the mode does not work on this machine
     """
     sandbox = Sandbox(mode)
     if sandbox.keeps_secrets:
@@ -75,7 +75,7 @@ def usable(mode: str) -> Sandbox:
 
 
 def _missing(sandbox: Sandbox) -> tuple[str, str]:
-    """Return what the system lacks for a sandbox and what to do; both are empty if nothing."""
+    """Return what the system lacks for a sandbox, and the fix; empty strings if nothing."""
     if not landlock.filter_file().is_file():
         return landlock.NO_FILTER
     if sandbox.isolated:
@@ -92,9 +92,9 @@ def _missing(sandbox: Sandbox) -> tuple[str, str]:
 
 def try_out(sandbox: Sandbox) -> None:
     """
-    Run a Python that imports rclpy and cannot read the grader; then join its network.
+    Try to enter a sandbox's network, import rclpy inside, and read the grader's files.
 
-    :raises SandboxUnavailable: if one of these does not work
+    :raises SandboxUnavailable: if entering or importing fails, reading succeeds, or time is real
     """
     with (
         sandbox.turn(),
@@ -137,7 +137,11 @@ def try_out(sandbox: Sandbox) -> None:
 
 
 def _try_to_join(confined: Confined) -> None:
-    """Join a sandbox's network as the probe will."""
+    """
+    Enter a sandbox's network in the same way as the probe.
+
+    :raises SandboxUnavailable: if the kernel refuses
+    """
     joined = subprocess.run(
         [*confined.enter, 'true'],
         pass_fds=tuple(confined.namespaces.values()),

@@ -1,4 +1,4 @@
-"""Describe what to confine, with which limits, and control a program once it runs."""
+"""Describe a program to confine and its limits, and control the program once it runs."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from environment.ros_domain import Claim
 @dataclass(frozen=True)
 class Limits:
     """
-    What one run may use before the grader ends it.
+    The resources that one run may use before the grader ends it.
 
-    :param cpu_s: processor seconds, all processes together, and the probe and the clock's driver
-    :param memory: bytes of resident memory, all processes together
-    :param processes: processes and threads
-    :param folder: bytes in each writable folder
-    :param inodes: files in the writable folders
-    :param output: bytes printed
+    :param cpu_s: processor time [s] of the program, the probe and the clock's driver together
+    :param memory: resident memory [bytes] of all processes of the program together
+    :param processes: number of processes and threads
+    :param folder: size of each writable folder [bytes]
+    :param inodes: number of files in the writable folders
+    :param output: printed output [bytes]
     """
 
     cpu_s: int = 20
@@ -40,11 +40,11 @@ class Limits:
 
     def of_process(self, others: int = 0) -> dict[str, int]:
         """
-        Return the limits that the kernel enforces, by the names of setrlimit(2) in small letters.
+        Return the limits that the kernel enforces, with the names of setrlimit(2) in lower case.
 
-        The watchdog enforces limits on sums over processes.
+        The watchdog enforces the limits that apply to all processes together.
 
-        :param others: processes and threads that the same uid has already: they count
+        :param others: processes and threads that the same uid already has, which the kernel counts
         """
         return {
             'nproc': self.processes + others,
@@ -52,7 +52,7 @@ class Limits:
             'fsize': self.folder,
             'core': 0,
             'nofile': 256,
-            'cpu': self.cpu_s + 5,  # the watchdog, which sums, comes first
+            'cpu': self.cpu_s + 5,  # higher than the watchdog's limit, which therefore acts first
         }
 
     def argv(self, others: int = 0) -> list[str]:
@@ -64,12 +64,12 @@ class Limits:
 @dataclass(frozen=True)
 class Program:
     """
-    What to run and what it may see.
+    A command to run in a sandbox, and the files that it can see.
 
-    :param argv: the command, in terms of the sandbox's own paths
-    :param binds: read-only, host path to sandbox path
-    :param course_messages: whether the course's own built messages are importable
-    :param variables: added to the ROS environment
+    :param argv: the command, with paths inside the sandbox
+    :param binds: read-only files and folders, host path to sandbox path
+    :param course_messages: whether the program can import the course's own message package
+    :param variables: environment variables in addition to those of ROS
     """
 
     argv: Sequence[str]
@@ -83,16 +83,17 @@ class Confined:
     """
     A started program and the means to control it.
 
-    :param process: the outermost process
-    :param gate: the grader's end of its standard input
-    :param pid: host pid of the sandbox's first process, or of the process itself without one
-    :param pidfd: descriptor of that process, safe against pid reuse
-    :param namespaces: open descriptors ``net`` and, where there is one, ``user``
-    :param supervised: whether :mod:`autograder.inside.confine` ends what the program started
-    :param home: the folder the program may write to, None where it has a file system of its own
-    :param claimed: its ROS domain, None where it has a network of its own
-    :param released: whether it was told to go on, and can have heard it
-    :param ended_unread: whether it is known to have ended before it heard that; told once
+    :param process: the outermost process, which is the launcher if the mode has one
+    :param gate: the grader's end of the program's standard input
+    :param pid: host pid of the sandbox's first process; without namespaces, of ``process``
+    :param pidfd: descriptor of the process with that pid, safe against pid reuse
+    :param namespaces: open descriptors ``net`` and, for a plain user, ``user``
+    :param supervised: whether :mod:`autograder.inside.confine` ends the program's descendants
+    :param home: the folder that the program may write to, None if it has its own file system
+    :param claimed: its ROS domain, None if it has its own network
+    :param released: whether the release was sent successfully
+    :param ended_unread: whether the program ended before it read the release; the socket reports
+        this only once
     """
 
     process: subprocess.Popen[bytes]
@@ -108,12 +109,12 @@ class Confined:
 
     def release(self) -> None:
         """
-        Let the program run; until then it waits, see :mod:`autograder.inside.gate`.
+        Release the program, which waits in :mod:`autograder.inside.gate`.
 
-        bubblewrap's own ``--block-fd`` would not do: a sandbox that waits there outlives a killed
-        grader, and then runs.
+        bubblewrap's own ``--block-fd`` is not suitable: if the grader is killed, a sandbox that
+        waits there survives and runs the program.
         """
-        with suppress(OSError):  # it has died already; its exit is noticed elsewhere
+        with suppress(OSError):  # the program has ended already; the run loop detects its exit
             self.gate.send(b'x')
             self.released = True
 
@@ -121,8 +122,8 @@ class Confined:
         """
         Return whether the program still waits, or ended before any line of the student ran.
 
-        The kernel reports this for a socket, and no process inside can write to it: a pipe could
-        be opened again through the first process of the sandbox, and filled.
+        The kernel reports whether the byte in the socket was read, and no process inside can write
+        to the socket.  A pipe could be reopened through ``/proc`` and filled.
         """
         unread = fcntl.ioctl(self.gate, termios.TIOCOUTQ, bytes(4))
         ended = self.gate.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
@@ -130,16 +131,16 @@ class Confined:
         return not self.released or any(unread) or self.ended_unread
 
     def kill(self) -> None:
-        """End everything inside, then the launcher: killed first, that could leave orphans."""
+        """End all processes inside, then the launcher; the other order could leave orphans."""
         try:
             if self.supervised:
-                # It ends all descendants, daemons too, and then itself.
+                # The supervisor ends all descendants, including daemons, and then itself.
                 signal.pidfd_send_signal(self.pidfd, signal.SIGTERM)
                 select.select([self.pidfd], [], [], SUPERVISOR_S)
             signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
         except ProcessLookupError:
             pass
-        if not self.namespaces and not self.supervised:  # the whole process group
+        if not self.namespaces and not self.supervised:  # nothing else ends the descendants
             end_group(self.process)
         self.process.kill()
         self.process.wait()
@@ -155,17 +156,17 @@ class Confined:
 
     @property
     def domain(self) -> int:
-        """Return the ROS domain id."""
+        """Return the ROS domain id; 0 in a separate network."""
         return self.claimed.domain if self.claimed else 0
 
     @property
     def enter(self) -> list[str]:
-        """Return the command that enters these namespaces; empty if there are none."""
+        """Return the prefix of a command that enters these namespaces; empty if there are none."""
         found = [f'--{kind}=/proc/self/fd/{fd}' for kind, fd in self.namespaces.items()]
         return ['nsenter', *found, '--preserve-credentials', '--'] if found else []
 
     def files(self) -> tuple[int, int]:
-        """Return how many files the program has created and how many bytes they hold."""
+        """Return the number of files that the program has created, and their size [bytes]."""
         if self.home is not None:
             return _tree(self.home)
         count = size = 0
@@ -173,10 +174,10 @@ class Confined:
             inside = f'/proc/{self.pid}/root{folder}'
             try:
                 if os.stat(inside).st_dev == os.stat(folder).st_dev:
-                    continue  # still the host's: the sandbox is being set up, nothing runs in it
+                    continue  # the sandbox is being set up, and this is still the host's folder
                 found = os.statvfs(inside)
             except OSError:
-                continue  # it has just ended
+                continue  # the process has just ended
             count += found.f_files - found.f_ffree
             size += (found.f_blocks - found.f_bfree) * found.f_frsize
         return count, size
@@ -184,31 +185,31 @@ class Confined:
 
 def end_group(process: subprocess.Popen[bytes]) -> None:
     """
-    End a program that leads a process group, with the processes that it is setting up.
+    Kill a program and its whole process group.
 
-    bubblewrap's inner process waits forever if the outer one dies before it gives the signal to
-    continue; until it has its own session, it is in this group.
+    bubblewrap's inner process waits forever if the outer one dies before it sends the signal to
+    continue.  Until the inner process has its own session, it is in this group.
 
-    :param process: not waited for yet, or its number may be somebody else's
+    :param process: leader of the group; it must not be reaped yet, or its pid may be reused
     """
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
 
 
 KILLED = (-signal.SIGKILL, 128 + signal.SIGKILL)
-"""Exit codes of a program that got SIGKILL, and of a launcher that passes that on."""
-SUPERVISOR_S = 60.0  # bounds what it needs to end a sandbox's processes: milliseconds
+"""Exit codes of a program killed by SIGKILL, and of a launcher that reports this."""
+SUPERVISOR_S = 60.0  # timeout for ending a sandbox's processes, which takes milliseconds
 WRITABLE = ('/tmp', '/dev/shm')
 MOST_COUNTED = 30_000
 
 
 def _tree(folder: Path) -> tuple[int, int]:
-    """Count the files below a folder and their bytes, up to a limit; follow no link."""
+    """Count the files below a folder and their bytes, up to a limit; do not follow links."""
     count = size = 0
     for path, folders, files in os.walk(folder):
         count += len(folders) + len(files)
         for name in files:
-            with suppress(OSError):  # it changes while we look
+            with suppress(OSError):  # the program may remove files during the count
                 size += os.lstat(os.path.join(path, name)).st_blocks * 512
         if count > MOST_COUNTED:
             break

@@ -1,7 +1,7 @@
 """
-The isolation modes by strength, what each does not protect, and how to fix each refusal.
+Define the isolation modes, what each does not protect, and the fixes for bubblewrap's errors.
 
-Everything here is data and text; :mod:`autograder.sandboxes.choose` tries the modes.
+This module contains only data and text; :mod:`autograder.sandboxes.choose` tries the modes.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ class Mode:
     One way to isolate a program.
 
     :param what: a description of the mode
-    :param lacks: what it does not protect, empty for full isolation
-    :param keeps_secrets: whether no program can read hidden exams, so that they may be run
-    :param root: whether the grader of a class has to be root, or must not be; as root, the
-        program gets a throw-away user
-    :param namespaces: whether the program has file systems and a network of its own
-    :param landlock: whether Landlock and a system-call filter separate it from the machine
+    :param lacks: what the mode does not protect; empty for full isolation
+    :param keeps_secrets: whether programs cannot read hidden exams, so that these may be run
+    :param root: whether the grader must be root (then the program gets a temporary uid) or must
+        not be root
+    :param namespaces: whether the program has separate file systems and a separate network
+    :param landlock: whether Landlock and a system-call filter confine the program
     """
 
     what: str
@@ -59,19 +59,19 @@ MODES = {
     ),
     'none': Mode('no isolation', (EVERYTHING,), keeps_secrets=False),
 }
-"""By strength, best first."""
+"""All isolation modes by name, strongest first."""
 
 WEAK = tuple(name for name, mode in MODES.items() if mode.lacks)
 
 
 def full(root: bool) -> str:
-    """Return the mode with full isolation."""
-    # Never bubblewrap's user namespace as root: the kernel would still see uid 0 inside.
+    """Return the mode with full isolation, for root or for a plain user."""
+    # As root, do not use bubblewrap's user namespace: the kernel would treat the program as uid 0.
     return next(name for name, mode in MODES.items() if mode.namespaces and mode.root == root)
 
 
 def permitted(allow_weak: str, root: bool) -> tuple[str, ...]:
-    """Return the weak modes that may be tried: the accepted one and all better ones."""
+    """Return the weak modes that may be tried: the accepted one and all stronger ones."""
     if not allow_weak:
         return ()
     enough = WEAK[: WEAK.index(allow_weak) + 1]
@@ -84,7 +84,7 @@ def not_protected(mode: str) -> tuple[str, ...]:
 
 
 def banner(mode: str) -> str:
-    """Return the warning of a weak mode."""
+    """Return the warning about a weak mode."""
     lines = [f'WEAK ISOLATION: {MODES[mode].what} ({mode}). One submission at a time.']
     lines += [f'  - {lack}.' for lack in MODES[mode].lacks]
     if not MODES[mode].keeps_secrets:
@@ -92,7 +92,7 @@ def banner(mode: str) -> str:
     return '\n'.join([*lines, '  Every result of this run says so.'])
 
 
-# -- repairs -------------------------------------------------------------------------------
+# -- fixes ---------------------------------------------------------------------------------
 
 SECTION = 'See environment.md, section "Grading refuses".'
 FIX_MISSING = (
@@ -125,9 +125,9 @@ FIX_CONTAINER = (
 @dataclass(frozen=True)
 class System:
     """
-    Facts about the system that a fix depends on; kernel settings, None if absent.
+    Facts about the system on which a fix depends; a kernel setting is None if it is absent.
 
-    :param container: whether this looks like a container
+    :param container: whether the system looks like a container
     """
 
     apparmor_restricts: int | None = None
@@ -158,10 +158,10 @@ class System:
 
 def fix_for(said: str, system: System | None = None) -> str:
     """
-    Return the fix for bubblewrap's error message.
+    Return the fix for an error message of bubblewrap.
 
-    :param said: its own words
-    :param system: None for the running one
+    :param said: the error message
+    :param system: None for the running system
     """
     system = system or System.here()
     if 'nknown option' in said:

@@ -1,9 +1,8 @@
 """
-Weaker isolation with Landlock: readable files, a free ROS domain, and one run at a time.
+Prepare the weaker isolation with Landlock: readable files, a free ROS domain, one run at a time.
 
-:mod:`autograder.inside.confine` applies the rules.  A rule opens a whole folder, so to keep
-something in it closed (the course's own nodes, which would be the answer), the rules open
-everything around it instead.
+:mod:`autograder.inside.confine` applies the rules.  A rule opens a whole folder.  To keep a path
+inside closed (the course's own nodes are the solution), the rules open everything around it.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from environment.ros_domain import Claim, claim, DOMAINS
 
 SYSTEM = ('/usr', '/bin', '/sbin', '/lib', '/lib64', '/etc/ld.so.cache', '/etc/alternatives')
 DEVICES = ('/dev/null', '/dev/zero', '/dev/full', '/dev/random', '/dev/urandom')
-SAME_USER_FROM = 3  # before, a program of the same user could cut the user's files short
+SAME_USER_FROM = 3  # older versions let a program of the same user truncate the user's files
 NO_FILTER = (
     f'There is no system-call filter for {platform.machine()}.',
     'Add it with autograder/sandboxes/seccomp/make_filters.py.',
@@ -34,10 +33,10 @@ NO_FILTER = (
 
 def refusal(root: bool) -> tuple[str, str]:
     """
-    Return why this kernel's Landlock cannot be used.
+    Return why the kernel's Landlock cannot be used, and the fix.
 
-    :param root: whether a uid of its own is possible
-    :returns: why it cannot be used, and what to do; twice empty if it can
+    :param root: whether the grader is root, so that the program can get its own uid
+    :returns: reason and fix; two empty strings if Landlock can be used
     """
     try:
         found = confine.landlock_version()
@@ -52,12 +51,12 @@ def refusal(root: bool) -> tuple[str, str]:
 
 
 def filter_file() -> Path:
-    """Return the system-call filter for this processor."""
+    """Return the file of the system-call filter for this processor."""
     return Path(__file__).parent / 'seccomp' / f'{platform.machine()}.bpf'
 
 
 def closed_folder(paths: Iterable[str]) -> str:
-    """Return the first folder of some paths that other users may not enter."""
+    """Return the first folder above some paths that other users cannot enter, or ''."""
     for path in paths:
         for parent in reversed(Path(path).resolve().parents):
             if parent.is_dir() and not parent.stat().st_mode & 0o001:
@@ -67,9 +66,10 @@ def closed_folder(paths: Iterable[str]) -> str:
 
 def own_nodes(ros: RosEnvironment, course_messages: bool) -> set[Path]:
     """
-    Return the paths of the course's own nodes, which are the answers.
+    Return the paths of the course's own nodes, which are the solutions of exercises.
 
-    :param course_messages: whether the course's own built messages stay open
+    :param course_messages: whether the program may import the course's own message package; if
+        not, its whole workspace is returned
     """
     workspace = Path(ros.workspace).parents[1]
     if not course_messages:
@@ -97,7 +97,11 @@ def readable(ros: RosEnvironment, course_messages: bool) -> tuple[list[str], lis
 
 
 def _around(path: Path, closed: set[Path]) -> Iterator[tuple[Path, bool]]:
-    """Yield the paths to open so that all but some paths are open, and whether each is whole."""
+    """
+    Yield the paths to open so that everything below a path is open except the closed paths.
+
+    The second value is whether a path may be read with all its contents, or only listed.
+    """
     if path in closed:
         return
     if not any(path in one.parents for one in closed):
@@ -110,9 +114,9 @@ def _around(path: Path, closed: set[Path]) -> Iterator[tuple[Path, bool]]:
 
 def claim_free_domain() -> Claim:
     """
-    Claim a random ROS domain that no kernel has claimed and no program uses.
+    Claim a random ROS domain that no notebook kernel has claimed and no program uses.
 
-    :raises SandboxUnavailable: if there is none
+    :raises SandboxUnavailable: if no domain is free
     """
     used = {(port - FIRST_PORT) // PORTS_A_DOMAIN for port in ports(os.getpid())}
     free = sorted(set(DOMAINS) - used)
@@ -128,8 +132,8 @@ def claim_free_domain() -> Claim:
 
 @contextmanager
 def turn() -> Iterator[None]:
-    """Wait until no other run of this user is active: they share the network."""
-    # All gradings have to agree on the file, whatever folder each has for its own.
+    """Wait until no other run of this user is active, because such runs share the network."""
+    # All gradings use the same lock file, although each has its own temporary folder.
     common = os.environ.get('TMPDIR') or '/tmp'
     path = Path(common, f'ros2-course-runs-{os.geteuid()}.lock')
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
@@ -141,12 +145,12 @@ def turn() -> Iterator[None]:
 
 
 def threads_of_user() -> int:
-    """Return how many threads this user has, because the limit of processes counts them."""
+    """Return the number of threads of this user, which count for the limit of processes."""
     count = 0
     for folder in glob('/proc/[0-9]*'):
         try:
             if os.stat(folder).st_uid == os.geteuid():
                 count += len(os.listdir(f'{folder}/task'))
         except OSError:
-            continue  # it has just ended
+            continue  # the process has just ended
     return count

@@ -1,11 +1,11 @@
 """
-Make a run's probe in the network of the student's sandbox, apart from the student.
+Create a run's probe in the network of the student's sandbox, separate from the student's program.
 
 A probe is a fork of a process that has rclpy loaded, see :mod:`autograder.probe.fork_server`.  As
-root, this process is in a sandbox of its own.  A plain user's probe joins the user namespace of
-the student's sandbox, in which no further namespace can be made.  There, Landlock confines the
-probe if the kernel has it; if not, limits, the system-call filter and a bare environment are its
-only confinement.  Without isolation, the probe runs next to the student's program.
+root, this process has its own sandbox.  A plain user's probe enters the user namespace of the
+student's sandbox, in which no further namespace can be created.  There, Landlock confines the
+probe if the kernel supports it; otherwise, only limits and the system-call filter confine it.
+Without isolation, the probe runs unconfined next to the student's program.
 """
 
 from __future__ import annotations
@@ -36,35 +36,35 @@ from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
 CODE = {str(HERE / name): f'/grader/{name}' for name in ('probe', 'inside')}
-"""Folders that the fork server sees; of the second, it shares files with the student's side."""
+"""Folders of the grader that the fork server can read; ``inside`` is shared with the student."""
 START = '/grader/probe/fork_server.py'
 FILTER = '/grader/filter.bpf'
 LIMITS = Limits()
-ENTER = 'CAP_SYS_ADMIN'  # the network of a run: setns(2)
+ENTER = 'CAP_SYS_ADMIN'  # capability to enter the network of a run: setns(2)
 BORN = b'born'
 CREDENTIALS = struct.Struct('3i')  # process, user and group id of a sender: unix(7)
 ANSWER_BYTES = 64
-ANSWER_S = 120.0  # two hundred times what it takes
+ANSWER_S = 120.0  # timeout, two hundred times the usual duration
 
 
 @cache
 def compile_code() -> None:
-    """Keep bytecode beside what each run starts: inside a sandbox Python can keep none."""
+    """Compile the files that each run starts; in a sandbox, Python cannot write bytecode."""
     for folder in CODE:
-        compileall.compile_dir(folder, quiet=2)  # not if it may not write there
+        compileall.compile_dir(folder, quiet=2)  # ignores folders that are not writable
 
 
 class Probe:
     """
     The probe of one run.
 
-    :param server: made it, and says how it ended
+    :param server: the process that forked the probe, and reports its exit code
     :param pid: host process id
-    :param pipes: descriptors for its scenario, its events and its last words
+    :param pipes: descriptors of the probe's standard input, output and error
     """
 
     def __init__(self, server: ForkServer, pid: int, pipes: Sequence[int]) -> None:
-        """Take the pipes."""
+        """Open the pipes, which are closed by :meth:`end`."""
         self.server, self.pid = server, pid
         self.pidfd = os.pidfd_open(pid)
         self.stdin = os.fdopen(pipes[0], 'wb')
@@ -72,12 +72,12 @@ class Probe:
         self.returncode: int | None = None
 
     def kill(self) -> None:
-        """End it."""
+        """Kill the probe if it is still running."""
         with suppress(ProcessLookupError):
             signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
 
     def end(self) -> str:
-        """End the probe and return its last output."""
+        """Kill the probe, read its exit code, and return the last line of its standard error."""
         self.kill()
         said = self.stderr.read().decode(errors='replace').strip()
         self.returncode = self.server.ended()
@@ -91,16 +91,16 @@ class Probe:
 
 class ForkServer:
     """
-    A process that makes probes, one at a time.
+    A process that forks probes, one at a time.
 
-    :param sandbox: how it is confined
+    :param sandbox: confines the process and its probes
     """
 
     def __init__(self, sandbox: Sandbox) -> None:
         """
-        Start it; it takes as long as Python and rclpy need.
+        Start the process, and wait until it has imported rclpy.
 
-        :raises SandboxUnavailable: if it does not start
+        :raises SandboxUnavailable: if the process does not start
         """
         self.sandbox = sandbox
         self.boxed = sandbox.facts.namespaces and sandbox.facts.root
@@ -128,25 +128,25 @@ class ForkServer:
         return subprocess.Popen(argv, env=variables, cwd='/', **{**sandboxes.PIPES, **pipes})
 
     def usable(self, sandbox: Sandbox) -> bool:
-        """Return whether it is alive and confined in this way."""
+        """Return whether the process is alive and was started for an equal sandbox."""
         if (self.sandbox.mode, self.sandbox.ros) != (sandbox.mode, sandbox.ros):
             return False
-        # It speaks when it is spoken to, so only its end can be read.
+        # An idle server sends nothing, so the channel is readable only if the server has ended.
         return self.process.poll() is None and not select.select([self.channel], [], [], 0)[0]
 
     def make(self, student: Confined, place: int) -> Probe:
         """
-        Make a probe, which waits for its scenario.
+        Fork a probe, which waits for its scenario.
 
-        :param student: the held program
-        :param place: descriptor of the probe's place on the virtual clock
-        :raises ProbeFailed: if it could not confine itself, or did not live
+        :param student: the program, which has not been released yet
+        :param place: the probe's socket for the virtual clock, a descriptor
+        :raises ProbeFailed: if the probe could not confine itself, or has ended
         """
         pipes = [os.pipe() for _ in range(3)]
         (given, giving), *written = pipes
         ours = [giving, *(reading for reading, _ in written)]
         theirs = [given, *(writing for _, writing in written)]
-        # A user namespace first: it gives the right to enter the other.
+        # Enter the user namespace first, which gives the right to enter the network namespace.
         namespaces = [fd for _, fd in sorted(student.namespaces.items(), reverse=True)]
         try:
             self._order(student, theirs, [place, *namespaces])
@@ -162,7 +162,11 @@ class ForkServer:
             raise
 
     def _order(self, student: Confined, pipes: Sequence[int], others: Sequence[int]) -> None:
-        """Order a probe, which takes over the ends of its pipes."""
+        """
+        Send the order for a probe, with its ends of the pipes, which are closed here.
+
+        :raises ProbeFailed: if the server has ended
+        """
         order = {
             'variables': self._variables(student.domain),
             'limits': LIMITS.of_process(self.sandbox.processes()),
@@ -177,7 +181,7 @@ class ForkServer:
                 os.close(pipe)
 
     def _rules(self) -> dict[str, Any] | None:
-        """Return the rules of a probe, None if it keeps its rights."""
+        """Return the rules for :func:`confine.give_up`; None if a probe keeps its rights."""
         if self.boxed:
             return {'uid': sandboxes.throw_away_uid(), 'filter': FILTER}
         if not self.sandbox.keeps_secrets:
@@ -188,7 +192,7 @@ class ForkServer:
         return rules
 
     def _variables(self, domain: int) -> dict[str, str]:
-        """Return the variables that depend on the run: its domain, the profile and its port."""
+        """Return a probe's environment variables: its domain, Fast DDS profile and port."""
         folder = Path('/grader') if self.boxed else HERE
         return {
             'ROS_DOMAIN_ID': str(domain),
@@ -198,9 +202,9 @@ class ForkServer:
 
     def ended(self) -> int | None:
         """
-        Return the exit code of the probe that was made last, None if it is not known.
+        Wait for the exit code of the last probe and return it; None if the server has failed.
 
-        If it is known, the server can make the next probe.
+        After a known exit code, the server is marked as idle, ready for the next probe.
         """
         try:
             code = int(self._answer()[0])
@@ -210,7 +214,11 @@ class ForkServer:
         return code
 
     def _answer(self) -> tuple[bytes, int]:
-        """Return what is said next, and the process id of the sender."""
+        """
+        Receive one message, and return it with the process id of its sender.
+
+        :raises ProbeFailed: if no message arrives within 120 s, or the server has ended
+        """
         space = socket.CMSG_SPACE(CREDENTIALS.size)
         try:
             said, more, _, _ = self.channel.recvmsg(ANSWER_BYTES, space)
@@ -225,7 +233,11 @@ class ForkServer:
         return said, pids[0]
 
     def _refused(self) -> NoReturn:
-        """Say why it did not start."""
+        """
+        Kill the process, and raise an error with its output.
+
+        :raises SandboxUnavailable: always
+        """
         end_group(self.process)
         _, said = self.process.communicate()
         what = said.decode(errors='replace').strip() or 'no word'
@@ -244,7 +256,7 @@ def _end(process: subprocess.Popen[bytes], channel: socket.socket) -> None:
 
 
 _idle: list[ForkServer] = []
-# The kernel ends a sandbox with the thread that started it; these live as long as the process.
+# The kernel ends a sandbox when the thread that started it ends. These threads never end.
 _starters = ThreadPoolExecutor(thread_name_prefix='fork servers')
 
 
@@ -252,17 +264,17 @@ def start_probe(sandbox: Sandbox, student: Confined, place: int) -> Probe:
     """
     Start a probe, which waits for its scenario.
 
-    :param student: the held program
-    :param place: descriptor of the probe's place on the virtual clock
-    :raises ProbeFailed: if it cannot be started
-    :raises SandboxUnavailable: if the sandbox refuses
+    :param student: the program, which has not been released yet
+    :param place: the probe's socket for the virtual clock, a descriptor
+    :raises ProbeFailed: if the probe cannot be started
+    :raises SandboxUnavailable: if the fork server does not start
     """
     return _free_server(sandbox).make(student, place)
 
 
 def _free_server(sandbox: Sandbox) -> ForkServer:
-    """Return an idle fork server, or a new one; one that is not usable is ended."""
-    with suppress(IndexError):  # none is idle
+    """Return an idle fork server or a new one; unusable servers are dropped, which ends them."""
+    with suppress(IndexError):  # no server is idle
         while True:
             server = _idle.pop()
             if server.usable(sandbox):

@@ -1,7 +1,7 @@
 """
-Read in ``/proc`` what a program uses: threads, memory, processor time, ports.
+Read a program's use of threads, memory, processor time and ports from ``/proc``.
 
-All facts come from the kernel; the program itself is not trusted.
+All facts come from the kernel, because the program itself is not trusted.
 """
 
 from __future__ import annotations
@@ -12,24 +12,24 @@ import os
 from pathlib import Path
 import time
 
-# Ports of RTPS: 7400 + 250 x domain, and 10 + 2 x number above that for each participant.
+# Ports of RTPS: 7400 + 250 x domain for discovery; 10 + 2 x N above that for participant N.
 FIRST_PORT, PORTS_A_DOMAIN, OWN_PORTS, MOST_DOMAIN = 7400, 250, range(10, 240), 232
-AT_RANDOM = 32768  # from here on, Linux gives ports to who asks for none: ip(7)
+AT_RANDOM = 32768  # first ephemeral port, which Linux assigns to sockets without a port: ip(7)
 CPU_TICKS = os.sysconf('SC_CLK_TCK')
 PAGE = os.sysconf('SC_PAGESIZE')
 
 
 def states(pid: int) -> bytes:
     """
-    Return the state of each thread of a process and its descendants, one letter each: proc(5).
+    Return the state of each thread of a process and its descendants, as one letter each.
 
-    R means running or waiting for a processor, D waiting for a disk, T stopped.
+    R means running or waiting for a processor, D waiting for a disk, T stopped: proc(5).
 
     :param pid: host pid of the first process
     """
     found = b''
     for process in family(pid):
-        with suppress(OSError):  # it has ended
+        with suppress(OSError):  # the process has ended
             for task in os.listdir(f'/proc/{process}/task'):
                 stat = _read(f'/proc/{process}/task/{task}/stat')
                 found += stat.rpartition(b')')[2][1:2]
@@ -37,11 +37,11 @@ def states(pid: int) -> bytes:
 
 
 def used_ns(pid: int) -> int:
-    """Return the processor time of a process and its descendants until now [ns]."""
+    """Return the processor time that a process and its descendants have used [ns]."""
     total = 0
     for process in family(pid):
-        with suppress(OSError):  # it has ended
-            # The clock of another process's processor time: clock_getcpuclockid(3), in Linux.
+        with suppress(OSError):  # the process has ended
+            # Linux's clock id for the processor time of another process: clock_getcpuclockid(3).
             total += time.clock_gettime_ns((~process << 3) | 2)
     return total
 
@@ -54,23 +54,23 @@ def ports(pid: int) -> set[int]:
     """
     found = set()
     for name in ('udp', 'udp6'):
-        with suppress(OSError, ValueError, IndexError):  # it has ended
+        with suppress(OSError, ValueError, IndexError):  # the process has ended
             lines = Path(f'/proc/{pid}/net/{name}').read_text('ascii').splitlines()[1:]
             found |= {int(line.split()[1].rpartition(':')[2], 16) for line in lines}
     return found
 
 
 def first_port(domain: int) -> int:
-    """Return the port on which the first participant of a ROS domain listens."""
+    """Return the port on which the first participant of a ROS domain receives."""
     return FIRST_PORT + PORTS_A_DOMAIN * domain + OWN_PORTS[0]
 
 
 def other_domains(used: set[int]) -> list[int]:
     """
-    Return the ROS domains other than 0 that have a participant, by the ports in use.
+    Return the ROS domains other than 0 that have a participant, judged by the ports in use.
 
-    A participant uses the domain's first port, for discovery, and two ports next to it. By chance,
-    random ports of Linux can look the same, in one of several thousand runs.
+    A participant uses the domain's first port, for discovery, and two consecutive ports above it.
+    Ephemeral ports can match this pattern by chance, in one of several thousand runs.
 
     :param used: UDP ports
     """
@@ -88,7 +88,7 @@ def other_domains(used: set[int]) -> list[int]:
 
 
 def oom_kills() -> int:
-    """Return how many processes the kernel has killed since its start to free memory."""
+    """Return how many processes the kernel has killed since boot because memory ran out."""
     for line in _read('/proc/vmstat').splitlines():
         name, _, count = line.partition(b' ')
         if name == b'oom_kill':
@@ -100,7 +100,7 @@ def proportional(pid: int) -> int:
     """
     Return the memory of a process and its descendants, with shared pages counted once [bytes].
 
-    This is slower than :func:`usage`, so it is called only if that sum is over a limit.
+    This is slower than :func:`usage`, so call it only if the sum of :func:`usage` is over a limit.
     """
     total = 0
     for current in family(pid):
@@ -108,19 +108,19 @@ def proportional(pid: int) -> int:
             text = Path(f'/proc/{current}/smaps_rollup').read_text('ascii', 'replace')
             total += int(text.partition('\nPss:')[2].split()[0]) * 1024
         except (OSError, ValueError, IndexError):
-            continue  # it ended while we looked
+            continue  # the process has ended
     return total
 
 
 def family(pid: int) -> Iterator[int]:
-    """Yield a process and its descendants, if it exists."""
+    """Yield the pids of a process and its descendants; nothing if the process has ended."""
     pids = [pid]
     while pids:
         current = pids.pop()
         try:
             tasks = os.listdir(f'/proc/{current}/task')
         except OSError:
-            continue  # it has ended
+            continue  # the process has ended
         yield current
         for task in tasks:
             with suppress(OSError):
@@ -128,7 +128,7 @@ def family(pid: int) -> Iterator[int]:
 
 
 def _read(path: str) -> bytes:
-    """Read a small file of /proc, quickly, because each check reads about twenty."""
+    """Read a small file of ``/proc`` with little overhead; each check reads about twenty."""
     file = os.open(path, os.O_RDONLY)
     try:
         return os.read(file, 1 << 16)
@@ -138,21 +138,20 @@ def _read(path: str) -> bytes:
 
 def usage(pid: int) -> tuple[int, float]:
     """
-    Return what a process and all its descendants use.
+    Return the resident memory [bytes] and processor time [s] of a process and its descendants.
 
-    In a sandbox every process descends from the first one, daemons too.
+    In a sandbox, every process descends from the first one, including daemons.
 
     :param pid: host pid of the first process
-    :returns: resident memory [bytes], processor time [s]
     """
     resident, ticks = 0, 0
     for current in family(pid):
         try:
             stat = _read(f'/proc/{current}/stat')
         except OSError:
-            continue  # it ended while we looked
+            continue  # the process has ended
         fields = stat.rpartition(b')')[2].split()
-        # utime, stime and those of waited-for children, then the resident pages: proc(5)
+        # Fields of proc(5): utime, stime, both for reaped children, and the resident pages.
         ticks += sum(int(fields[number]) for number in (11, 12, 13, 14))
         resident += int(fields[21]) * PAGE
     return resident, ticks / CPU_TICKS

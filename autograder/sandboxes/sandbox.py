@@ -1,12 +1,12 @@
 """
-Confine student code: with bubblewrap in separate namespaces, or in a weaker way.
+Confine student code with bubblewrap in separate namespaces, or with weaker isolation.
 
 :mod:`autograder.sandboxes.isolation` lists the modes by strength, and what each does not protect.
-The two isolated modes give the student's process its own mount, pid, network, ipc and uts
-namespaces, a read-only system, temporary folders of limited size, resource limits and a
+The two modes with full isolation give the student's process its own mount, pid, network, ipc and
+uts namespaces, a read-only system, temporary folders of limited size, resource limits and a
 system-call filter.  Hidden exams, the gradebook and other submissions do not exist there.
-Bubblewrap starts with an empty environment, because a program inside can read it as
-``/proc/1/environ``.
+Bubblewrap starts with an almost empty environment, because a program inside can read that
+environment from ``/proc/1/environ``.
 
 This module only builds command lines and queries the kernel; bubblewrap creates the namespaces.
 """
@@ -43,7 +43,7 @@ class Sandbox:
     """
 
     def __init__(self, mode: str, ros: RosEnvironment | None = None) -> None:
-        """Read the ROS environment once."""
+        """Use the given ROS environment, or read the prepared one."""
         self.mode = mode
         self.facts = isolation.MODES[mode]
         self.ros = ros or ros_environment()
@@ -65,7 +65,7 @@ class Sandbox:
     # -- command lines ---------------------------------------------------------------------
 
     def variables(self, program: Program, home: str, domain: int) -> dict[str, str]:
-        """Return the whole environment of a confined program."""
+        """Return all environment variables of a confined program."""
         chosen = self.ros.variables if program.course_messages else self.ros.base_variables
         variables = {
             **chosen,
@@ -81,13 +81,13 @@ class Sandbox:
             'PYTHONUNBUFFERED': '1',
             **program.variables,
         }
-        # The loopback profile above replaces the rmw's own choice of peers and transports.
+        # This variable must be unset: the profile above sets peers and transports.
         variables.pop('ROS_AUTOMATIC_DISCOVERY_RANGE', None)
         return variables
 
     @property
     def profile(self) -> str:
-        """Return where a confined program finds the Fast DDS profile."""
+        """Return the path of the Fast DDS profile for a confined program."""
         return '/grader/fastdds.xml' if self.isolated else str(HERE / 'fastdds.xml')
 
     def bwrap(
@@ -100,10 +100,11 @@ class Sandbox:
         """
         Return bubblewrap's options for a program.
 
-        They go through a pipe, because a program inside the sandbox can read the command line.
+        :func:`start_bwrap` passes them through a pipe, because a program inside the sandbox can
+        read the command line.
 
-        :param descriptors: ``--info-fd N`` and the like
-        :param capabilities: what root keeps beside those that it needs to give up its rights
+        :param descriptors: options with descriptors, such as ``--info-fd N``
+        :param capabilities: kept by root, in addition to those for giving up its rights
         """
         argv = ['--unshare-ipc', '--unshare-pid', '--unshare-uts', '--unshare-cgroup-try']
         argv += ['--unshare-net', '--cap-drop', 'ALL']
@@ -120,7 +121,7 @@ class Sandbox:
         return argv
 
     def command(self, program: Program, limits: Limits) -> list[str]:
-        """Return bubblewrap's command: the program behind its limits and, as root, with a uid."""
+        """Return the command for bubblewrap: the program with its limits and, as root, a uid."""
         drop = []
         if self.facts.root:
             uid = str(throw_away_uid())
@@ -131,7 +132,7 @@ class Sandbox:
 
     def _mounts(self, program: Program, limits: Limits) -> list[str]:
         size = ['--perms', '1777', '--size', str(limits.folder), '--tmpfs']
-        # /tmp comes before binds below it; the root and /dev are made read-only last.
+        # Mount /tmp before binds below it; the root and /dev are made read-only last.
         argv = [*size, '/tmp', '--ro-bind', '/usr', '/usr']
         for link in ('bin', 'lib', 'lib64', 'sbin'):
             if os.path.islink(f'/{link}'):
@@ -150,11 +151,11 @@ class Sandbox:
         return [*argv, '--perms', '1777', '--dir', '/tmp/home']
 
     def _masks(self, program: Program) -> list[str]:
-        """Hide the course's own nodes behind empty folders and files."""
+        """Return the options that hide the course's own nodes behind empty folders and files."""
         argv = []
         for path in sorted(landlock.own_nodes(self.ros, program.course_messages)):
             if path.is_dir():
-                # A mount of its own, so it needs its own size and its own "read-only".
+                # This is a separate mount, so it needs a size and must be made read-only itself.
                 argv += ['--perms', '0555', '--size', '4096', '--tmpfs', str(path)]
                 argv += ['--remount-ro', str(path)]
             elif path.exists():
@@ -169,12 +170,12 @@ class Sandbox:
         """
         Start a confined program, which waits for :meth:`Confined.release`.
 
-        Call this from a thread that lives longer than the program, because the kernel ends the
-        sandbox with the thread that started it.
+        Call this method from a thread that outlives the program, because the kernel ends the
+        sandbox when the thread that started it ends.
 
-        :param home: an existing empty folder, for modes without file systems of their own
-        :param inherited: descriptors that the program inherits under their numbers
-        :raises SandboxUnavailable: if bubblewrap refuses
+        :param home: an existing empty folder, used by modes without separate file systems
+        :param inherited: descriptors that the program inherits with the same numbers
+        :raises SandboxUnavailable: if bubblewrap fails, or no ROS domain is free
         """
         if not self.isolated:
             return self._start_weak(program, limits, home, inherited)
@@ -211,7 +212,7 @@ class Sandbox:
             raise SandboxUnavailable(f'bubblewrap refused: {what}.', fix_for(what)) from error
         namespaces = {'net': net}
         if not self.facts.root:
-            # Not nsenter -t PID: bubblewrap moves on to a nested user namespace.
+            # Do not use nsenter -t PID: bubblewrap's process enters a nested user namespace later.
             namespaces['user'] = fcntl.ioctl(net, NS_GET_USERNS)
         return Confined(process, gate, pid, pidfd, namespaces)
 
@@ -235,26 +236,32 @@ class Sandbox:
     def outside(
         self, program: Program, home: Path, domain: int, limits: Limits | None = None
     ) -> tuple[list[str], dict[str, str]]:
-        """Return a program's command line with limits, and its variables, in host paths."""
+        """
+        Return a program's command line and environment variables, with host paths.
+
+        :param limits: added to the command line; None adds no limits
+        """
         inside = {guest: host for host, guest in program.binds.items()}
         variables = {
             name: _outside(value, inside)
             for name, value in self.variables(program, str(home), domain).items()
         }
-        prefix = ['setpriv', '--pdeathsig', 'KILL', '--']  # ends with its grader
+        prefix = ['setpriv', '--pdeathsig', 'KILL', '--']  # end the program if the grader ends
         prefix += limits.argv(self.processes()) if limits else []
         argv = [*prefix, *(_outside(word, inside) for word in program.argv)]
         return argv, {**variables, 'TMPDIR': str(home)}
 
     def processes(self) -> int:
-        """Return how many processes and threads a run's own uid has already."""
+        """Return how many processes and threads the uid of a run already has."""
         return 0 if self.facts.root else landlock.threads_of_user()
 
     def behind_landlock(
         self, program: Program, home: Path, inherited: Sequence[int] = ()
     ) -> list[str]:
         """
-        Return the launcher that puts a program behind Landlock.
+        Return the prefix of a command that confines the program with Landlock.
+
+        As root, also make the program's uid the owner of its home folder.
 
         :param inherited: descriptors that stay open
         """
@@ -262,11 +269,15 @@ class Sandbox:
         if rules['uid']:
             os.chown(home, rules['uid'], rules['uid'])
         launcher = str(HERE / 'inside' / 'confine.py')
-        # Not -I: Python has to find what is next to the launcher.
+        # Do not use -I: Python must find the modules next to the launcher.
         return [self.ros.python, '-E', '-s', '-S', launcher, json.dumps(rules)]
 
     def landlock_rules(self, program: Program, *write: str) -> dict[str, Any]:
-        """Return what is left to a program behind Landlock, for ``inside/confine.py``."""
+        """
+        Return the rules for ``inside/confine.py``, which describes their format.
+
+        :param write: paths that the program may write to, in addition to devices
+        """
         read, names = landlock.readable(self.ros, program.course_messages)
         return {
             'uid': throw_away_uid() if self.facts.root else 0,
@@ -279,10 +290,10 @@ class Sandbox:
 
 def throw_away_uid() -> int:
     """
-    Return a uid for one sandbox or probe; limits on processes are per uid.
+    Return a temporary uid for one sandbox or probe, because the limit of processes is per uid.
 
-    The uid is random, because graders in two containers may have equal pids and share the kernel
-    that counts.
+    The uid is random and not derived from the grader's pid: graders in two containers may have
+    the same pid and share a kernel, which counts the processes of both.
     """
     return FIRST_UID + secrets.randbelow(UIDS)
 
@@ -292,7 +303,7 @@ PIPES: dict[str, Any] = {
     'stdin': subprocess.PIPE,
     'stdout': subprocess.PIPE,
     'stderr': subprocess.PIPE,
-    # A process group of its own, so that it can be ended with all that is just being set up.
+    # A separate process group can be killed as a whole, even while the sandbox is being set up.
     'start_new_session': True,
 }
 
@@ -304,14 +315,14 @@ def start_bwrap(
     **pipes: Any,
 ) -> subprocess.Popen[bytes]:
     """
-    Start bubblewrap with its options in a pipe.
+    Start bubblewrap, and pass its options through a pipe.
 
-    :param fds: descriptors it inherits
-    :param pipes: what is to be different from :data:`PIPES`
+    :param fds: descriptors that it inherits
+    :param pipes: arguments of :class:`subprocess.Popen` that replace those in :data:`PIPES`
     """
     listed, writing = os.pipe()
     try:
-        # Some 8 KB; a pipe takes 64 KB without a reader.
+        # The options have about 8 KB, and a pipe holds 64 KB without a reader.
         os.write(writing, b'\0'.join(option.encode() for option in options) + b'\0')
         os.close(writing)
         argv = ['bwrap', '--args', str(listed), '--', *command]
@@ -321,7 +332,7 @@ def start_bwrap(
 
 
 def _parents(path: str) -> list[str]:
-    """Return options that make a path's parents readable, which bubblewrap opens only to root."""
+    """Return options that create a path's parents with mode 0755, so that every user can enter."""
     argv = []
     for parent in reversed(Path(path).parents):
         if str(parent) not in ('/', '/tmp', '/usr'):
@@ -330,7 +341,7 @@ def _parents(path: str) -> list[str]:
 
 
 def _outside(text: str, inside: Mapping[str, str]) -> str:
-    """Translate sandbox paths to host paths, for plain mode."""
+    """Translate a sandbox path to a host path, for modes without separate file systems."""
     for guest, host in inside.items():
         if text == guest or text.startswith(f'{guest}/'):
             return host + text[len(guest) :]

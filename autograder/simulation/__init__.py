@@ -1,1 +1,1 @@
-"""Run a program for some virtual time without an exam, and show what it did."""
+"""Run a program for some virtual time without an exam, and return its messages and log lines."""

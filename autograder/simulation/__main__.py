@@ -1,9 +1,9 @@
 """
-Run a node file on the virtual clock; ``simulate(...)`` in a notebook starts this.
+Run a node file on the virtual clock; ``simulate(...)`` in a notebook starts this program.
 
     python -m autograder.simulation --files DIR --order FILE --to FILE
 
-It judges nothing, so it is not a command of ``python -m autograder``.
+This program judges nothing, so it is not a command of ``python -m autograder``.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from autograder.submission.package import read_package
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """
-    Run the command.
+    Run the program and return its exit code.
 
-    :returns: the exit code
+    :param arguments: the command line without the program
     """
     parser = argparse.ArgumentParser(prog='python -m autograder.simulation')
     parser.add_argument('--files', type=Path, required=True, help='folder of the package')

@@ -1,4 +1,4 @@
-"""What to run, for how long, and what to send, as a person writes it and as data."""
+"""Describe a simulation: what to run, for how long, and which messages to send."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ class Input:
     """
     A message to send.
 
-    :param at_s: when [s since the program starts]
+    :param at_s: when to send it [s since the program starts]
     :param topic: full name of the topic
-    :param fields: values of its fields; the others have their defaults
-    :param type: of the message, empty for the one to which the program subscribes
+    :param fields: values of its fields; other fields keep their defaults
+    :param type: type of the message; empty for the type of the program's subscription
     """
 
     at_s: float
@@ -32,13 +32,13 @@ class Input:
 @dataclass(frozen=True)
 class Order:
     """
-    What to run, for how long, and what to send.
+    The input of a simulation: what to run, for how long, and what to send.
 
     :param file: node file
     :param seconds: how long to run, in virtual time from the start of the program [s]
-    :param inputs: messages to send; those of one moment are a burst
-    :param late: when an additional subscription joins a topic [s], by its full name
-    :param arguments: of the program, after ``--ros-args``
+    :param inputs: messages to send; messages with the same time are sent as a burst
+    :param late: full topic name to the time at which an additional subscription joins [s]
+    :param arguments: arguments of the program, after ``--ros-args``
     """
 
     file: str
@@ -49,9 +49,9 @@ class Order:
 
     def check(self) -> None:
         """
-        Check the times.
+        Check that all times are valid.
 
-        :raises UsageError: for a time outside the simulation, or one that is too long
+        :raises UsageError: if a time is outside the simulation, or the simulation is too long
         """
         if not 0 < self.seconds <= MAX_SECONDS:
             raise UsageError(
@@ -74,14 +74,14 @@ def order_of(
     arguments: Sequence[str] = (),
 ) -> Order:
     """
-    Return the order for what a person wrote.
+    Return the order for the arguments that a user wrote.
 
     :param file: node file
     :param seconds: how long to run, in virtual time from the start of the program [s]
-    :param inputs: topic to pairs of a time [s] and a message, or a dict of its fields
+    :param inputs: topic to pairs of a time [s] and a message, which may be a dict of its fields
     :param late: topic to the time at which an additional subscription joins it [s]
-    :param arguments: of the program, after ``--ros-args``
-    :raises UsageError: for anything else
+    :param arguments: arguments of the program, after ``--ros-args``
+    :raises UsageError: if an argument has another form, or a time is invalid
     """
     try:
         sent = [
@@ -115,7 +115,7 @@ def _full(topic: str) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value of a field as JSON types."""
+    """Convert the value of a field to JSON types."""
     if isinstance(value, Mapping):
         return {str(name): _plain(one) for name, one in value.items()}
     if isinstance(value, (list, tuple)):
@@ -124,7 +124,7 @@ def _plain(value: Any) -> Any:
         return value
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
-    # Not at the top: the grader's own process never imports rclpy.
+    # Import this only here: the grader's own process never imports rclpy.
     from autograder.probe.probe_wire import to_json
 
     return to_json(value)

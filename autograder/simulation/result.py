@@ -1,4 +1,4 @@
-"""Read from a recording what a program did in virtual time."""
+"""Convert a recording to a simulation: what a program did in virtual time."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from autograder.simulated import LogRecord, Simulation, TopicRecord
 
 def read_simulation(recording: Recording) -> Simulation:
     """
-    Return what a recording shows.
+    Return the simulation that a recording describes.
 
-    :param recording: made by :func:`autograder.simulation.run.record`; its header has the end
-        [s since the program started], and the types of the topics by their names
+    :param recording: made by :func:`autograder.simulation.run.record`, whose header contains the
+        end of the simulation [s since the program started] and the types of the topics
     """
     about, end_ns = recording.header, round(recording.header['seconds'] * 1e9)
     within = [one for one in recording.events if (one.get('clock_ns') or 0) <= end_ns]
     over_ns = recording.of('end')[-1]['clock_ns']
-    if over_ns is None:  # a limit ended it, and the last event shows when
+    if over_ns is None:  # a limit ended the run; use the time of the last event
         over_ns = max(one.get('clock_ns') or 0 for one in within)
-    # A program that ended after the time that was asked for was running until then.
+    # A program that ended after the requested time completed the simulation.
     ended_later = recording.end_reason == 'student_exited' and over_ns > end_ns
     complete = ended_later or recording.end_reason == 'complete'
     seconds, events = min(over_ns, end_ns) / 1e9, Recording(about, within)

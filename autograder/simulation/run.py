@@ -1,7 +1,7 @@
 """
-Run a program for some virtual time, with inputs at exact moments and without an exam.
+Run a program for some virtual time, with inputs at exact times and without an exam.
 
-A first, short run shows which topics the program has.  The second one records them.
+A first, short run shows which topics the program has.  A second run records their messages.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from autograder.simulation.order import Input, Order
 LOOK_S = 2.0
 """Length of the first run [s]."""
 MAX_RUNS = 3
-"""How often a run is repeated because a new topic appeared in it."""
+"""Maximum number of full runs; a run is repeated if the program created a new topic in it."""
 JOIN_NS = 200_000_000
-"""How long a late subscription takes, in which no input can be sent [ns]."""
+"""Time that a late subscription needs to connect, in which no input can be sent [ns]."""
 MARGIN_NS = 1_000_000
-"""How long to listen after the end, which includes what happens at that instant [ns]."""
+"""Time to listen beyond the end, so that events exactly at the end are recorded [ns]."""
 _MESSAGE = re.compile(r'^\w+/msg/\w+$')
 
 
@@ -33,11 +33,11 @@ def record(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Recordin
     """
     Run a program in a sandbox on the virtual clock.
 
-    :param files: relative path to text; the node file is one of them
-    :returns: for :func:`autograder.simulation.result.read_simulation`; if a limit ended the
-        program, what it did until then
+    :param files: relative path to text, including the node file
+    :returns: the recording for :func:`autograder.simulation.result.read_simulation`; if the run
+        exceeded a limit, the recording ends at that time
     :raises UsageError: if a time is wrong, an input cannot be sent, or a topic is missing
-    :raises GraderError: for a fault of the grader
+    :raises GraderError: if the grader failed
     """
     order.check()
     scenario = Scenario(
@@ -71,11 +71,11 @@ def _run(scenario: Scenario, files: Mapping[str, str], sandbox: Sandbox) -> Reco
 
 def planned(order: Order, before: Scenario, seen: Recording) -> Scenario:
     """
-    Return the scenario that sends the inputs at their moments and watches all known topics.
+    Return the scenario that sends the inputs at their times and watches all known topics.
 
-    :param before: an earlier scenario of the program
-    :param seen: the recording of it, which shows the program's topics
-    :raises UsageError: if the program does not have a topic that is asked for
+    :param before: the scenario of the previous run
+    :param seen: the recording of the previous run, which shows the program's topics
+    :raises UsageError: if the program does not have a topic of the order
     """
     watch = {**before.watch, **_types(seen, 'publisher')}
     begins = seen.of('graph', when='start')
@@ -89,7 +89,7 @@ def planned(order: Order, before: Scenario, seen: Recording) -> Scenario:
 
 
 def _moments(order: Order, seen: Recording) -> list[tuple[int, Feed | Join]]:
-    """Return what to do at which time [ns]; at one moment, inputs come before subscriptions."""
+    """Return the steps with their times [ns], sorted; at equal times, inputs come first."""
     feeds: list[tuple[int, Feed | Join]] = [
         (round(one.at_s * 1e9), Feed(one.topic, (one.fields,), every_s=0.0, rest_s=0.0))
         for one in order.inputs
@@ -99,7 +99,11 @@ def _moments(order: Order, seen: Recording) -> list[tuple[int, Feed | Join]]:
 
 
 def _timed(now_ns: int, moments: Sequence[tuple[int, Feed | Join]], end_ns: int) -> Iterator[Step]:
-    """Yield the steps with the waits between them."""
+    """
+    Yield the steps with the waits between them.
+
+    :raises UsageError: if a time is before ``now_ns`` or during the join of a subscription
+    """
     for at_ns, step in moments:
         if at_ns < now_ns:
             raise UsageError(
@@ -124,7 +128,7 @@ def _type_of(one: Input, types: Mapping[str, str]) -> str:
 
 
 def _join(topic: str, seen: Recording) -> Join:
-    """Return the subscription that asks for what the first publisher of a topic offers."""
+    """Return a late subscription with the QoS profile of the topic's first publisher."""
     publishers = seen.endpoints('publisher', topic)
     if not publishers:
         raise _nobody('publishes on', topic, _types(seen, 'publisher'))
@@ -140,6 +144,6 @@ def _nobody(does: str, topic: str, known: Mapping[str, str]) -> UsageError:
 
 
 def _types(recording: Recording, kind: str) -> dict[str, str]:
-    """Return the topics of the program, without those of actions, and their types."""
+    """Return the types of the program's topics by their names, without topics of actions."""
     ends = recording.endpoints(kind)
     return {end['topic']: end['type'] for end in ends if _MESSAGE.match(end['type'])}

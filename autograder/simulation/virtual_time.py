@@ -1,7 +1,7 @@
 """
-A fixture for pytest that runs a ROS 2 program on a virtual clock, where a minute takes a second.
+Provide a pytest fixture that runs a ROS 2 program on a virtual clock; a minute takes a second.
 
-Installing the wheel makes it known to pytest; ``docs/virtual-time.md`` describes it.
+Installing the wheel registers the fixture with pytest; ``docs/virtual-time.md`` describes it.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ def run_program(
     Run a program for some virtual time.
 
     :param program: a Python file, or an entry point such as ``my_package.my_node:main``
-    :param seconds: how long, from the start of the program [s]; at most a day
-    :param inputs: what to send, as ``{topic: [(second, message), ...]}``; a message is an object
-        or a dict of its fields
-    :param late: an additional subscription that joins later, as ``{topic: second}``
-    :param arguments: of the program, after ``--ros-args``
-    :returns: its messages and log lines, each with its time
-    :raises UsageError: if there is no such file or topic, or a time is wrong
+    :param seconds: how long to run, from the start of the program [s]; at most a day
+    :param inputs: messages to send, as ``{topic: [(second, message), ...]}``; a message is an
+        object or a dict of its fields
+    :param late: additional subscriptions that join later, as ``{topic: second}``
+    :param arguments: arguments of the program, after ``--ros-args``
+    :returns: the program's messages and log lines, each with its time
+    :raises UsageError: if the file or a topic does not exist, or a time is wrong
     """
     file, files = files_of(program)
     order = order_of(file, seconds, inputs, late, arguments)
@@ -58,13 +58,13 @@ def run_program(
 
 def files_of(program: str | os.PathLike[str]) -> tuple[str, dict[str, str]]:
     """
-    Return the name of a program's file, and all files that it needs.
+    Return the name of a program's file, and the texts of all files that it needs.
 
-    The modules next to the file are importable, by their names and from a package that is named
-    after the folder.
+    The program can import the modules next to its file by their names, and as modules of a package
+    with the name of the folder.
 
     :param program: a Python file, or an entry point such as ``my_package.my_node:main``
-    :raises UsageError: if there is no such file or module
+    :raises UsageError: if the file or module does not exist
     """
     module, colon, function = str(program).partition(':')
     path = _file_of(module) if colon else Path(program).resolve()

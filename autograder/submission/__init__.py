@@ -1,1 +1,1 @@
-"""Read submissions: notebooks, cells, packages, code."""
+"""Read submissions: notebooks, cells, packages and code."""

@@ -1,9 +1,9 @@
 """
-The magic line that turns a notebook cell into a file of a ROS package.
+Parse the magic line that makes a notebook cell a file of a ROS package.
 
 Both the notebook's magics (:mod:`roslab.magics`) and the grader
-(:mod:`autograder.submission.extract`) call :func:`parse_cell`, so the grader sees the same file
-that the learner runs.
+(:mod:`autograder.submission.extract`) call :func:`parse_cell`, so the grader judges the same file
+that the student runs.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ import re
 from autograder.submission.code.python_text import expression
 
 UNSOLVED = 'YOUR CODE HERE'
-"""Text of every stub that ``nbgrader generate_assignment`` leaves in a release."""
+"""Text of every stub that ``nbgrader generate_assignment`` writes to a release."""
 
 PACKAGE_FILES = (
     *('package.xml', 'CMakeLists.txt', 'setup.py', 'setup.cfg'),
     *('config/NAME.yaml', 'launch/NAME.launch.xml', 'test/test_NAME.py'),
 )
-"""Files of a package that a cell may be, apart from messages and nodes."""
+"""Package files that a ``%%rospkg`` cell may contain."""
 
 LETTERS = 'abcd'
 """The possible answers to a multiple-choice question."""
 
 ANSWER_MAX = 2000
-"""Characters of an answer with its comments; Python may crash on longer nonsense."""
+"""Maximum length of an answer with its comments [characters]; Python may crash on longer ones."""
 
 MAGIC_LINE_MAX = 200
-"""Characters of a magic line; file names are at most 255 bytes long."""
+"""Maximum length of a magic line [characters]; file names have at most 255 bytes."""
 
 _SOLUTION_MARKS = ('### BEGIN SOLUTION', '### END SOLUTION')
 _SOMETHING = re.compile(r'\S')
@@ -54,18 +54,18 @@ _RULES = {
         'expected the name of a question, as in %%answer q01',
     ),
 }
-"""The rule for names of each kind, as a pattern and as text."""
+"""The rule for names of each kind of cell, as a pattern and as a text for messages."""
 
 
 class CellSyntaxError(ValueError):
-    """A cell's magic line does not name a valid file."""
+    """Report that a cell's magic line does not name a valid file."""
 
 
 class NotALetterError(ValueError):
     """
-    The answer to a multiple-choice question is not one of its letters.
+    Report that the answer to a multiple-choice question is not one of its letters.
 
-    :param reason: short stable name
+    :param reason: short stable name of the mistake
     :param text: a description of the answer, for a message
     """
 
@@ -78,12 +78,12 @@ class NotALetterError(ValueError):
 @dataclass(frozen=True)
 class CellFile:
     """
-    A cell as a file of the learner's package.
+    A cell as a file of the student's package.
 
     :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
-    :param name: as written on the magic line
-    :param body: text of the file; solution marks are blanked, so line n of the body is line
-        n + ``first_line`` of the cell
+    :param name: the name on the magic line
+    :param body: text of the file; solution marks are replaced by empty lines, so line n of the
+        body is line n + ``first_line`` of the cell
     :param first_line: number of cell lines before the body
     """
 
@@ -94,7 +94,7 @@ class CellFile:
 
     @property
     def path(self) -> str:
-        """Return where the grader puts the file, relative to the package."""
+        """Return the path of the file in the package, as the grader writes it."""
         return {
             'node': f'{self.name}.py',
             'rosmsg': f'msg/{self.name}.msg',
@@ -104,16 +104,16 @@ class CellFile:
 
     @property
     def unsolved(self) -> bool:
-        """Return whether the text of the stub is still in the cell."""
+        """Return whether the cell still contains the text of the stub."""
         return UNSOLVED in self.body
 
 
 def check_name(kind: str, name: str) -> None:
     """
-    Raise if a name is not a safe file name for its kind.
+    Check that a name is a safe file name for its kind of cell.
 
     :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
-    :raises CellSyntaxError: with the rule and an example
+    :raises CellSyntaxError: if it is not, with the rule and an example
     """
     wanted, rule = _RULES[kind]
     if not wanted.fullmatch(name):
@@ -122,10 +122,10 @@ def check_name(kind: str, name: str) -> None:
 
 def parse_cell(source: str) -> CellFile | None:
     """
-    Read a cell as a file, or return None if it has no magic line of the course.
+    Parse a cell as a file; return None if it has no magic line of the course.
 
     :param source: the whole text of a code cell
-    :raises CellSyntaxError: if the magic line names no valid file
+    :raises CellSyntaxError: if the magic line does not name a valid file
     """
     source = source.replace('\r\n', '\n')
     line, start = first_line(source)
@@ -146,9 +146,9 @@ def parse_cell(source: str) -> CellFile | None:
 
 def first_line(source: str) -> tuple[str, int]:
     """
-    Return the first line that is not blank, and where it begins.
+    Return the first line that is not blank, and its offset.
 
-    :param source: the whole text of a cell; however long it is, no other line is copied
+    :param source: the whole text of a cell; it may be very long, so no other line is copied
     """
     found = _SOMETHING.search(source)
     if found is None:
@@ -160,7 +160,7 @@ def first_line(source: str) -> tuple[str, int]:
 
 def body_of(text: str) -> str:
     """
-    Blank the solution marks without changing line numbers, and end the text with one newline.
+    Replace solution marks by empty lines, and end the text with exactly one newline.
 
     :param text: the cell's text below its magic line
     """
@@ -170,13 +170,13 @@ def body_of(text: str) -> str:
 
 def chosen_letter(body: str) -> str | None:
     """
-    Read the answer to a multiple-choice question as a Python literal; never execute it.
+    Parse the answer to a multiple-choice question as a Python literal, without executing it.
 
-    Capital letters, blanks around the letter and comments next to it are accepted.
+    Capital letters, blanks around the letter and comments are accepted.
 
     :param body: text of an ``%%answer`` cell below its magic line
-    :returns: a small letter, or None if nothing was chosen yet
-    :raises NotALetterError: for everything else
+    :returns: a lower-case letter, or None if the answer is empty or None
+    :raises NotALetterError: for any other answer
     """
     if len(body) > ANSWER_MAX:
         raise NotALetterError('too_long', f'{len(body)} characters')
@@ -198,7 +198,7 @@ def chosen_letter(body: str) -> str | None:
 
 
 def _shown(text: str) -> str:
-    """Return the first line of a text, at most 40 characters of it, without control characters."""
+    """Return up to 40 characters of a text's first line, without control characters."""
     line = text.partition('\n')[0]
     shown = ''.join(char if char.isprintable() else '?' for char in line[:40])
     return shown if line[:40] == text else f'{shown} ...'

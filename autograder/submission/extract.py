@@ -1,8 +1,8 @@
 """
-Find in a rebuilt notebook the files that each exam judges.
+Find the files that each exam judges in a rebuilt notebook.
 
 The magic line of a cell names its file (:mod:`autograder.submission.cells`).  The release defines
-which file each cell has to be, so a learner who edits the magic line gets a message.
+the expected file of each cell, so a student who edits a magic line gets a message.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from autograder.submission.package import with_missing_file
 from autograder.submission.submission import Opened
 
 CHECK_PREFIX = 'check_'
-"""The check cell of an exam has this and the exam's name as its grade id."""
+"""Prefix of the grade id of a check cell; the name of the exam follows."""
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,8 @@ class ExamFiles:
     """
     The files that one exam judges.
 
-    :param files: relative path -> text; a missing answer has no entry
-    :param problems: cells that are no file, one line each
+    :param files: relative path to text; a missing answer has no entry
+    :param problems: answer cells that are not the expected file
     """
 
     files: Mapping[str, str] = field(default_factory=dict)
@@ -36,10 +36,10 @@ class ExamFiles:
 
 def answer_files(release: Notebook) -> dict[str, CellFile]:
     """
-    Return the file that each answer cell has to be, by grade id.
+    Return the expected file of each answer cell, by grade id.
 
     :param release: the notebook that students received
-    :raises CellSyntaxError: if the release itself is wrong
+    :raises CellSyntaxError: if a magic line in the release is invalid
     """
     files = {}
     for cell in release['cells']:
@@ -55,12 +55,10 @@ def extract(
     opened: Opened, exams: Iterable[Exam], release: Notebook, where: str = 'notebook'
 ) -> dict[str, ExamFiles]:
     """
-    Return the files of every exam, including untouched stubs, which the exam reports.
+    Return the files of every exam by its name, including untouched stubs, which the exam reports.
 
-    :param opened: the submission
-    :param exams: the exams of the assignment
     :param release: the notebook that students received
-    :param where: how to name the file in messages
+    :param where: name of the submitted file in messages
     """
     expected = answer_files(release)
     sources = {marks_of(cell).get('grade_id'): cell['source'] for cell in opened.notebook['cells']}
@@ -81,9 +79,9 @@ def extract(
 
 def with_reasons(result: SubmissionResult, exams: Iterable[Exam]) -> SubmissionResult:
     """
-    Refer from missing answers to the note that has the reason, where there is one.
+    Return a result in which a missing file refers to the problem that explains its absence.
 
-    :param result: with the problems that were found in what was handed in
+    :param result: a result that includes the problems of the submission
     """
     cells = {exam.name: set(exam.cells) for exam in exams}
     explained = []
@@ -100,7 +98,7 @@ def with_reasons(result: SubmissionResult, exams: Iterable[Exam]) -> SubmissionR
 def _read(
     source: str, wanted: CellFile, grade_id: str, where: str
 ) -> tuple[CellFile | None, Problem | None]:
-    """Return the file that one answer saves, or the problem if it is not the wanted file."""
+    """Return the file of an answer cell, or the problem if it is not the expected file."""
     line, first = f'%%{wanted.kind} {wanted.name}', first_line(source)[0].strip()
     try:
         found = parse_cell(source)

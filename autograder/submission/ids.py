@@ -1,4 +1,4 @@
-"""Turn a name into a unique student id that nbgrader and every file system accept."""
+"""Convert a name to a unique student id that nbgrader and every file system accept."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ import unicodedata
 from autograder.submission.inbox import is_letter, is_student_id, MAX_NAME_CHARS
 
 _DIGITS = 12
-"""Digits of the digest: 16**12 names are too many to try for a given id."""
+"""Hexadecimal digits of the digest: enough to rule out a search for a name with a given id."""
 _REPLACED = re.compile(rf'.*--[0-9a-f]{{{_DIGITS}}}')
 
 
 def student_id(name: str) -> str:
     """
-    Return a name as a student id: the name itself if it can be an id.
+    Return a student id for a name: the name itself if it is a valid id.
 
-    Letters of all alphabets are kept, with their combining characters.  If anything has to be
-    replaced, a digest of the name follows, so that different names never become one id, regardless
-    of their source and of the other students.
+    Letters of all alphabets are kept, with their combining characters.  If characters must be
+    replaced, the id ends with a digest of the name.  So different names have different ids, and an
+    id does not depend on the other students.
 
-    :returns: empty if there is no letter or digit
+    :returns: empty if the name has no letter or digit
     """
     text = unicodedata.normalize('NFC', name)
     kept = ''.join(char if is_letter(char) or char in ' .@-' else '_' for char in text)

@@ -1,9 +1,9 @@
 """
-Read the folder of submissions: who delivered what.
+Find the submissions of students in the folder of a class.
 
-Its form is ``submitted/<student>/<assignment>/<notebook>.ipynb``, as nbgrader's collect leaves it.
-The folders were filled from outside, so no link is followed: only regular files in real folders
-count, checked with lstat and opened without following links.
+The path of a submission is ``submitted/<student>/<assignment>/<notebook>.ipynb``, the structure
+that nbgrader's collect writes.  The files come from students, so no link is followed: this module
+reads only regular files in real folders, checks them with lstat and opens them with O_NOFOLLOW.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from autograder.results import Problem
 from autograder.submission.reading import read_file, SUBMIT_AGAIN, unreadable
 
 MAX_NAME_CHARS = 100
-# nbgrader globs with the id, splits lists of ids at commas and exports it to CSV unquoted.
+# nbgrader uses an id as a glob pattern, splits lists of ids at commas, and writes ids to CSV files
+# without quotes. So an id has no other characters than letters, digits and these.
 _BESIDE_LETTERS = frozenset(' ._@-')
 
 
@@ -29,12 +30,12 @@ class Submission:
     """
     One student's submission of one assignment.
 
-    :param student: name of the student's folder, the student id of the gradebook
-    :param folder: the folder that was looked into
-    :param data: content of a notebook that is in no file
-    :param problems: what went wrong while looking
-    :param recordable: False if the name cannot be an id in the gradebook
-    :param path: the notebook's file; a class of them is too much to hold at once
+    :param student: name of the student's folder, which is the student id in the gradebook
+    :param folder: the folder in which the notebook was searched
+    :param data: content of the notebook if it has no file
+    :param problems: problems in the search for the notebook
+    :param recordable: False if the name is not a valid id for the gradebook
+    :param path: the notebook's file, which is read when needed to save memory
     """
 
     student: str
@@ -46,10 +47,10 @@ class Submission:
 
     def read(self, where: str) -> tuple[bytes | None, tuple[Problem, ...]]:
         """
-        Read the notebook again on each call; None if there is none.
+        Read the notebook from its file on each call.
 
-        :param where: how to name the file in messages
-        :returns: the content, and what went wrong while looking and reading
+        :param where: name of the file in messages
+        :returns: the content, None if it is missing; and the problems in search and reading
         """
         if self.path is None:
             return self.data, self.problems
@@ -61,13 +62,13 @@ def discover(
     submitted: Path, assignment: str, notebook: str, known: Collection[str] = ()
 ) -> tuple[Submission, ...]:
     """
-    Find the submissions of an assignment, in the order of the students' names.
+    Find the submissions of an assignment, sorted by student id.
 
     :param submitted: the folder of the class
     :param assignment: name of the assignment's folder
     :param notebook: file name of the released notebook
-    :param known: names of all assignments, to tell a misnamed folder from another assignment
-    :returns: one entry per student who handed in something that may be meant for it
+    :param known: names of all assignments, to distinguish misnamed folders from other assignments
+    :returns: one entry per student, without students who submitted only other assignments
     :raises OSError: if the folder of the class itself cannot be read
     """
     names = students_in(submitted, {assignment, *known})
@@ -77,10 +78,10 @@ def discover(
 
 def students_in(submitted: Path, assignments: Collection[str]) -> list[str]:
     """
-    Return the names of the students' folders, sorted: those with a notebook of the course.
+    Return the sorted names of the students' folders: those with a notebook of the course.
 
-    A folder without a notebook of the course has no known owner: it may be part of a raw download,
-    or a whole class one level deeper.
+    A folder without such a notebook may not belong to a student: it may be part of a raw download,
+    or contain a whole class one level deeper.
 
     :param assignments: names of the folders in which the notebook may be
     :raises OSError: if the folder of the class cannot be read
@@ -90,7 +91,7 @@ def students_in(submitted: Path, assignments: Collection[str]) -> list[str]:
 
 def without_notebooks(submitted: Path, assignments: Collection[str]) -> list[str]:
     """
-    Return the names of the folders without a notebook of the course, sorted.
+    Return the sorted names of the folders without a notebook of the course.
 
     :raises OSError: if the folder of the class cannot be read
     """
@@ -98,7 +99,7 @@ def without_notebooks(submitted: Path, assignments: Collection[str]) -> list[str
 
 
 def _folders(submitted: Path) -> list[str]:
-    """Return the folders that may be students', without notes and editor files next to them."""
+    """Return the names of possible students' folders, without regular and hidden files."""
     return [
         name
         for name in sorted(os.listdir(submitted))
@@ -108,9 +109,10 @@ def _folders(submitted: Path) -> list[str]:
 
 def _has_notebook(folder: Path, assignments: Collection[str]) -> bool:
     """
-    Return whether the folder of an assignment contains a notebook, readable or not.
+    Return whether a student's folder contains a notebook of an assignment, readable or not.
 
-    A link instead of that folder counts, so that the attempt is reported; it is not followed.
+    A link instead of an assignment's folder also counts, so that it is reported; it is not
+    followed.
     """
     for place in (folder / one for one in assignments):
         with suppress(OSError):  # missing or not readable
@@ -123,7 +125,7 @@ def _has_notebook(folder: Path, assignments: Collection[str]) -> bool:
 
 
 def is_student_id(name: str) -> bool:
-    """Return whether a folder's name can be an id in nbgrader's gradebook."""
+    """Return whether a folder's name is a valid student id for nbgrader's gradebook."""
     begins = name[:1] == '_' or unicodedata.category(name[:1] or ' ')[0] in 'LN'
     known = all(is_letter(char) or char in _BESIDE_LETTERS for char in name)
     short = len(name) <= MAX_NAME_CHARS and not name.endswith(' ')
@@ -134,8 +136,8 @@ def is_letter(char: str) -> bool:
     """
     Return whether a character is a letter, a digit or a combining character of any alphabet.
 
-    Regular expressions do not treat a combining character as part of a word, but it may be a
-    name's only vowel.
+    Regular expressions do not treat combining characters as letters, but some alphabets write
+    vowels with them.
     """
     return unicodedata.category(char)[0] in 'LMN'
 
@@ -143,7 +145,7 @@ def is_letter(char: str) -> bool:
 def _student(
     folder: Path, assignment: str, notebook: str, known: Collection[str]
 ) -> Submission | None:
-    """Read one student's folder; None if it has only work for other assignments."""
+    """Return the submission in a student's folder; None if it has only other assignments."""
     name = folder.name
     readable = name.encode('utf-8', 'surrogateescape').decode('utf-8', 'replace')
     if not is_student_id(name):
@@ -172,10 +174,10 @@ def open_folder(folder: Path, student: str, notebook: str) -> Submission:
     """
     Find the notebook in one submission folder.
 
-    A single notebook under a different name, such as a browser's "name (1).ipynb", counts.
+    If the folder has only one notebook, a different name such as "name (1).ipynb" is accepted.
 
     :param folder: ``submitted/<student>/<assignment>``
-    :param student: name of the student
+    :param student: the student id
     :param notebook: file name of the released notebook
     """
     where = f'submitted/{student}/{folder.name}'
@@ -197,7 +199,7 @@ def open_folder(folder: Path, student: str, notebook: str) -> Submission:
 
 
 def _inside(folder: Path, where: str) -> tuple[list[str], tuple[Problem, ...]]:
-    """Return the sorted names in a real folder, or why it cannot be read."""
+    """Return the sorted names in a folder, or the problem if it is a link or unreadable."""
     try:
         if stat.S_ISDIR(os.lstat(folder).st_mode):
             return sorted(os.listdir(folder)), ()

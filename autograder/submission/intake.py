@@ -1,9 +1,9 @@
 """
 Read submissions other than notebooks: a Python script, a ROS package folder, or a zip of one.
 
-Their files become texts by relative path; a zip is never unpacked on the grader's disk
-(:mod:`autograder.submission.tree`).  A zip with any entry that is not a regular file of a package
-is refused.
+The result is the text of each file by its relative path.  A zip is never unpacked on the grader's
+disk (:mod:`autograder.submission.tree`).  A zip that contains a link, a special file or an unsafe
+path is refused.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LARGEST_FILE = 1 << 20
 LARGEST_WHOLE = 8 << 20
 LONGEST_NAME = 200
 LEFT_OUT = {'build', 'install', 'log', '__pycache__', '__MACOSX', 'node_modules'}
-"""Folders that tools make; their content is not a student's work."""
+"""Names of folders that tools generate; their content is not the student's work."""
 
 MANIFEST = 'package.xml'
 NO_MODULES = {'test', 'tests', 'launch', 'config', 'msg', 'srv', 'action', 'resource', 'answers'}
@@ -41,9 +41,8 @@ def read_handed_in(path: Path) -> dict[str, str]:
     """
     Return the texts of a script, a package folder or a zip file by relative path.
 
-    :param path: a ``.py`` file, a folder or a ``.zip`` file; of several folders inside, the one
-        with the package counts
-    :raises NotTakenInError: if it is none of them, or not safe
+    :param path: a ``.py`` file, or a folder or ``.zip`` file with one package at any depth
+    :raises NotTakenInError: if the path is none of these, or its content is not safe
     """
     if path.suffix == '.py' and not path.is_dir():
         return {path.name: _script(path)}
@@ -85,9 +84,10 @@ def _is_left_out(parts: Parts, _: Collection[Parts]) -> bool:
 
 def _texts(path: Path) -> dict[str, str]:
     """
-    Return the texts of a folder or a zip file by relative path; links are not followed.
+    Return the texts of a folder or a zip file by relative path, without following links.
 
-    :raises NotTakenInError: if it is broken, or holds anything but a package's regular files
+    :raises NotTakenInError: if it is damaged or too large, or has a link, a special file (a folder
+        may have these) or an unsafe path
     """
     bounds, found, folder = _bounds(), {}, path.is_dir()
     if not folder and path.is_symlink():
@@ -115,9 +115,10 @@ def _texts(path: Path) -> dict[str, str]:
 
 def in_package(files: Mapping[str, str], where: str) -> dict[str, str]:
     """
-    Return the files of the only package, with paths from its own folder.
+    Return the files of the only package, with paths relative to its folder.
 
-    :param files: of a package, or of a folder that contains a package at any depth
+    :param files: the files of a package, or of a folder that contains a package at any depth
+    :param where: name of the submission in messages
     :raises NotTakenInError: if there are several packages
     """
     roots = sorted(
@@ -145,10 +146,10 @@ def in_package(files: Mapping[str, str], where: str) -> dict[str, str]:
 
 def with_node_files(files: Mapping[str, str], wanted: Iterable[str]) -> dict[str, str]:
     """
-    Return the files with each wanted node at the top, where exams look for it.
+    Return the files with a copy of each wanted node in the top folder, where exams look for it.
 
-    The node is the file of that name in the package's own folders; else the module from which
-    ``setup.py`` or ``setup.cfg`` builds the executable of that name.
+    The source is the module from which ``setup.py`` or ``setup.cfg`` builds the executable of that
+    name; otherwise, a file of that name in the package's folders.
 
     :param wanted: node files such as ``talker.py``
     """

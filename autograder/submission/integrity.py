@@ -1,10 +1,11 @@
 """
-Report to the instructor whether a submitted notebook still has the cells of the release.
+Report to the instructor how the cells of a submitted notebook differ from the release.
 
-None of it changes a grade, because the grader uses only the texts of answers (see
+These differences do not change a grade, because the grader uses only the texts of answers (see
 :mod:`autograder.submission.submission`).  nbgrader's checksums ignore tags, and are wrong for
 every cell whose text is generated at release; this module compares cells with the release itself.
-It ignores what editors add (outputs, ids, folding, timing), so an honest notebook gives no line.
+It ignores data that editors add (outputs, ids, folding, timing), so normal use of a notebook
+causes no report.
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ MOST_LINES = 20
 
 def changes(release: Mapping[str, Any], cells: Sequence[StudentCell]) -> tuple[str, ...]:
     """
-    Return how the graded cells differ from those of the release.
+    Return how cells with a grade id differ from the release, one line per difference.
 
     :param release: the notebook that students received
-    :param cells: all cells of the submitted one
+    :param cells: all cells of the submitted notebook
     """
     by_id = by_grade_id(cells)
     lines: list[str] = []

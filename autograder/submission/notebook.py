@@ -1,4 +1,4 @@
-"""Read notebooks: the course's own, and those of students within strict limits."""
+"""Read notebooks: trusted ones of the course, and untrusted ones of students within limits."""
 
 from __future__ import annotations
 
@@ -15,16 +15,20 @@ Notebook = dict[str, Any]
 """A notebook in format 4, as JSON types."""
 MAX_BYTES = 16 * 1024 * 1024
 MAX_PARTS = 500_000
-"""Limit of lists, objects and strings: a small file of ``[],[],...`` would fill the memory."""
+"""Limit of lists, objects and strings: a small file of ``[],[],...`` could fill the memory."""
 MAX_CELLS = 5_000
 MAX_ANSWER_BYTES = 64 * 1024
-"""Limit of one answer, ten times a long one: a compiler and a database have to handle it."""
+"""Limit of one answer [bytes], ten times a long answer; compilers and databases must handle it."""
 FRESH_COPY = 'download a fresh copy of the assignment and copy the answers into it'
 
 
 @dataclass(frozen=True)
 class StudentCell:
-    """One cell of a submitted notebook, with everything that the grader reads of it."""
+    """
+    The parts of a submitted cell that the grader reads.
+
+    :param marks: fields of its nbgrader metadata, see :data:`MARKS`
+    """
 
     grade_id: str
     cell_type: str
@@ -40,8 +44,8 @@ def read_notebook(
     Read the cells of a submitted notebook.
 
     :param data: content of the file
-    :param where: how to name the file in messages
-    :returns: the cells, or None if this is not a notebook; and what is wrong
+    :param where: name of the file in messages
+    :returns: the cells, None if this is not a notebook; and the problems
     """
 
     def refuse(expected: str, got: str, try_this: str) -> tuple[None, tuple[Problem, ...]]:
@@ -55,7 +59,7 @@ def read_notebook(
         return refuse('a Jupyter notebook', 'far too many parts', FRESH_COPY)
     objects = _Objects()
     try:
-        # Only points are compared; int() takes hours for a number of a few megabytes.
+        # The grader needs only small numbers, and int() takes hours for a number of megabytes.
         content = json.loads(
             data.decode('utf-8-sig'),
             parse_int=small_number,
@@ -77,7 +81,7 @@ def read_notebook(
 
 
 class _Objects:
-    """Build JSON objects, and note a repeated key: readers differ in which one counts."""
+    """Build JSON objects, and note a repeated key, for which programs may use different values."""
 
     repeated = ''
 
@@ -89,20 +93,20 @@ class _Objects:
 
 
 def too_large(where: str, size: int) -> Problem:
-    """Return the problem of a file that is larger than any notebook."""
+    """Return the problem of a file that exceeds the limit for notebooks."""
     limit = f'a file of at most {MAX_BYTES // 2**20} MiB'
     got = f'{size / 2**20:.1f} MiB'
     return Problem(where, limit, got, 'clear all outputs, save and submit again')
 
 
 def _parts(data: bytes) -> int:
-    """Return a lower limit for the parser's objects: each string begins with a bare quote."""
+    """Estimate the number of lists, objects and strings in JSON without parsing it."""
     quotes = data.count(b'"') - data.count(b'\\"')
     return data.count(b'[') + data.count(b'{') + quotes
 
 
 def _broken_json(data: bytes, error: ValueError) -> tuple[str, str]:
-    """Return whether the text is cut off, not JSON, or broken at a line; and what to try."""
+    """Return how JSON is broken (not JSON, truncated, or invalid in a line) and what to try."""
     if not data.lstrip(b'\xef\xbb\xbf \t\r\n').startswith(b'{'):
         fix = 'submit the .ipynb file itself, not an export, a picture or an archive of it'
         return 'a file that is not JSON', fix
@@ -117,7 +121,7 @@ def _broken_json(data: bytes, error: ValueError) -> tuple[str, str]:
 def _read_cells(
     content: object, where: str
 ) -> tuple[tuple[StudentCell, ...] | None, tuple[Problem, ...]]:
-    """Read the cells of parsed JSON, ignoring everything unexpected."""
+    """Return the cells of a parsed notebook, or the problem; unexpected data is ignored."""
     cells = content.get('cells') if isinstance(content, dict) else None
     if not isinstance(cells, list):
         old = isinstance(content, dict) and 'worksheets' in content
@@ -131,7 +135,7 @@ def _read_cells(
 
 
 def _read_cell(cell: object) -> StudentCell:
-    """Read one cell; parts of the wrong type count as empty."""
+    """Read one cell; treat parts of the wrong type as empty."""
     if not isinstance(cell, dict):
         return StudentCell('', '', '')
     metadata = cell.get('metadata')
@@ -153,11 +157,11 @@ def _read_cell(cell: object) -> StudentCell:
 
 def _clean(text: str) -> str:
     """
-    Return text with Unix line ends and without half surrogate pairs, which no file can hold.
+    Return text with Unix line ends and without lone surrogates, which cannot be encoded in UTF-8.
 
-    A text that is too long for an answer is cut, but stays longer than the limit.
+    A text that is too long for an answer is truncated, but remains longer than the limit.
     """
-    # Twice the limit, because a Windows line end has two characters.
+    # Keep twice the limit, because a Windows line end has two characters.
     text = text[: 2 * (MAX_ANSWER_BYTES + 1)]
     text = text.replace('\r\n', '\n').replace('\r', '\n')
     return text.encode('utf-8', 'replace').decode('utf-8')
@@ -175,7 +179,7 @@ def grade_ids(notebook: Notebook) -> frozenset[str]:
 
 
 def by_grade_id(cells: Iterable[StudentCell]) -> dict[str, list[StudentCell]]:
-    """Return the copies of each cell, in their order."""
+    """Return all cells with each grade id, in their order."""
     found: dict[str, list[StudentCell]] = {}
     for cell in cells:
         found.setdefault(cell.grade_id, []).append(cell)
@@ -184,10 +188,10 @@ def by_grade_id(cells: Iterable[StudentCell]) -> dict[str, list[StudentCell]]:
 
 def read_release(path: Path) -> Notebook:
     """
-    Read a notebook of the course; the text of each cell becomes one string.
+    Read a notebook of the course, and join the lines of each cell to one string.
 
-    :raises OSError: if it cannot be read
-    :raises ValueError: if it is not a notebook
+    :raises OSError: if the file cannot be read
+    :raises ValueError: if the file is not a notebook
     """
     notebook = json.loads(path.read_text(encoding='utf-8'))
     if not isinstance(notebook, dict) or not isinstance(notebook.get('cells'), list):
@@ -200,13 +204,13 @@ def read_release(path: Path) -> Notebook:
 MARKS = ('grade', 'solution', 'locked', 'points', 'task')
 """Fields of nbgrader's metadata that decide how a cell is graded."""
 _NUMBERS = {number / 20: number / 20 for number in range(20001)}
-"""Usual points, in steps of 0.05; each is one shared object, as a file may hold millions."""
+"""Usual points, in steps of 0.05; they are shared objects, because a file may contain millions."""
 
 
 def small_number(text: str) -> float | bool:
     """
-    Return a number that can be a notebook's points; True for any other value.
+    Return a number if it can be the points of a cell; True for any other number.
 
-    :param text: as it is written in the file
+    :param text: the number as written in the file
     """
     return _NUMBERS.get(float(text), True) if len(text) < 12 else True

@@ -12,7 +12,7 @@ from autograder.submission.extract import CHECK_PREFIX
 from autograder.submission.notebook import marks_of, read_release
 
 FACTS = 'lesson'
-"""Key of a notebook's metadata with what its cells do not say: ``needs`` and ``executed``."""
+"""Key of the lesson's own metadata in a notebook: ``needs`` and ``executed``."""
 _QUIZ = re.compile(r"""^quiz\(['"]([\w-]+)['"]\)""", re.MULTILINE)
 _HEADING = re.compile(r'^(##?) (.+)$', re.MULTILINE)
 _MINUTES = re.compile(r'^\|.*\| *(\d+) *\|$', re.MULTILINE)
@@ -22,10 +22,10 @@ _MINUTES_TITLE = re.compile(r'^\| *Part *\|.*\| *Minutes *\|$', re.MULTILINE)
 @dataclass(frozen=True)
 class Part:
     """
-    What is below one heading of the second level.
+    One section of a lesson, below a heading of the second level.
 
     :param checks: points of the exercises, by the name of the exam
-    :param quizzes: keys of the questions
+    :param quizzes: keys of the multiple-choice questions
     """
 
     heading: str
@@ -39,9 +39,9 @@ class Outline:
     The outline of one lesson.
 
     :param path: the notebook
-    :param parts: the first part is what precedes the first heading, and has the title's name
-    :param minutes: estimate, the sum of the table of objectives [min]
-    :param facts: the notebook's metadata under :data:`FACTS`
+    :param parts: the first part precedes the first heading, and its heading is the title
+    :param minutes: estimated duration, the sum in the table of parts [min]
+    :param facts: the notebook's metadata with the key :data:`FACTS`
     """
 
     path: Path
@@ -57,7 +57,7 @@ class Outline:
 
     @property
     def points(self) -> float:
-        """Return the points of all checks."""
+        """Return the sum of the points of all exercises."""
         return sum(sum(part.checks.values()) for part in self.parts)
 
 
@@ -87,7 +87,7 @@ def read_outline(path: Path) -> Outline:
 
 
 def _add_exercises(part: Part, cell: dict[str, Any]) -> None:
-    """Add what a code cell checks or asks."""
+    """Add the exercises and quizzes of a code cell to a part."""
     marks = marks_of(cell)
     if marks.get('grade') and not marks.get('solution'):
         part.checks[marks['grade_id'].removeprefix(CHECK_PREFIX)] = float(marks['points'])

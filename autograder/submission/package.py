@@ -1,8 +1,8 @@
 """
-Read a package folder on disk as the files that exams judge.
+Read the files that exams judge from a package folder on disk.
 
-Nodes may be at the top or, as in every Python ROS package, in the folder with the package's name;
-links are not followed.
+Node files may be in the top folder or, as in every Python ROS package, in the folder with the
+package's name.  Links are not followed.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ KINDS = (
     *('', '.md', '.rst', '.in', '.cmake', '.json', '.yml', '.sh', '.launch'),
     *('.h', '.hpp', '.c', '.cpp'),
 )
-"""Suffixes of files that a build may need; the marker in resource/ and licences have none."""
+"""Suffixes of files that a build may need; the marker in ``resource/`` has no suffix."""
 
 
 def read_package(folder: Path) -> dict[str, str]:
     """
-    Return the texts of a package by the paths that the exams use.
+    Return the texts of a package's files by the paths that exams use.
 
-    :param folder: the package, or any folder laid out like one
+    :param folder: the package, or a folder with the same structure
     """
     found: dict[str, str] = {}
     for path in sorted(folder.rglob('*')):
@@ -50,10 +50,10 @@ def read_package(folder: Path) -> dict[str, str]:
 
 def own_files(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
     """
-    Return the files that an exam needs, from all that a notebook has saved.
+    Return the files that an exam needs, from all files that a notebook has saved.
 
-    A message package is built without the nodes of later exercises, as in grading; so an edit of a
-    node causes no new build.
+    A message package is built without the nodes of later exercises, as in grading, so editing a
+    node does not cause a new build.
 
     :param files: from :func:`read_package`
     """
@@ -63,7 +63,7 @@ def own_files(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
 
 
 def what_is_there(files: Mapping[str, str]) -> str:
-    """Return the first files of a package, for a message about a missing one."""
+    """Return the names of the first files of a package, for a message about a missing file."""
     if not files:
         return 'no file of a package'
     names = [name if name.isprintable() else repr(name) for name in files]
@@ -72,9 +72,9 @@ def what_is_there(files: Mapping[str, str]) -> str:
 
 def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
     """
-    Return a result that names missing files instead of a notebook's cells.
+    Return a result whose message about a missing file does not mention a notebook's cells.
 
-    :param result: the exam's result on these files
+    :param result: the exam's result for these files
     """
     return with_missing_file(
         result,
@@ -85,7 +85,11 @@ def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
 
 
 def with_missing_file(result: ExamResult, **words: str) -> ExamResult:
-    """Return a result with a message about a missing file."""
+    """
+    Return a result with a different message about a missing file.
+
+    :param words: fields of :class:`~autograder.results.CheckResult` to replace
+    """
     checks = [
         replace(check, **words) if check.cause_id == 'missing_file' else check  # type: ignore[arg-type]
         for check in result.checks

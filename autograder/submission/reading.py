@@ -1,4 +1,4 @@
-"""Read a file from a student or another system safely, whatever it really is."""
+"""Read a file from a student or another system safely: no links, devices or huge files."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ def read_file(
     """
     Read a regular file without following links or waiting for a pipe.
 
-    :param path: the file
-    :param where: how to name it in messages
-    :param owner: number of the user who has to own it, None for any
+    :param where: name of the file in messages
+    :param owner: required uid of the file's owner, None for any owner
+    :returns: the content, None if it cannot be read; and the problems
     """
     try:
         kind = os.lstat(path).st_mode
@@ -38,12 +38,12 @@ def read_file(
                 return None, (Problem(where, 'the file that was listed', got, SUBMIT_AGAIN),)
             if now.st_size > MAX_BYTES:
                 return None, (too_large(where, now.st_size),)
-            return file.read(now.st_size + 1), ()  # read() allocates the size that it is given
+            return file.read(now.st_size + 1), ()  # read() allocates as much memory as requested
     except OSError as error:
         return None, (unreadable(where, error),)
 
 
 def unreadable(where: str, error: OSError) -> Problem:
-    """Return the problem of a file that the system does not let the grader read."""
+    """Return the problem of a file that the operating system cannot read."""
     reason = (error.strerror or type(error).__name__).lower()
     return Problem(where, 'something that can be read', reason, 'check its permissions')

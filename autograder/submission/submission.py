@@ -1,10 +1,10 @@
 """
-Turn submitted bytes into a notebook that the grader trusts: the release plus the answers.
+Convert submitted bytes to a notebook that the grader trusts: the release plus the answers.
 
 The grader keeps only the text of answer cells.  Everything else in a submitted notebook (outputs,
-tags, metadata, changed tests, extra cells) is dropped, because nbgrader and Jupyter act on it.
-Bad input never raises: each mistake becomes a :class:`~autograder.results.Problem` that says which
-answers are missing because of it.
+tags, metadata, changed tests, extra cells) is dropped, because it could affect nbgrader and
+Jupyter.  Invalid input never raises an exception: each mistake becomes a
+:class:`~autograder.results.Problem` that lists the answers which are missing because of it.
 """
 
 from __future__ import annotations
@@ -33,9 +33,10 @@ class Opened:
     """
     A submission that can be graded.
 
-    :param notebook: the release with the student's answers in it
-    :param problems: what was wrong; ``cells`` of each names the answers that are missing
-    :param flags: what an instructor should look at, see :mod:`autograder.submission.integrity`
+    :param notebook: the release with the student's answers
+    :param problems: the mistakes in the submission; ``cells`` of each lists the missing answers
+    :param flags: differences from the release that an instructor should look at, see
+        :mod:`autograder.submission.integrity`
     """
 
     notebook: Notebook
@@ -52,12 +53,12 @@ def open_submission(
     data: bytes | None, release: Notebook, where: str, problems: Sequence[Problem] = ()
 ) -> Opened:
     """
-    Turn submitted bytes into a notebook that can be graded.
+    Convert submitted bytes to a notebook that can be graded.
 
-    :param data: content of the submitted file, None if there is none to read
+    :param data: content of the submitted file, None if no file could be read
     :param release: the notebook that students received
-    :param where: how to name the file in messages
-    :param problems: what went wrong before, for example when the file was looked for
+    :param where: name of the submitted file in messages
+    :param problems: problems that were found before, for example in the search for the file
     """
     cells, found = read_notebook(data, where) if data is not None else (None, ())
     notebook, more = rebuild(release, cells, where)
@@ -83,13 +84,13 @@ def rebuild(
 
     :param release: the notebook that students received
     :param student: cells of the submitted notebook; None if it could not be read
-    :param where: how to name the file in messages
-    :returns: a new notebook, and the problems of the answers.  A missing answer leaves the
-        release's stub in place, and a problem's ``cells`` names it.
+    :param where: name of the submitted file in messages
+    :returns: a new notebook, and the problems of the answers.  For a missing answer, the notebook
+        keeps the release's stub, and the ``cells`` of a problem contain the grade id.
     """
     notebook = copy.deepcopy(release)
     problems: list[Problem] = []
-    # The first cell for each file that a magic line names.
+    # The student's first cell for each file that a magic line names.
     by_file = {path: one for one in reversed(student or ()) if (path := _path(one.source))}
     by_id = by_grade_id(student or ())
     for cell in notebook['cells']:
@@ -108,7 +109,7 @@ def rebuild(
 def _fill_in(
     cell: Notebook, copies: Sequence[StudentCell], by_file: Mapping[str, StudentCell], where: str
 ) -> Iterator[Problem]:
-    """Put the student's first copy into an answer cell; yield the problems."""
+    """Copy the student's first cell with the grade id to an answer cell; yield the problems."""
     grade_id = marks_of(cell)['grade_id']
     spot = f'{where}, cell {grade_id}'
     if not copies:
@@ -137,7 +138,7 @@ def _fill_in(
 
 
 def _missing_answer(cell: Notebook, by_file: Mapping[str, StudentCell], spot: str) -> Problem:
-    """Return the problem of a missing answer, with a cell that looks like it."""
+    """Return the problem of a missing answer; it names any other cell for the same file."""
     grade_id, wanted = marks_of(cell)['grade_id'], _path(cell['source'])
     got = 'no such cell'
     if wanted in by_file:
@@ -157,7 +158,7 @@ def _path(source: str) -> str:
 
 
 def _changed_check(grade_id: str, where: str) -> Problem:
-    """Return the problem of an edited locked cell; the release's text is used."""
+    """Return the problem of an edited locked cell, whose changes are ignored."""
     return Problem(
         f'{where}, cell {grade_id}',
         'the text of the release (this cell is locked)',

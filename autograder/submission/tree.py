@@ -1,9 +1,9 @@
 """
-List the files of a folder, or of a zip that is never unpacked, and read them safely.
+List the files of a folder, or of a zip without unpacking it, and read them safely.
 
-Students named everything in it.  Only regular files are listed, sizes that a zip claims are not
-trusted, and no link is followed.  Every file is read again each time, and :class:`Bounds` limit
-each file and all of them together.  Files that programs generate next to the work are not listed.
+All names and contents come from students.  Only regular files are listed, no link is followed, and
+the sizes in a zip's directory are not trusted.  A file's content is not cached.  :class:`Bounds`
+limits the size of each file and of all files together.  Generated files are not listed.
 """
 
 from __future__ import annotations
@@ -22,37 +22,40 @@ from autograder.errors import GraderError
 from autograder.submission.reading import read_file
 
 Parts = tuple[str, ...]
-"""A path, name by name."""
+"""The components of a path."""
 DEEPEST = 12
 SPECIAL = 'a link or a special file'
 COLCON_MARK = 'COLCON_IGNORE'
 _CHUNK = 1 << 20
 _NOISE = 'made by a program'
 _UTF_8 = 0x800
-"""Flag of a zip entry whose name is UTF-8."""
+"""Flag of a zip entry whose name is encoded in UTF-8."""
 _COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError)
 
 
 class NotTakenInError(GraderError):
-    """The submission cannot be used."""
+    """Report that a submission cannot be used."""
 
 
 class UnreadableError(Exception):
-    """A single file cannot be read; the others can."""
+    """Report that one file cannot be read; other files of the source may be readable."""
 
 
 @dataclass(frozen=True)
 class Bounds:
     """
-    Limits for what is read of a source.
+    Limits for reading a source.
 
     :param what: a description of the expected source
-    :param fix: what to try if it is not
-    :param is_noise: returns whether a program generated a path; called with a path whose parents
-        are not generated, and with the folders that have colcon's mark
-    :param entries: limit of names, without generated files
-    :param listed: limit of all names
+    :param fix: what to try if the source is a different one
+    :param is_noise: returns whether a path is generated; called with a path whose parents are not
+        generated, and with the folders that contain ``COLCON_IGNORE``
+    :param entries: maximum number of files and folders without generated ones
+    :param listed: maximum number of all files and folders
+    :param file_bytes: maximum size of one file
+    :param whole_bytes: maximum size of all files together
+    :param name_chars: maximum length of a path
     """
 
     what: str
@@ -65,11 +68,11 @@ class Bounds:
     name_chars: int
 
     def refusal(self, source: str, got: str) -> NotTakenInError:
-        """Return the error for a source, or a file of it, that cannot be used."""
+        """Return the error for a source, or one of its files, that cannot be used."""
         return NotTakenInError(f'{source}: expected {self.what}, got {got}.', f'Try: {self.fix}')
 
     def trouble(self, parts: Parts) -> str:
-        """Return why a path is not accepted, or an empty string."""
+        """Return why a path is not accepted; empty if it is accepted."""
         path = '/'.join(parts)
         readable = path.encode('utf-8', 'surrogateescape').decode('utf-8', 'replace') == path
         if path.startswith('/') or (len(parts[0]) == 2 and parts[0][1] == ':'):
@@ -88,7 +91,7 @@ class File:
     """
     One regular file of a source.
 
-    :param parts: its path, name by name; never empty, absolute or leading elsewhere
+    :param parts: the components of its path, which is never empty or absolute and has no ``..``
     :param read: returns its bytes, or raises :class:`UnreadableError`
     """
 
@@ -97,12 +100,12 @@ class File:
 
     @property
     def path(self) -> str:
-        """Return the path as people write it."""
+        """Return the path with slashes."""
         return '/'.join(self.parts)
 
     @property
     def name(self) -> str:
-        """Return the last part."""
+        """Return the last component of the path."""
         return self.parts[-1]
 
 
@@ -111,11 +114,11 @@ class Tree:
     """
     A source with its files.
 
-    :param files: in the order of their paths
+    :param files: sorted by path
     :param refused: path and reason of each skipped entry
-    :param empty: folders with neither of these, in the two upper levels
-    :param repositories: folders with a ``.git`` in them
-    :param owners: numbers of the users who own folders and files; a zip does not tell them
+    :param empty: folders of the two upper levels without files or skipped entries
+    :param repositories: folders that contain ``.git``
+    :param owners: uid of each file and folder; empty for a zip
     """
 
     name: str
@@ -129,10 +132,10 @@ class Tree:
 @contextmanager
 def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
     """
-    Yield a source; its files can be read until the end of the context.
+    Yield a source; its files can be read inside the context.
 
     :param source: a folder or a zip file
-    :raises NotTakenInError: if it is neither, damaged, or too large
+    :raises NotTakenInError: if the source is neither of these, damaged, or too large
     """
     try:
         kind = source.stat().st_mode
@@ -158,9 +161,9 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
 @dataclass
 class _Meter:
     """
-    The number of bytes that were read of a source; a file may be read again.
+    Count the bytes that are read from a source; a file that is read again counts once.
 
-    :param where: the source, for messages
+    :param where: name of the source in messages
     """
 
     where: str
@@ -170,10 +173,10 @@ class _Meter:
 
     def within(self, parts: Parts, data: bytes) -> bytes:
         """
-        Count and return the bytes of a file; raise if they exceed a limit.
+        Count the bytes of a file, and return them.
 
         :raises NotTakenInError: if all files together are too large
-        :raises UnreadableError: if the file alone is too large
+        :raises UnreadableError: if this file is too large
         """
         self.count += 0 if parts in self.known else len(data)
         self.known.add(parts)
@@ -187,10 +190,10 @@ class _Meter:
 @dataclass(frozen=True)
 class _Name:
     """
-    One name in a source.
+    A file or folder in a source.
 
-    :param trouble: why it is skipped
-    :param read: returns the content, None for a folder
+    :param trouble: why it is skipped; empty if it is not
+    :param read: returns the content; None for a folder
     """
 
     parts: Parts
@@ -200,7 +203,11 @@ class _Name:
 
 
 def _tree(name: str, names: Iterable[_Name], meter: _Meter) -> Tree:
-    """Return a source; folders without a file count as empty."""
+    """
+    Return the tree of a source from its files and folders.
+
+    :raises NotTakenInError: if there are too many
+    """
     files: dict[Parts, File] = {}
     refused: list[tuple[str, str]] = []
     folders: set[Parts] = set()
@@ -235,7 +242,7 @@ def _tree(name: str, names: Iterable[_Name], meter: _Meter) -> Tree:
 
 
 def _in_folder(folder: Path, above: Parts, meter: _Meter) -> Iterator[_Name]:
-    """Yield all files in order, without following links."""
+    """Yield all files and folders in order, without following links."""
     with os.scandir(folder) as entries:
         inside = sorted(entries, key=lambda entry: entry.name)
     for entry in inside:
@@ -257,7 +264,7 @@ def _in_folder(folder: Path, above: Parts, meter: _Meter) -> Iterator[_Name]:
             try:
                 yield _Name(parts, '', None, owner)
                 yield from _in_folder(path, parts, meter)
-            except PermissionError:  # in an exchange, a student's own folder may be unreadable
+            except PermissionError:  # in nbgrader's exchange, a student's folder may be unreadable
                 trouble = 'a folder that cannot be read: permission denied'
                 yield _Name(parts, trouble, None, owner)
 
@@ -271,7 +278,7 @@ def _read_path(path: Path, parts: Parts, owner: int, meter: _Meter) -> bytes:
 
 def _in_zip(archive: zipfile.ZipFile, meter: _Meter) -> Iterator[_Name]:
     inside = archive.infolist()
-    # Do not split below the allowed depth: a name may have thousands of slashes.
+    # Do not split further than the allowed depth: a name may have thousands of slashes.
     paths = [tuple(_name_of(one).removesuffix('/').split('/', DEEPEST + 1)) for one in inside]
     marked = {parts[:-1] for parts in paths if parts[-1] == COLCON_MARK}
     for entry, parts in zip(inside, paths):
@@ -288,9 +295,9 @@ def _in_zip(archive: zipfile.ZipFile, meter: _Meter) -> Iterator[_Name]:
 
 def _name_of(entry: zipfile.ZipInfo) -> str:
     """
-    Return the name of an entry.
+    Return the name of an entry, decoded as UTF-8 if possible.
 
-    The Finder and ``zip`` write UTF-8 without marking it, and Python reads it as code page 437.
+    macOS's Finder and ``zip`` write UTF-8 without its flag, and then Python decodes code page 437.
     """
     if not entry.flag_bits & _UTF_8:
         with suppress(UnicodeError):

@@ -24,6 +24,7 @@ ABOUT = (
     'Where a full installation of ROS 2 is in use, its own ros2 comes first.'
 )
 GROUPS = {
+    'bag': 'Various rosbag related sub-commands',
     'daemon': 'Tell about the daemon (this command has none)',
     'interface': 'Show information about ROS interfaces',
     'launch': 'Run a launch file',
@@ -35,7 +36,7 @@ GROUPS = {
     'service': 'Various service related sub-commands',
     'topic': 'Various topic related sub-commands',
 }
-ELSEWHERE = ('action', 'bag', 'component', 'control', 'doctor', 'multicast', 'security')
+ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security')
 """Commands of a full installation that are not here, to be told from typing mistakes."""
 SHUT_DOWN = 'the given context is not valid'
 """What rcl says of anything that is made after Ctrl-C; we shut no context down before the end."""

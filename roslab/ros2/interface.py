@@ -130,6 +130,18 @@ def definition(name: str, comments: str, nested: str, depth: int = 0) -> Iterato
             yield from definition(part, nested, nested, depth + 1)
 
 
+def parts_of(name: str) -> Iterator[str]:
+    """
+    Yield the full names of the message types in the fields of an interface.
+
+    :param name: such as std_msgs/msg/Header
+    :raises LookupError: if there is no such interface
+    """
+    for line in interface_file(name).read_text(encoding='utf-8').splitlines():
+        if part := _part(_without_comment(line), name.split('/')[0]):
+            yield part
+
+
 def _without_comment(line: str) -> str:
     """Return a line without its comment; a # in a string constant does not begin a comment."""
     if re.match(r'\s*w?string(<=\d+)?\s+\w+\s*=', line):

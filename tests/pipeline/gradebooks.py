@@ -242,6 +242,33 @@ def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
     assert scores(course, 'bob')['late'] == 0
 
 
+def gives_students_more_time(course: Layout) -> None:
+    """An extension takes the penalty away; taking it back lowers the mark, so it is listed."""
+    config = course.root / 'nbgrader_config.py'
+    text = config.read_text(encoding='utf-8')
+    config.write_text(
+        f"{text}\nc.LateSubmissionPlugin.penalty_method = 'zero'\n", encoding='utf-8'
+    )
+    begin(course)
+    with book(course) as gradebook:
+        gradebook.update_or_create_assignment(ASSIGNMENT, duedate='2026-03-02 00:00:00 UTC')
+    for student in ('ann', 'bob'):
+        hand_in(course, student, '2026-03-03 12:00:00 UTC')
+    course.extensions.write_text(
+        'student,assignment,hours\nann,temperature_monitor,48\n', encoding='utf-8'
+    )
+    assert grade(course) == 2
+    assert (scores(course, 'ann')['late'], scores(course, 'bob')['late']) == (0, 50)
+    assert str(due_dates(course).of('ann', ASSIGNMENT)) == '2026-03-04 00:00:00+00:00'
+    assert grade(course) == 0
+
+    course.extensions.write_text('student,assignment,hours\nbob,,48\n', encoding='utf-8')
+    guard = Guard(course)
+    assert grade(course, guard) == 1
+    assert guard.lowered_in(ASSIGNMENT) == ['ann 50 to 0']
+    assert (scores(course, 'ann')['late'], scores(course, 'bob')['late']) == (0, 0)
+
+
 def names_students_whose_names_are_known(course: Layout) -> None:
     """And leaves alone what an instructor has written."""
     for student in ('1001', '1002', '1003'):
@@ -377,4 +404,5 @@ ALL = (
     fills_what_was_changed_or_lost,
     fills_a_gradebook_that_was_deleted,
     takes_off_for_lateness_as_nbgrader_is_told,
+    gives_students_more_time,
 )

@@ -18,6 +18,7 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.authoring.sample_class import compose
+from autograder.classroom.delivered import Delivered, keep_delivered
 from autograder.classroom.pages import write_reports
 from autograder.classroom.results_of_class import graded as last
 from autograder.commands import FOR_REVIEW, OK
@@ -185,6 +186,43 @@ class TestCommands:
         assert command.main([*arguments, '--to', str(to)]) == FOR_REVIEW
         rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
         assert [row[4] for row in rows] == ['Monitor (7)', '55', '55', '']
+        assert mine.read_bytes() == before
+        assert 'not entered: eve: for review' in capsys.readouterr().out
+        assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
+
+    def test_feedback_is_packed_under_the_names_of_the_download(self, graded, tmp_path, capsys):
+        """With the mark after the penalty; who has no mark is named and not in the zip."""
+        grade_by_hand(graded, 'ann', 4.0, late=10.0)
+        keep_delivered(graded, {(ASSIGNMENT, 'ann'): Delivered('canvas', 'ann_7_88_t.ipynb')})
+        (graded.work / 'class_list.csv').write_text('student\nann\nzoe\n', encoding='utf-8')
+        to = tmp_path / 'pages.zip'
+
+        assert command.main(['export', 'feedback', ASSIGNMENT, '--to', str(to)]) == FOR_REVIEW
+        said = capsys.readouterr().err
+        with zipfile.ZipFile(to) as archive:
+            assert archive.namelist() == ['ann_7_88_t_feedback.html']
+            page = archive.read('ann_7_88_t_feedback.html').decode()
+        assert '44 of 55 points</h1>' in page
+        assert '54 points, less 10 for being late.' in page
+        assert f'no mark: {ASSIGNMENT}: zoe: nothing handed in' in said
+        assert f'late: {ASSIGNMENT}: ann: 10 points less, to 44' in said
+        assert not list(graded.work.glob('feedback_*'))
+
+    def test_moodle_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
+        """Those without a mark keep their cells."""
+        grade_by_hand(graded, 'ann', 5.0)
+        mine, to = tmp_path / 'sheet.csv', tmp_path / 'filled.csv'
+        mine.write_text(
+            'Identifier,"Full name",Grade,"Maximum Grade","Last modified (grade)"\n'
+            '"Participant 1",ann,,55.00,-\n"Participant 2",eve,,55.00,-\n',
+            encoding='utf-8',
+        )
+        before = mine.read_bytes()
+        arguments = ['export', 'moodle', ASSIGNMENT, '--worksheet', str(mine)]
+
+        assert command.main([*arguments, '--to', str(to)]) == FOR_REVIEW
+        rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
+        assert [row[2] for row in rows] == ['Grade', '55', '']
         assert mine.read_bytes() == before
         assert 'not entered: eve: for review' in capsys.readouterr().out
         assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE

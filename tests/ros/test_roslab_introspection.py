@@ -330,7 +330,7 @@ def test_plot_of_the_same_field_replaces_the_older_one(kernel):
         assert kernel.run('curve = plot("number", "data")', cell_id='b').error is None
     out = kernel.run(
         'import threading\n'
-        'names = lambda: [t.name for t in threading.enumerate()].count("roslab plot")\n'
+        'names = lambda: [t.name for t in threading.enumerate()].count("roslab picture")\n'
         'wait_until(lambda: counter.count_subscribers("number") == names() == 1, 60)\n'
         'print(names())'
     )

@@ -272,6 +272,19 @@ def test_endless_callback_is_named_and_ended_by_stop(session):
     assert wait_until_in(session, lambda: talker.count > count, SOON_S, 'the talker')
 
 
+@pytest.mark.parametrize('which', ['talker', 'other'])
+def test_a_node_stopped_in_a_callback_leaves_the_graph(session, which):
+    """A callback may stop its own node or another one."""
+    session.start(Talker)
+    other = session.start(Talker, name='other')
+    other.create_timer(0.01, lambda: session.stop(which))
+
+    wait_until_in(session, lambda: which not in session.nodes(), SOON_S, 'the stop')
+
+    seen = session.helper.get_node_names
+    assert wait_until_in(session, lambda: which not in seen(), SOON_S, 'the graph')
+
+
 def test_stop_destroys_the_node_of_a_slow_thread(session, monkeypatch):
     """On a busy machine the thread may answer only when it is asked again."""
     session.start(Talker)

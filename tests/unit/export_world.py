@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from autograder.classroom.results_of_class import ClassResults
+from autograder.exports.marks import automatic, Mark, MISSING
 from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
 
 ASSIGNMENT = '01_talker'
@@ -54,4 +55,10 @@ HOSTILE = submission(
     problems=(Problem(EVIL, EVIL, EVIL, EVIL, ('cell',)),),
     noticed=(EVIL,),
 )
+ABSENT = Mark('zoe', None, 6.5, MISSING)
 CLASS = ClassResults(ASSIGNMENT, (submission(), FULL, REVIEW, HOSTILE))
+
+
+def marked(graded=CLASS, *absent):
+    """Return results with their marks, as exports get them."""
+    return [(graded, (*map(automatic, graded.results), *absent))]

@@ -37,6 +37,23 @@ class TestFolders:
         assert all("'talk-' was removed from the name" in row.notes for row in rows)
         assert not [path for path in layout.submitted.rglob('*') if '.git' in path.parts]
 
+    @pytest.mark.parametrize('around', ['', 'ros2-week-7-submissions/'])
+    def test_repositories_of_github_classroom(self, around, tmp_path, layout):
+        """Whole courses with a workflow, named after the assignment on GitHub and the student."""
+        files = {}
+        for student in ('ann-x', 'bob'):
+            name = f'{around}ros2-week-7-{student}'
+            files[f'{name}/.git/HEAD'] = b'ref'
+            files[f'{name}/.github/workflows/classroom.yml'] = b'name: Autograding Tests'
+            files[f'{name}/notebooks/{TALK}/talk.ipynb'] = GOOD
+            files[f'{name}/notebooks/START_HERE.ipynb'] = b'{}'
+        source = laid(tmp_path / 'r', files)
+
+        rows = collect(source, layout, layout.submitted, prefix='ros2-week-7-')
+
+        taken = {(row.student, row.assignment) for row in rows if row.done == TAKEN}
+        assert taken == {('ann-x', TALK), ('bob', TALK)}
+
     def test_a_repository_without_a_commit_is_in_the_table(self, tmp_path, layout):
         """As the systems make them before anybody has pushed."""
         source = laid(tmp_path / 'r', {**REPOSITORIES, 'talk-dan/.git/HEAD': b'ref'})

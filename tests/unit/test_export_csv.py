@@ -7,10 +7,11 @@ The rules are checked by a reader of their own, letter by letter: Python's csv m
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 import io
 import re
 
-from export_world import CLASS, EVIL, FORMULA, submission
+from export_world import ABSENT, CLASS, EVIL, FORMULA, submission
 from hypothesis import given, settings, strategies
 import pytest
 
@@ -63,6 +64,17 @@ def test_each_submission_has_a_line():
     assert ann['first_cause'] == 'a typo (observed: none)'
     assert bob['points'] == '5'
     assert hostile['student'].startswith('x<')
+
+
+def test_a_student_without_a_submission_has_a_row_without_points():
+    """Late points are numbers, and empty without a penalty."""
+    late = replace(automatic(CLASS.results[0]), points=1.5, late_points=0.5)
+    rows = rfc4180(marks_csv([(CLASS, [late, ABSENT])], {'zoe': 'Zoe Example'}))
+    ann, zoe = (dict(zip(rows[0], row)) for row in rows[1:])
+
+    assert (zoe['student'], zoe['name'], zoe['status']) == ('zoe', 'Zoe Example', ABSENT.status)
+    assert (zoe['points'], zoe['max_points'], zoe['late_points']) == ('', '6.5', '')
+    assert (ann['points'], ann['late_points']) == ('1.5', '0.5')
 
 
 def test_for_review_is_an_empty_cell():

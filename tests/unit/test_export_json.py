@@ -6,7 +6,7 @@ import copy
 import json
 from pathlib import Path
 
-from export_world import CLASS, REVIEW, VISIBLE
+from export_world import ABSENT, CLASS, marked, REVIEW, VISIBLE
 from jsonschema import Draft202012Validator
 import pytest
 
@@ -22,7 +22,7 @@ VALID = Draft202012Validator(SCHEMA)
 @pytest.fixture
 def document():
     """Return the class as it is exported."""
-    return json.loads(results_json([CLASS]))
+    return json.loads(results_json(marked(CLASS, ABSENT)))
 
 
 def test_the_schema_is_one_of_the_draft_that_it_names():
@@ -44,11 +44,15 @@ def test_a_class_follows_the_schema(document):
         'graded',
     ]
     assert document['submissions'][0]['points'] == 2.0
+    assert document['missing'] == [
+        {'assignment': CLASS.assignment, 'student': 'zoe', 'status': 'nothing handed in'}
+    ]
 
 
 def test_for_review_has_no_points_anywhere():
     """Not of the submission, its exams or its checks."""
-    (one,) = json.loads(results_json([ClassResults(REVIEW.assignment, (REVIEW,))]))['submissions']
+    review = ClassResults(REVIEW.assignment, (REVIEW,))
+    (one,) = json.loads(results_json(marked(review)))['submissions']
 
     assert one['points'] is None
     for exam in one['exams']:
@@ -96,7 +100,7 @@ def test_every_field_is_required(document):
 
 def test_visible_checks_alone_have_no_points_anywhere():
     """As in every other export."""
-    data = json.loads(results_json([ClassResults(VISIBLE.assignment, (VISIBLE,))]))
+    data = json.loads(results_json(marked(ClassResults(VISIBLE.assignment, (VISIBLE,)))))
     VALID.validate(data)
     (one,) = data['submissions']
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from xml.etree import ElementTree
 
-from export_world import CLASS, EVIL, REVIEW, submission
+from export_world import ABSENT, CLASS, EVIL, marked, REVIEW, submission
 from hypothesis import given, settings, strategies
 import pytest
 
@@ -39,9 +39,10 @@ RULES = {
 """Element -> elements allowed in it, attributes required, attributes allowed besides."""
 
 
-def read(*results):
+def read(*results, absent=()):
     """Return the root of a document that keeps the rules."""
-    root = ElementTree.fromstring(junit_xml([ClassResults('01_talker', results)]))  # noqa: S314
+    data = junit_xml(marked(ClassResults('01_talker', results), *absent))
+    root = ElementTree.fromstring(data)  # noqa: S314
     assert root.tag == 'testsuites'
     for element in root.iter():
         children, required, allowed = RULES[element.tag]
@@ -101,3 +102,11 @@ def test_what_xml_does_not_have_is_replaced(character):
 def test_any_words_give_a_document(words):
     """Text of a student's program."""
     read(submission(student=words, fault=words), submission('other'))
+
+
+def test_a_student_without_a_submission_is_skipped():
+    """Neither a failure nor a success: nothing was tested."""
+    root = read(*CLASS.results, absent=(ABSENT,))
+    (case,) = root.findall('testsuite[@name="01_talker/zoe/missing"]/testcase')
+
+    assert case.find('skipped').get('message') == 'nothing handed in'

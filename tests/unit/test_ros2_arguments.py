@@ -17,6 +17,7 @@ from roslab.ros2.interface import definition
 from roslab.ros2.topic_echo import _selected
 
 VERBS = {
+    'bag': ('info', 'play', 'record'),
     'daemon': ('start', 'status', 'stop'),
     'interface': ('list', 'package', 'packages', 'proto', 'show'),
     'launch': (),
@@ -69,10 +70,10 @@ def test_unknown_words_end_with_code_2_and_what_there_is(words, capsys):
 
 
 def test_command_of_a_full_installation_is_told_from_a_typing_mistake():
-    """`ros2 bag` exists, but not here."""
-    words = cli.main(['bag', 'a', 'b'])
+    """`ros2 action` exists, but not here."""
+    words = cli.main(['action', 'a', 'b'])
 
-    assert words.startswith('ros2 bag belongs to a full installation')
+    assert words.startswith('ros2 action belongs to a full installation')
     assert 'topic' in words
 
 

@@ -92,6 +92,7 @@ class TestPacking:
     def test_only_what_is_named_goes(self, layout):
         """A new part stays until the list names it."""
         assert sorted(student_bundle.bundled_files(layout)) == [
+            '.github/workflows/classroom.yml',
             'LICENSE',
             'Makefile',
             'README.md',
@@ -108,7 +109,7 @@ class TestPacking:
         """A new bundle means a new course."""
         first, second = tmp_path / 'a.zip', tmp_path / 'b.zip'
 
-        assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 11
+        assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 12
         assert first.read_bytes() == second.read_bytes()
         assert zipfile.ZipFile(first).testzip() is None
 
@@ -167,7 +168,7 @@ class TestThisCourse:
             'submissions',
             '_work',
             'gradebook',
-            'classroom',
+            'autograder/classroom',
             'collect/',
             'exports',
         ]
@@ -176,6 +177,12 @@ class TestThisCourse:
     def test_it_has_nothing_of_the_instructors(self, copy, part):
         """Neither exams nor solutions nor what looks at a class."""
         assert [name for name in names_in(copy) if part in name] == []
+
+    def test_github_finds_the_workflow(self, copy):
+        """In its folder at the top, with the module that it runs."""
+        assert {'.github/workflows/classroom.yml', 'autograder/workflow/__main__.py'} <= {
+            *names_in(copy)
+        }
 
     def test_it_has_the_list_of_further_messages(self, copy):
         """The set-up of a student's copy installs them too."""

@@ -1,4 +1,4 @@
-"""Make the book: ``python -m autograder.authoring.book --sphinx PYTHON``."""
+"""Build the book: ``python -m autograder.authoring.book --sphinx PYTHON``."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def build(sphinx: str, pages: Path, html: Path) -> int:
     """
-    Turn pages into HTML.
+    Convert pages to HTML.
 
-    :param sphinx: a Python with the packages of ``environment/requirements-book.txt``
-    :returns: the exit code of Sphinx, for which a warning is an error
+    :param sphinx: a Python with the packages in ``environment/requirements-book.txt``
+    :returns: the exit code of Sphinx, which treats warnings as errors
     """
     return subprocess.run(
         [sphinx, '-m', 'sphinx', '-W', '-q', '-c', str(Path(__file__).parent), pages, html],
-        # Sphinx makes the ids of headings with a function of this project.
+        # conf.py names a function of this project, which creates the ids of headings.
         env={**os.environ, 'PYTHONPATH': str(PROJECT)},
         check=False,
     ).returncode

@@ -1,14 +1,14 @@
 """
 Settings of Sphinx for the book.
 
-A page asks no other host for anything: the theme brings its scripts, and a notebook with widgets
-would load theirs from elsewhere, so they are off.
+Pages load nothing from other hosts: the theme includes its scripts, and the scripts of widgets,
+which would be loaded from another host, are off.
 """
 
 project = 'ROS 2 nodes and topics'
 html_title = project
 extensions = ['myst_nb']
-# The notebooks have their outputs.
+# The notebooks already contain their outputs.
 nb_execution_mode = 'off'
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}
 nb_merge_streams = True
@@ -20,5 +20,5 @@ html_static_path = ['style.css']
 html_css_files = ['style.css']
 html_copy_source = False
 html_show_sphinx = False
-# Shell commands in cells are not Python; they are shown without colours.
+# Shell commands in cells are not Python, so they cannot be highlighted.
 suppress_warnings = ['misc.highlighting_failure']

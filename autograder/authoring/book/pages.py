@@ -1,8 +1,9 @@
 """
 Execute the solved lessons, and put their outputs below the cells of the students' lessons.
 
-An exercise keeps its stub and has no output.  The cells after it show what they show for a right
-answer: they would fail without one, and their outputs contain no code of an answer.
+The cell of an exercise keeps its stub and has no output.  The cells after it show the outputs for
+a right answer, because they would fail without an answer.  These outputs contain no code of an
+answer.
 """
 
 from __future__ import annotations
@@ -26,14 +27,14 @@ from autograder.submission.notebook import marks_of
 from environment.install_files import KERNEL_NAME
 
 AT_ONCE = 2
-"""Lessons that run side by side; most of the time they wait for messages."""
+"""Number of lessons executed in parallel; most of the time they wait for messages."""
 INDEX = 'index.ipynb'
 SHOWN = ('text/html', 'image/svg+xml', 'image/png', 'text/plain')
-"""The kinds of output that a page without a kernel can show, the best first."""
+"""MIME types that a page without a kernel can show, in order of preference."""
 LEXER = 'ipython3'
-"""Knows the magic lines of cells."""
+"""Name of the Pygments lexer that supports the magic lines of cells."""
 DIAGRAM = re.compile(r'```mermaid\n.*?accTitle: (.*?)\n *accDescr: (.*?)\n.*?```', re.DOTALL)
-"""A diagram that only a script of three megabytes can draw; the book has its own words for it."""
+"""A Mermaid diagram; drawing it needs a script of 3 MB, so the book shows its description."""
 YOURS = (
     '*You write this cell in JupyterLab. The outputs from here to the next exercise come from a '
     'right answer.*'
@@ -49,9 +50,9 @@ CONTENTS = '```{toctree}\n:hidden:\n:glob:\n\n*/*\n```'
 
 def write_pages(layout: Layout, folder: Path) -> list[Path]:
     """
-    Execute the solved lessons and write one page for each, and the page that lists them.
+    Execute the solved lessons, and write one page for each lesson and a page that lists them.
 
-    :param folder: receives the notebooks that Sphinx reads
+    :param folder: folder that receives the notebooks that Sphinx reads
     :returns: the pages of the lessons
     :raises CellExecutionError: if a cell of a solved lesson raised an error
     """
@@ -77,7 +78,7 @@ def executed(path: Path) -> nbformat.NotebookNode:
     :raises CellExecutionError: if a cell raised an error
     """
     notebook = nbformat.read(path, as_version=4)
-    # JupyterLab names the cell in each request; roslab then shows pictures instead of text.
+    # Name the cell in each request, as JupyterLab does: roslab then shows pictures, not text.
     frontend = Config({'Session': {'metadata': {'cellId': 'book'}}})
     with tempfile.TemporaryDirectory(prefix='lesson_') as folder:
         NotebookClient(
@@ -95,7 +96,7 @@ def page(release: nbformat.NotebookNode, solved: nbformat.NotebookNode) -> nbfor
     Return the students' lesson with the outputs of the solved one.
 
     :param release: the lesson as students receive it, without outputs
-    :param solved: the same lesson after its execution; equal cells have equal ids
+    :param solved: the executed solution of this lesson, with the same cell ids
     """
     outputs = {cell.id: list(_shown(cell)) for cell in solved.cells if 'outputs' in cell}
     cells = []
@@ -114,7 +115,7 @@ def page(release: nbformat.NotebookNode, solved: nbformat.NotebookNode) -> nbfor
 
 
 def _shown(cell: nbformat.NotebookNode) -> Iterator[nbformat.NotebookNode]:
-    """Yield the outputs of a cell in one form each, without lines that were cleared again."""
+    """Yield the outputs of a cell, each in one MIME type; skip those that cannot be shown."""
     for output in cell.outputs:
         if 'data' in output:
             kind = next((one for one in SHOWN if output.data.get(one)), None)

@@ -1,15 +1,15 @@
 """
-Canvas: files named ``NAME_[LATE_]USER_ATTACHMENT_FILE``, all in one folder.
+Read Canvas exports: files named ``NAME_[LATE_]USER_ATTACHMENT_FILE``, all in one folder.
 
-The student id is the user's number, which Canvas's gradebook file has too.  With anonymous
+The student id is the user's number, which is also in Canvas's gradebook file.  With anonymous
 grading, the name is ``[LATE_]anon_ID_ATTACHMENT_FILE``; text typed into Canvas is in
 ``NAME_[LATE_]USER_text.html`` or ``..._link.html``.
 
-A name may keep underscores and numbers, so there may be several ways to read a file name.  Then
-the other files decide: an attachment belongs to one file, its number is close to those of the
-others, and a user has one name.  If this leaves a doubt, the file is not collected.
+A student's name may contain underscores and numbers, so a file name can be ambiguous.  Then the
+other files decide: each attachment number belongs to one file, the numbers of an export are close
+together, and a user has one name.  If a file name is still ambiguous, the file is not collected.
 
-Source: canvas-lms, lib/content_zipper.rb, which takes numbers between underscores out of names.
+Source: canvas-lms, lib/content_zipper.rb, which removes numbers between underscores from names.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ _TYPED = {
     'link': 'the student submitted a link instead of a file',
 }
 _SPREAD = 10
-"""Canvas numbers attachments in order; within one assignment, numbers differ by less."""
+"""Maximum ratio of attachment numbers in one assignment; Canvas numbers attachments in order."""
 
 
 @dataclass(frozen=True)
 class Reading:
     """
-    One way to read a file name.
+    One interpretation of a file name.
 
-    :param attachment: its number as text, empty for what was typed into Canvas
-    :param file: the name that the student gave, or the kind of what was typed
+    :param attachment: number of the attachment as text, empty for text or a link
+    :param file: the student's name of the file; ``text`` or ``link`` if there is no file
     """
 
     name: str
@@ -53,12 +53,12 @@ class Reading:
 
     @property
     def anonymous(self) -> bool:
-        """Return whether the file belongs to an assignment that is graded anonymously."""
+        """Return whether the file comes from an assignment with anonymous grading."""
         return not self.name and self.user.startswith('anon_')
 
 
 def readings(name: str) -> tuple[Reading, ...]:
-    """Return every way to read a file name; empty if Canvas did not write it."""
+    """Return all interpretations of a file name; empty if it does not have Canvas's form."""
     found = []
     if match := _ANONYMOUS.fullmatch(name):
         late = bool(match['late'] or match['later'])
@@ -80,17 +80,17 @@ def readings(name: str) -> tuple[Reading, ...]:
 
 
 def _may_be_name(parts: Sequence[str]) -> bool:
-    """Return whether Canvas could have written a name like this."""
+    """Return whether Canvas could have written these parts as the name of a student."""
     return 'LATE' not in parts and not any(map(_NUMBER.fullmatch, parts[1:-1]))
 
 
 def matches(entry: Entry) -> bool:
-    """Return whether an entry has a name in Canvas's form."""
+    """Return whether an entry is a file with a name in Canvas's form."""
     return not entry.folder and bool(readings(entry.name))
 
 
 def read(level: Level) -> Iterator[Handed | Row]:
-    """Yield the deliveries of each user."""
+    """Yield the deliveries of each user, and a row for each ambiguous file."""
     ways = {name: readings(name) for name, entry in level.items() if matches(entry)}
     settled = {name: found[0] for name, found in ways.items() if len(found) == 1}
     users: dict[str, dict[str, Reading]] = {}
@@ -111,7 +111,7 @@ def _fitting(
     settled: Mapping[str, Reading],
     all_ways: Mapping[str, Sequence[Reading]],
 ) -> list[Reading]:
-    """Return the readings that agree with the other files."""
+    """Return the interpretations of a file name that are consistent with the other files."""
     known = settled.values()
     names = {one.user: one.name for one in known}
     near = [int(one.attachment) for one in known if one.attachment]
@@ -136,7 +136,7 @@ def _fitting(
 def _of_user(
     level: Level, user: str, told: Mapping[str, Reading], notes: tuple[str, ...]
 ) -> Iterator[Handed]:
-    """Yield typed text, and the files as one delivery, newest first."""
+    """Yield each typed answer of a user, and all files as one delivery, newest first."""
     late = 'Canvas' if any(one.late for one in told.values()) else ''
     person = max(told.values(), key=lambda one: int(one.attachment or 0)).name
     pieces = []

@@ -1,5 +1,5 @@
 """
-nbgrader's exchange: folders ``USER+ASSIGNMENT+TIME[+RANDOM]``, all in the folder ``inbound``.
+Read nbgrader's exchange: folders ``USER+ASSIGNMENT+TIME[+RANDOM]`` in the folder ``inbound``.
 
 Source: nbgrader 0.9, nbgrader/exchange/default/submit.py.
 """
@@ -22,12 +22,12 @@ _FOLDER = re.compile(
 
 
 def matches(entry: Entry) -> bool:
-    """Return whether an entry has a name in nbgrader's form."""
+    """Return whether an entry is a folder with a name in nbgrader's form."""
     return entry.folder and bool(_FOLDER.fullmatch(entry.name))
 
 
 def read(level: Level) -> Iterator[Handed]:
-    """Yield each delivery, with the time that nbgrader put into its name."""
+    """Yield each delivery, with the time in the name of its folder."""
     for name, entry in level.items():
         match = _FOLDER.fullmatch(name) if entry.folder else None
         if match is None:

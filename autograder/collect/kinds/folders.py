@@ -1,10 +1,11 @@
 """
-One folder per student with notebooks anywhere below, or one notebook per student.
+Read a class from one folder per student, or from one notebook per student.
 
-``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb`` is nbgrader's own layout, with a ``timestamp.txt`` next to
-the notebook.  The student id is the folder's name.  If the name of a cloned repository begins with
-an assignment, as in ``talk-ann``, that prefix is removed.  The student wrote the clone's
-``timestamp.txt``, so its time is not used.
+Notebooks may be anywhere below a student's folder.  nbgrader's own layout is
+``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb``, with a ``timestamp.txt`` next to the notebook.  The student
+id is the name of the folder.  If the name of a cloned repository begins with an assignment, as in
+``talk-ann``, that prefix is removed.  A ``timestamp.txt`` in a clone is ignored, because students
+can edit it.
 """
 
 from __future__ import annotations
@@ -21,21 +22,21 @@ from autograder.submission.tree import Tree, UnreadableError
 EXPECTED = 'one folder or one notebook per student'
 NOTEBOOK = '.ipynb'
 FEW = 20
-"""Number of notebooks to read, to distinguish a class from one student's copies."""
+"""Maximum number of notebooks read to distinguish a class from the copies of one student."""
 
 
 def level_of(tree: Tree, course: Course) -> Level:
-    """Return the folder whose entries are students; a zip may have an extra folder around it."""
+    """Return the folder with one entry per student; it may be inside a single outer folder."""
     outer = level(tree)
     name = only_folder(outer)
     if not name or (outer[name].repository and course.beginning(name)):
-        return outer  # a repository: a class with one student so far
+        return outer  # The only entry is a repository: a class with one student so far.
     inner = level(tree, name)
     return inner if _is_class(inner, course) else outer
 
 
 def _is_class(inner: Level, course: Course) -> bool:
-    """Return whether a folder has students in it; otherwise it belongs to one student."""
+    """Return whether a folder contains the work of a class, not of one student."""
     theirs = {*course.assignments, course.layout.notebooks.name}
     if len(inner) < 2 or any(inner[name].folder for name in theirs & inner.keys()):
         return False
@@ -44,7 +45,7 @@ def _is_class(inner: Level, course: Course) -> bool:
 
 
 def _are_students(files: Sequence[Entry], course: Course) -> bool:
-    """Return whether notebooks are named after students: two have cells of one assignment."""
+    """Return whether files are notebooks of different students: some share an assignment."""
     if not all(one.name.endswith(NOTEBOOK) and not course.of_file(one.name) for one in files):
         return False
     lessons: Counter[str] = Counter()
@@ -58,9 +59,11 @@ def _are_students(files: Sequence[Entry], course: Course) -> bool:
 
 def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Row]:
     """
-    Yield the delivery of each student; only the folder's own name decides whose it is.
+    Yield the delivery of each student, and a row for each entry that is not a student's.
 
-    :param prefix: the beginning of names that the instructor wants removed
+    Only the name of the entry identifies the student.
+
+    :param prefix: prefix to remove from the names, as given by the instructor
     """
     for name, entry in level.items():
         if not entry.folder and not name.lower().endswith(NOTEBOOK):
@@ -74,7 +77,7 @@ def read(level: Level, course: Course, prefix: str = '') -> Iterator[Handed | Ro
 
 
 def _handed(entry: Entry, course: Course, prefix: str) -> Handed:
-    """Return a delivery, with a note about what was removed from the name."""
+    """Return a delivery, with a note if a prefix was removed from the name."""
     name = entry.name if entry.folder else entry.name[: -len(NOTEBOOK)]
     off = prefix if name.startswith(prefix) and name != prefix else ''
     if entry.repository:

@@ -1,8 +1,9 @@
 """
-Gradescope: ``submission_metadata.yml`` and next to it one folder per submission.
+Read Gradescope exports: ``submission_metadata.yml`` and one folder per submission next to it.
 
-The student id is ``sid``, or ``email``; a submission of several students belongs to each of them.
-Only the file next to the folders counts: a file of that name *in* a folder is a student's.
+The student id is ``sid`` or, if that is missing, ``email``.  A group submission is collected for
+each of its students.  Only the metadata file next to the folders is used: a file of the same name
+in a folder was uploaded by a student.
 """
 
 from __future__ import annotations
@@ -29,9 +30,9 @@ def matches(entry: Entry) -> bool:
 
 def read(level: Level) -> Iterator[Handed | Row]:
     """
-    Yield the submissions in the metadata, and the folders that are missing there.
+    Yield the submissions in the metadata, and a row for each folder that is not listed there.
 
-    :raises NotTakenInError: if the table cannot be read
+    :raises NotTakenInError: if the metadata cannot be read
     """
     data = _metadata(level[METADATA].files[0])
     described = {str(folder): facts for folder, facts in data.items()}
@@ -52,7 +53,7 @@ def read(level: Level) -> Iterator[Handed | Row]:
 
 
 def _metadata(file: File) -> Mapping[Any, Any]:
-    """Return the metadata; the YAML cannot create Python objects."""
+    """Parse the metadata with the safe YAML loader, which creates no Python objects."""
     try:
         data = yaml.safe_load(file.read())
     except (yaml.YAMLError, UnreadableError, RecursionError, ValueError) as error:
@@ -64,7 +65,7 @@ def _metadata(file: File) -> Mapping[Any, Any]:
 
 
 def _submitters(facts: object) -> list[tuple[str, str]]:
-    """Return id and name of every student of a submission."""
+    """Return the id and the name of every student of a submission."""
     found = []
     people = _field(facts, 'submitters')
     for person in people if isinstance(people, list) else []:
@@ -74,13 +75,13 @@ def _submitters(facts: object) -> list[tuple[str, str]]:
 
 
 def _text(facts: object, name: str) -> str:
-    """Return a field as a string; a nested value counts as missing."""
+    """Return a field as a string; empty if it is missing or a nested value."""
     value = _field(facts, name)
     return str(value).strip() if isinstance(value, (str, int)) else ''
 
 
 def _field(facts: object, name: str) -> Any:
-    """Return a field; Gradescope writes its names as Ruby symbols."""
+    """Return a field; Gradescope writes field names as Ruby symbols, such as ``:email``."""
     if not isinstance(facts, Mapping):
         return None
     return facts.get(f':{name}', facts.get(name))

@@ -1,9 +1,9 @@
 """
-Recognise the platform that a source comes from, and read who delivered what.
+Recognise the platform that a source comes from, and list the deliveries of each student.
 
-Only the names on one level decide: those in the source itself, or in its single outer folder.
-Students chose the names further down, and no student may decide how the work of the whole class is
-read. Each entry on that level that is not a submission gets a reason.
+Only the names on one level are used: those in the source itself, or in its single outer folder.
+Students chose the names further down, and no student may influence how the work of the whole class
+is read.  Each entry on that level that is not a submission is listed with a reason.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ class Found:
     """
     The contents of a source.
 
+    :param kind: the platform, or ``'folder'``
     :param left: a row for each entry that belongs to no known student
-    :param single: whether all of it belongs to one assignment, as in exports of platforms
+    :param single: whether all work is for one assignment, as in exports of learning platforms
     """
 
     kind: str
@@ -49,8 +50,9 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     Return all deliveries in a source.
 
     :param kind: a platform, ``'folder'``, or empty to recognise it
-    :param prefix: the beginning to remove from the names of folders
-    :raises NotTakenInError: if the source does not match its names or ``kind``
+    :param prefix: prefix to remove from the names of folders
+    :raises NotTakenInError: if ``kind`` or ``prefix`` does not fit the source, or the source is an
+        exchange with several courses
     """
     chosen, place = (kind, None) if kind else recognised(tree)
     found: list[Handed | Row] = []
@@ -81,7 +83,7 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
 
 
 def _refuse_unused(prefix: str, place: Level, where: str) -> None:
-    """Refuse a prefix that no name begins with: the student ids would be unexpected."""
+    """Refuse a prefix with which no name begins, because the student ids would be wrong."""
     if prefix and not any(name.startswith(prefix) for name in place):
         raise NotTakenInError(
             f'{where}: expected names of students that begin with {printable(prefix)!r} '
@@ -91,13 +93,13 @@ def _refuse_unused(prefix: str, place: Level, where: str) -> None:
 
 
 def recognised(tree: Tree) -> tuple[str, Level | None]:
-    """Return the platform that recognises most names, on the outermost level that has any."""
+    """Return the platform that recognises most names, and the level with these names."""
     for place in _levels(tree):
         claims = {name: system.claims(place) for name, system in SYSTEMS.items()}
         best = max(claims, key=lambda name: claims[name])
         if 0 < len(place) <= 2 * claims[best]:
             return best, place
-    if (inbound := _inbound(tree)) is not None:  # a course without deliveries
+    if (inbound := _inbound(tree)) is not None:  # The exchange has no deliveries yet.
         return EXCHANGE, inbound
     courses = level(tree)
     if courses and all(_is_exchange(level(tree, name)) for name in courses):
@@ -109,7 +111,7 @@ def recognised(tree: Tree) -> tuple[str, Level | None]:
 
 
 def _levels(tree: Tree) -> Iterator[Level]:
-    """Yield the folders whose names may follow a platform's form, outermost first."""
+    """Yield the folders whose entries a platform may have named, outermost first."""
     outer = level(tree)
     yield outer
     if name := only_folder(outer):
@@ -119,7 +121,7 @@ def _levels(tree: Tree) -> Iterator[Level]:
 
 
 def _inbound(tree: Tree) -> Level | None:
-    """Return the deliveries of a course in nbgrader's exchange, whose folders have fixed names."""
+    """Return the folder ``inbound`` of a course in nbgrader's exchange; None if it is missing."""
     outer = level(tree)
     for base in ((), (only_folder(outer),)):
         if _is_exchange(level(tree, *base)):
@@ -134,7 +136,7 @@ def _is_exchange(place: Level) -> bool:
 
 
 def _nothing(tree: Tree, kind: str, expected: str) -> NotTakenInError:
-    """Return the error for a source that is not of the kind that the user named."""
+    """Return the error for a source that does not match ``--kind``."""
     *_, place = _levels(tree)
     return NotTakenInError(
         f'{tree.name}: expected submissions of kind {kind} ({expected}), got: {_shown(place)}.',

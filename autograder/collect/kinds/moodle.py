@@ -1,12 +1,12 @@
 """
-Moodle: folders named ``NAME_NUMBER_assignsubmission_file[_]``, or files with such a beginning.
+Read Moodle exports: folders named ``NAME_NUMBER_assignsubmission_file[_]``, or files.
 
-The number differs in each assignment, so the student id is the name; ``namesakes`` handles two
+The number differs in each assignment, so the student id is the name; ``namesakes`` detects two
 people with the same name.  With "Download submissions in folders" off, files are named
-``NAME_NUMBER_assignsubmission_file_FILE``.  Text typed into Moodle is an ``onlinetext`` instead of
-a ``file``.
+``NAME_NUMBER_assignsubmission_file_FILE``.  For text typed into Moodle, the names contain
+``onlinetext`` instead of ``file``.
 
-Source: moodle, mod/assign/classes/downloader.php, which takes underscores out of names.
+Source: moodle, mod/assign/classes/downloader.php, which removes underscores from names.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from autograder.collect.source.deliveries import Entry, Handed, Level, Piece, Sy
 
 _WHO = r'(?P<name>.+?)_(?P<number>\d+)_assignsubmission_(?P<kind>[a-z0-9]+)'
 _FOLDER = re.compile(rf'{_WHO}_?')
-# The first match counts, because the student chose the rest of the name.
+# The student chose the rest of the name, so the name and number are matched as early as possible.
 _FILE = re.compile(rf'{_WHO}_(?P<file>.+)')
 _TYPED = {'onlinetext': 'an online text, which is not collected'}
 

@@ -1,1 +1,1 @@
-"""Read a source: files of a folder or a zip, who delivered them, and when."""
+"""Read a source: the files of a folder or zip, the students, and the times of delivery."""

@@ -1,4 +1,4 @@
-"""Facts about the assignments, by which a notebook is recognised."""
+"""Grade ids and file names of the assignments, which identify a notebook."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _NUMBER = re.compile(r'^\d+[_-]')
 
 
 def _plain(text: str) -> str:
-    """Return a name as platforms shorten it: in lower case, with hyphens for underscores."""
+    """Return a name in the form that platforms use: lower case, hyphens for underscores."""
     return text.replace('_', '-').lower()
 
 
 @dataclass
 class Course:
-    """The assignments of a course; files are read when they are needed."""
+    """The assignments of a course; their files are read on first use."""
 
     layout: Layout
 
@@ -35,7 +35,7 @@ class Course:
 
     @cached_property
     def file_names(self) -> Mapping[str, str]:
-        """Return the notebook's file name of every assignment."""
+        """Return the file name of the notebook of every assignment."""
         return {name: self.layout.release(name).name for name in self.assignments}
 
     @cached_property
@@ -47,17 +47,17 @@ class Course:
 
     @cached_property
     def due(self) -> DueDates:
-        """Return the due dates."""
+        """Return the due dates in the gradebook."""
         return due_dates(self.layout)
 
     def of_file(self, name: str) -> str:
-        """Return the assignment whose notebook has this name, apart from ``(1)`` and the like."""
+        """Return the assignment whose notebook has this name, ignoring suffixes like ``(1)``."""
         plain = _COPY.sub('', name)
         found = [one for one, file in self.file_names.items() if file in (name, plain)]
         return found[0] if len(found) == 1 else ''
 
     def named(self, parts: Sequence[str]) -> str:
-        """Return the assignment that a path names, by its file or by a folder."""
+        """Return the assignment that a path names, by its file or else by a folder."""
         folders = [part for part in parts[:-1] if part in self.assignments]
         return self.of_file(parts[-1]) or (folders[-1] if folders else '')
 
@@ -76,7 +76,7 @@ class Course:
         return found
 
     def shared(self, data: bytes) -> dict[str, int]:
-        """Return how many grade ids of each assignment a notebook has, without zeros."""
+        """Return the number of grade ids in a notebook, by assignment; zeros are left out."""
         cells, _ = read_notebook(data, '')
         ids = {cell.grade_id for cell in cells or ()} - {''}
         return {name: len(ids & theirs) for name, theirs in self.cells.items() if ids & theirs}

@@ -1,8 +1,8 @@
 """
-The data types that all kinds of sources share: who delivered what.
+Data types that all platforms share: entries of a source, delivered files, deliveries.
 
-Platforms name the entries of one :data:`Level` of a source.  Students named everything below, so
-those names decide nothing.
+The platform chose the names of the entries on one :data:`Level` of a source.  Students chose all
+names below that level, so these names do not decide who handed in a file.
 """
 
 from __future__ import annotations
@@ -23,9 +23,10 @@ class Piece:
     """
     One delivered file.
 
-    :param file: with its path and name as the student had it
-    :param place: the entry of the source that it is in
-    :param turn: if two files have one name, the newer file has the larger number
+    :param file: the file, with the path and name that the student chose
+    :param place: name of the entry of the source that contains the file
+    :param turn: number of the attempt; of two files with the same name, the newer has the larger
+        number
     """
 
     file: File
@@ -36,22 +37,22 @@ class Piece:
 @dataclass(frozen=True)
 class Handed:
     """
-    What one student delivered at one time.
+    A delivery: everything that one student handed in at one time.
 
-    :param student: as the source names them; not yet fit for a folder
+    :param student: the student as named in the source; :attr:`id` is the student id
     :param called: the whole name in the source, if ``student`` is a part of it
     :param number: the student's number in Moodle, which differs in each assignment
-    :param pieces: the files of it
-    :param place: the entry of the source, if there are no files
+    :param pieces: the delivered files
+    :param place: name of the entry of the source, if there are no files
     :param person: the student's name, if the id is not a name
     :param when: time of delivery in UTC, None if it is unknown
-    :param stamped: whether a ``timestamp.txt`` next to a notebook has the time
-    :param late: the platform that marks the delivery as late
-    :param assignment: if the source names it
-    :param instead: a delivery that is not a file, such as typed text
-    :param doubt: why the owner is unclear
-    :param owners: numbers of the users who own the folder and what is in it, if known
-    :param notes: remarks for the table
+    :param stamped: whether a ``timestamp.txt`` next to a notebook contains the time
+    :param late: name of the platform that marks the delivery as late, else empty
+    :param assignment: the assignment, if the source names it, else empty
+    :param instead: description of a delivery without files, such as typed text
+    :param doubt: why the owner of the delivery is unclear, empty if the owner is clear
+    :param owners: ids of the system users who own the folder and its contents, if known
+    :param notes: notes for the table
     """
 
     student: str
@@ -83,12 +84,12 @@ class Handed:
 @dataclass(frozen=True)
 class Entry:
     """
-    One entry of a level: a file, or a folder with all files below.
+    One entry of a level: a file, or a folder with all files below it.
 
-    :param files: by their paths from the folder; for a file, itself
-    :param repository: whether git created the folder, recognised by a name in it that begins with
-        ``.git``
-    :param owners: the users who own it or anything below it; a zip has none
+    :param files: all files, with paths relative to the folder; for a file, the file itself
+    :param repository: whether the folder is a git repository, recognised by a name in it that
+        begins with ``.git``
+    :param owners: ids of the system users who own the entry or anything below it; empty for a zip
     """
 
     name: str
@@ -98,11 +99,11 @@ class Entry:
     owners: frozenset[int] = frozenset()
 
     def pieces(self) -> tuple[Piece, ...]:
-        """Return the files of a delivery that is this entry."""
+        """Return all files of this entry as delivered files."""
         return tuple(Piece(file, self.name) for file in self.files)
 
     def piece(self, name: str, turn: int = 0) -> Piece:
-        """Return the file of this entry under the name that the student gave."""
+        """Return the only file of this entry under the name that the student chose."""
         return Piece(File((name,), self.files[0].read), self.name, turn)
 
 
@@ -113,12 +114,13 @@ Level = Mapping[str, Entry]
 @dataclass(frozen=True)
 class System:
     """
-    A platform that has its own form of names.
+    A platform, which is recognised by the form of the names in its exports.
 
     :param expected: a description of the form
-    :param matches: returns whether the name of an entry has the form
-    :param read: yields the deliveries in a level, and a row for each entry without an owner
-    :param needs: the name of a file that every download has
+    :param matches: function that returns whether the name of an entry has the form
+    :param read: function that yields the deliveries in a level, and a row for each entry without
+        a known student
+    :param needs: name of a file that every export contains, empty if there is none
     """
 
     expected: str
@@ -127,21 +129,21 @@ class System:
     needs: str = ''
 
     def claims(self, place: Level) -> int:
-        """Return how many names have the form; 0 without the file that it needs."""
+        """Return the number of names that have the form; 0 if the needed file is missing."""
         found = [name for name, entry in place.items() if self.matches(entry)]
         return len(found) if not self.needs or self.needs in found else 0
 
 
 def level(tree: Tree, *base: str) -> Level:
     """
-    Return a folder of a source.
+    Return the entries of a folder in a source.
 
-    :param base: the names on the way to it; none for the source itself
+    :param base: path of the folder, name by name; empty for the source itself
     """
     depth = len(base)
 
     def name_in(parts: Parts) -> str:
-        """Return the name of the entry that a path belongs to, empty if it is elsewhere."""
+        """Return the name of the entry that contains a path, empty if the path is elsewhere."""
         return parts[depth] if parts[:depth] == base and len(parts) > depth else ''
 
     files: dict[str, list[File]] = {}
@@ -169,6 +171,6 @@ def level(tree: Tree, *base: str) -> Level:
 
 
 def only_folder(place: Level) -> str:
-    """Return the name of the folder around everything, or an empty string."""
+    """Return the name of the single outer folder of a level, or an empty string."""
     names = list(place)
     return names[0] if len(names) == 1 and place[names[0]].folder else ''

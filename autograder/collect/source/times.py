@@ -1,4 +1,4 @@
-"""Times of delivery, and whether work was late."""
+"""Read times of delivery and due dates, and describe late work."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import re
 
 from sqlalchemy import DateTime, Interval, text
 
+from autograder.classroom.class_list import extensions
 from autograder.errors import GraderError
 from autograder.gradebook.connection import query
 from autograder.layout import Layout
@@ -23,10 +24,10 @@ def read_time(value: object) -> tuple[datetime | None, str]:
     """
     Read a time as nbgrader and Gradescope write it.
 
-    Only offsets are understood, not names of time zones: CST alone has four meanings.
+    Offsets and UTC are accepted, but no other names of time zones: CST alone has four meanings.
 
-    :param value: text, a datetime from YAML, or nothing; without a zone it is UTC
-    :returns: the time in UTC, None if there is none; and a note if it is not understood
+    :param value: a string, a datetime from YAML, or None; without a time zone it is in UTC
+    :returns: the time in UTC, None if there is none; and a note if it was not understood
     """
     try:
         if isinstance(value, datetime):
@@ -43,12 +44,12 @@ def read_time(value: object) -> tuple[datetime | None, str]:
         offset = f'{zone[1] or "+00"}:{zone[2] or "00"}'
         found = datetime.fromisoformat(f'{day} {minute}{second or ":00"}{offset}')
         return found.astimezone(timezone.utc), ''
-    except (ValueError, OverflowError):  # no such day, or before the year 1
+    except (ValueError, OverflowError):  # The day does not exist, or is before the year 1.
         return None, f'time {str(value)[:40]!r} not understood: no time'
 
 
 def stamp(when: datetime) -> bytes:
-    """Return a time as nbgrader writes it to its file."""
+    """Return a time as the content of nbgrader's ``timestamp.txt``."""
     return f'{when:%Y-%m-%d %H:%M:%S} UTC\n'.encode()
 
 
@@ -56,7 +57,7 @@ def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[
     """
     Return notes about whether work is late.
 
-    :param late: the platform that marks the work as late
+    :param late: name of the platform that marks the work as late, else empty
     :param when: time of delivery, if known
     :param due: the due date, if known
     """
@@ -69,7 +70,7 @@ def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[
 
 
 def _duration(length: timedelta) -> str:
-    """Return a length of time to the minute."""
+    """Return a duration as text, in days, hours and minutes."""
     minutes = int(length.total_seconds()) // 60
     parts = ((minutes // 1440, 'd'), (minutes // 60 % 24, 'h'), (minutes % 60, 'min'))
     return ' '.join(f'{count} {unit}' for count, unit in parts if count) or 'less than a minute'
@@ -78,11 +79,11 @@ def _duration(length: timedelta) -> str:
 @dataclass(frozen=True)
 class DueDates:
     """
-    When work is due, in UTC.
+    Due dates in UTC, with the extensions of individual students.
 
-    :param dates: by assignment
-    :param extensions: extra time of single students, by student and assignment
-    :param problem: why the gradebook could not be read
+    :param dates: due date by assignment
+    :param extensions: extra time by student and assignment
+    :param problem: why the gradebook could not be read, empty if it could
     """
 
     dates: Mapping[str, datetime] = field(default_factory=dict)
@@ -106,23 +107,30 @@ where submitted_assignment.extension is not null
 
 def due_dates(layout: Layout) -> DueDates:
     """
-    Read the due dates from the gradebook, if there is one; never create one.
+    Read the due dates from the gradebook, without creating a gradebook.
+
+    Extra time comes from ``extensions.csv`` if it exists, else from the gradebook.
 
     The database is queried directly, because nbgrader takes seconds to import.
+
+    :raises GraderError: if ``extensions.csv`` is wrong
     """
     if not (layout.root / 'nbgrader_config.py').is_file():
         return DueDates()
     dates = text(_DATES).columns(duedate=DateTime())
-    extensions = text(_EXTENSIONS).columns(extension=Interval())
+    granted = text(_EXTENSIONS).columns(extension=Interval())
+    given = extensions(layout)
     try:
         return DueDates(
             {
                 str(name): date.replace(tzinfo=timezone.utc)
                 for name, date in query(layout, dates, 'assignment')
             },
-            {
+            given
+            if given is not None
+            else {
                 (str(one), str(name)): more
-                for one, name, more in query(layout, extensions, 'assignment')
+                for one, name, more in query(layout, granted, 'assignment')
             },
         )
     except (GraderError, ValueError, ImportError) as error:

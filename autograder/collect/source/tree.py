@@ -1,8 +1,8 @@
 """
-Open the source of a class: limits for its size, and files that do not count as work.
+Open the source of a class, with limits for its size and without generated files.
 
-Files that programs generate next to the work are neither listed nor counted, because a student's
-workspace must not make a class too large.
+Files that programs generate next to the work are neither listed nor counted.  Otherwise the built
+workspace of one student could exceed the limits for the whole class.
 """
 
 from __future__ import annotations
@@ -16,32 +16,36 @@ from autograder.submission.notebook import MAX_BYTES
 from autograder.submission.tree import Bounds, Parts, Tree
 
 MOST_ENTRIES = 50_000
-"""Limit of files in a class, not counting files that programs generate."""
+"""Maximum number of files in a source, without generated files."""
 MOST_LISTED = 10 * MOST_ENTRIES
-"""Limit of all names in a source, including files that programs generate."""
+"""Maximum number of names in a source, including generated files."""
 MOST_BYTES = 2 << 30
-"""Limit of all bytes read from one source, unpacked; a class has a few hundred megabytes."""
+"""Maximum number of unpacked bytes read from a source; a class has a few hundred megabytes."""
 LONGEST_NAME = 400
 REPOSITORY = '.git'
 NOISE = frozenset(
     {'__MACOSX', '.DS_Store', '.ipynb_checkpoints', REPOSITORY, '.venv', '__pycache__'}
 )
 """
-Names made by macOS, Jupyter, git and Python; macOS also makes ``._NAME``, even of a notebook.
+Files and folders that macOS, Jupyter, git and Python generate.
+
+macOS also generates ``._NAME`` files, even for notebooks.
 """
 BUILT = frozenset({'build', 'install', 'log'})
 """
-Folders made by colcon, if they contain its mark or are in the workspace of the lessons; a student
-may use the same names.  Notebooks elsewhere in a workspace are listed.
+Folders that colcon generates.
+
+Students may use these names too, so such a folder is skipped only if it contains colcon's marker
+file or is directly in the workspace of the lessons.
 """
 _WORKSPACE = 'ros_ws'
 
 
 def opened(source: Path) -> AbstractContextManager[Tree]:
     """
-    Yield a class whose files can be read in the context.
+    Open a source in a context, in which its files can be read.
 
-    :raises NotTakenInError: if it is neither a folder nor a zip, damaged, or too large
+    :raises NotTakenInError: if the source is neither a folder nor a zip, is damaged or too large
     """
     bounds = Bounds(
         'the submissions of a class',

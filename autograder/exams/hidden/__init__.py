@@ -1,1 +1,1 @@
-"""Hidden exams: never shipped, never inside a sandbox."""
+"""Hidden exams, which are never shipped and never enter a sandbox."""

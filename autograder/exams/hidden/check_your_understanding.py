@@ -1,7 +1,7 @@
 """
-The questions of lesson 09, as they are graded: one point each, and why a wrong choice is wrong.
+Hidden exam of lesson 09: one point per question, and a reason for each wrong option.
 
-The key lies beside this file and is never shipped.
+The answer key is in a YAML file next to this module and is never shipped.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ RUN_IT = 'Run the cells of that section again, and predict before each.'
 
 def key() -> Mapping[str, Mapping[str, Any]]:
     """
-    Return the key by question.
+    Return the answer key, by question.
 
-    :raises ExamInvalid: if a question or the explanation of a wrong letter is missing
+    :raises ExamInvalid: if a question or the explanation of a wrong option is missing
     """
     found = yaml.safe_load(KEY.read_text(encoding='utf-8'))
     if tuple(found) != QUESTIONS:
@@ -39,7 +39,7 @@ def key() -> Mapping[str, Mapping[str, Any]]:
 
 
 def judge(question: str, entry: Mapping[str, Any]) -> Callable[[Run], None]:
-    """Return the function that judges one answer."""
+    """Return the function that judges the answer to one question."""
 
     def is_right(run: Run) -> None:
         letter = letter_of(run, question)

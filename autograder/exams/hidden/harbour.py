@@ -1,7 +1,7 @@
-"""Hidden exam of lesson 01, first exercise: longer."""
+"""Hidden exam of lesson 01, first exercise: a longer run."""
 
 from __future__ import annotations
 
 from autograder.exams.visible.harbour import build
 
-exam = build(seconds=20)
+exam = build(seconds=31)

@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 02, part 5: more pictures, and secret names of them."""
+"""Hidden exam of lesson 02, part 5: more pictures, with secret names."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from autograder.exam.inputs import generator
 from autograder.exams.visible.inspector import build
 
 _draw = generator('inspector', 'pictures')
-_drawn = [''.join(_draw.choices('bcdfghjklmnprstvwz', k=6)) for _ in range(9)]
-# The same picture again, an earlier one, and an empty name are pictures like any other.
-exam = build([*_drawn[:3], _drawn[2], '', _drawn[0], *_drawn[3:]], burst=4)
+_drawn = [''.join(_draw.choices('bcdfghjklmnprstvwz', k=6)) for _ in range(12)]
+# A repeated picture, an earlier one, and names that are empty or have blanks around them are
+# ordinary inputs.  The burst needs a queue of more than five.
+exam = build([*_drawn[:3], _drawn[2], '', _drawn[0], f' {_drawn[3]} ', *_drawn[4:]], burst=8)

@@ -7,6 +7,7 @@ from autograder.exams.limit_changes import Change, HIGHEST_C, LIMIT, LOWEST_C, N
 from autograder.exams.visible.limit_keeper import build
 
 _draw = generator('limit_keeper', 'limits')
+JUST_C = 1e-6  # FloatingPointRange accepts values that are as close to an end
 
 
 def _between(low: float, high: float) -> float:
@@ -15,6 +16,7 @@ def _between(low: float, high: float) -> float:
 
 _limits: list[float | int] = [
     *(*NO_NUMBERS, LOWEST_C, HIGHEST_C, LOWEST_C - _between(0.01, 0.4)),
+    *(LOWEST_C - JUST_C, HIGHEST_C + JUST_C),
     *(HIGHEST_C + _between(0.01, 0.4), _between(200.0, 900.0), _between(-900.0, -200.0)),
     *(_between(-30.0, 20.0), _between(32.0, 110.0), _draw.randint(31, 99)),
 ]
@@ -22,8 +24,8 @@ _changes: list[Change] = [(LIMIT, one) for one in _limits]
 exam = build(
     _draw.choice((28.1, 28.2, 28.3, 28.4, 29.1, 29.2, 29.3)),
     [
-        # A place comes after a limit that was accepted: a refused one, if it is kept, is another
-        # mistake, which would also refuse the place.
+        # Change the place right after an accepted limit.  Otherwise a node that stores refused
+        # limits could refuse the place too, and one mistake would look like two.
         *((LIMIT, _between(40.0, 90.0)), (PLACE, 'roof'), (LIMIT, NO_NUMBERS[0])),
         *_draw.sample(_changes, len(_changes)),
         *((LIMIT, _between(40.0, 90.0)), (PLACE, '')),

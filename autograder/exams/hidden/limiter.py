@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 10: secret speeds and another limit, in a secret namespace."""
+"""Hidden exam of lesson 10: secret speeds and a secret limit, in a secret namespace."""
 
 from __future__ import annotations
 

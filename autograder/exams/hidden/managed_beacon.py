@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 06, part 2: in a secret namespace and for a secret time."""
+"""Hidden exam of lesson 06, part 2: a secret namespace and secret durations."""
 
 from __future__ import annotations
 
@@ -8,5 +8,5 @@ from autograder.exams.visible.managed_beacon import build
 _draw = generator('managed_beacon', 'place and time')
 exam = build(
     namespace='/' + ''.join(_draw.choices('bdghjklmnprstvz', k=6)),
-    seconds=float(_draw.randint(21, 23)),  # longer than a text that is sent sign by sign
+    seconds=float(_draw.randint(61, 63)),  # longer than any list of texts
 )

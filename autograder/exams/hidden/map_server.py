@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 05, part 4: secret surveys, the last of them at once."""
+"""Hidden exam of lesson 05, part 4: secret surveys, the last ones sent in a burst."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _ROOMS = ('hall', 'cellar', 'attic', 'yard', 'workshop', 'stairs', 'lab', 'offic
 
 def surveys(draw: random.Random) -> list[str]:
     """
-    Return the texts.
+    Return the texts of the surveys.
 
-    One survey has outer spaces and a capital letter, one is sent twice in a row, the first one is
-    sent again, one is long, and one is empty.
+    One text has leading and trailing spaces and a capital letter, one is sent twice in a row, the
+    first one is sent again later, one is long, and one is empty.
     """
     texts = [f'{room} {draw.randrange(100, 1000)}' for room in draw.sample(_ROOMS, k=5)]
     spaced, twice = draw.sample(range(4), k=2)

@@ -9,7 +9,11 @@ _draw = generator('milli_reader', 'numbers')
 
 
 def _number(rest: int) -> int:
-    """Return a number: a small rest shows digits that were put together, a large one rounding."""
+    """
+    Return a random number whose absolute value has a given remainder modulo 1000.
+
+    Small remainders reveal fractions assembled from digits, large ones reveal rounding.
+    """
     return int(_draw.choice((-1, 1)) * (1000 * _draw.randrange(1, 10**6) + rest))
 
 
@@ -19,7 +23,7 @@ def _name() -> str:
 
 _same = _number(457), _name()
 exam = build(
-    # A repeated number, zero, and a number without a description are ordinary numbers.
+    # Repeated numbers, zero and numbers without a description are ordinary inputs.
     [
         _number(7),
         _same[0],

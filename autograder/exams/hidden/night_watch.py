@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 01, second exercise: longer, and in a secret namespace."""
+"""Hidden exam of lesson 01, second exercise: a longer run in a secret namespace."""
 
 from __future__ import annotations
 

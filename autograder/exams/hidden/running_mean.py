@@ -16,11 +16,11 @@ def _numbers(count: int) -> list[float]:
 
 _first = _numbers(4)
 exam = build(
-    # If the same number comes first twice, the mean does not change.
+    # The first number is sent twice, so the mean stays the same.
     [
         *(_first[0], *_first, math.nan, *_numbers(2), 0.0),
-        *(_first[0], math.nan, *_numbers(4), *_numbers(4)),
+        *(_first[0], math.nan, *_numbers(4), *_numbers(8)),
     ],
-    burst=4,
+    burst=8,
     pause=3,
 )

@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 04, part 1: a type has no inputs, so it is the same exam."""
+"""Hidden exam of lesson 04, part 1: identical to the visible one, because a type has no inputs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 07, part 2: a whole minute of a ROS clock drawn from the secret."""
+"""Hidden exam of lesson 07, part 2: 60 s of a ROS clock with a secret start and rate."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 07, part 3: every edge, a burst, and secret readings."""
+"""Hidden exam of lesson 07, part 3: all edge cases, a burst, and secret readings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ UNKNOWN = 'a reading in an unknown unit'
 
 
 def edges(draw: random.Random) -> list[Reading]:
-    """Return the readings in Celsius at and beside the threshold, in a secret order."""
+    """Return readings in Celsius at, near and far below the threshold, in a secret order."""
     readings = [
         Reading(THRESHOLD_C, f'a reading of exactly {THRESHOLD_C} °C'),
         Reading(THRESHOLD_C + 0.01, f'a reading just above {THRESHOLD_C:g} °C'),
@@ -27,22 +27,28 @@ def edges(draw: random.Random) -> list[Reading]:
 
 
 def fahrenheit(draw: random.Random) -> list[Reading]:
-    """Return readings on both sides of the threshold, in a secret order."""
+    """Return readings around the threshold in Fahrenheit, some very close, in a secret order."""
     limit = THRESHOLD_C * 1.8 + 32.0
     warm, cool = draw.uniform(limit + 0.1, limit + 0.4), draw.uniform(limit - 0.5, limit - 0.1)
     readings = [
         Reading(round(warm, 2), 'a warm reading in °F', 'Fahrenheit'),
         Reading(round(cool, 2), 'a cool reading in °F', 'Fahrenheit'),
+        Reading(limit + 0.002, 'a reading in °F just above the threshold', 'Fahrenheit'),
+        Reading(limit - 0.002, 'a reading in °F just below the threshold', 'Fahrenheit'),
     ]
     draw.shuffle(readings)
     return readings
 
 
 def odd(draw: random.Random) -> list[Reading]:
-    """Return readings that may end a program: last, so that it loses only what comes after."""
+    """
+    Return readings with unknown units and NaN, which may crash a node.
+
+    They belong near the end, so that a crash affects only the few readings after them.
+    """
     rest = ''.join(draw.choices('bdghjlqrtvwxz', k=5))
     units = [
-        (f'C{rest}', UNKNOWN),
+        *[(f'C{rest}', UNKNOWN)] * 2,
         (f'F{rest[::-1]}', UNKNOWN),
         ('celsius', 'a reading in celsius, in small letters'),
         ('', 'a reading without a unit'),
@@ -73,12 +79,13 @@ _draw.shuffle(_burst)
 exam = build(
     [
         cool(_draw),
-        # The same value again, and a different one: each needs its own warning.
+        # A repeated reading and a different one: each needs its own warning.
         *(_again, _again, hot(_draw)),
         Reading(round(_draw.uniform(200.0, 900.0), 1), f'a reading far above {THRESHOLD_C:g} °C'),
         *(cool(_draw), cool(_draw)),
         *edges(_draw),
-        # After a cool reading, so that a node that warns only on changes shows no second mistake.
+        # Send a cool reading first: otherwise a node that warns only of changes could also miss
+        # the warm reading in Fahrenheit.
         cool(_draw),
         *fahrenheit(_draw),
         *odd(_draw),

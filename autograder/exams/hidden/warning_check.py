@@ -1,18 +1,25 @@
-"""Hidden exam of lesson 11: other runs, of nodes with every slip, in a secret order."""
+"""Hidden exam of lesson 11: different runs, of nodes with every slip, in a secret order."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from autograder.exam.inputs import generator
 from autograder.exams.hidden.temperature_subscriber import cool, edges, fahrenheit, hot, odd
 from autograder.exams.monitor_runs import made_run, MadeRun, NAN, WORDS
 from autograder.exams.readings import Reading
-from autograder.exams.visible.warning_check import build, DUE, of_monitor
+from autograder.exams.visible.warning_check import build, DUE, LAGS, of_monitor
 
 _draw = generator('warning_check', 'runs')
 
 
 def _readings(letters: str) -> list[Reading]:
-    """Return new readings in Celsius: h is above the limit, H the one before again, c is not."""
+    """
+    Return new readings in Celsius, one per letter.
+
+    :param letters: ``h`` is above the limit, ``H`` repeats the previous reading, ``c`` is below
+        the limit
+    """
     found: list[Reading] = []
     for letter in letters:
         again = found[-1:] if letter == 'H' else []
@@ -33,24 +40,26 @@ MAKERS = {
     EDGES: lambda: [*edges(_draw), *_readings('hc')],
     'no reading above the limit': lambda: _readings('cccc'),
     'warm readings only': lambda: _readings('hhhh'),
+    'a warm reading at the end': lambda: _readings('cch'),
     'as many warm as cool readings': lambda: _readings('chhc'),
     'a reading far above the limit': lambda: [*_readings('c'), _far(), *_readings('hc')],
     UNITS: lambda: [*_readings('c'), *fahrenheit(_draw), AT_THE_LIMIT, *_readings('hc')],
     ODD: lambda: [*odd(_draw)[:-1], *_readings('hc')],
     BROKEN: lambda: [*_readings('h'), NAN, *_readings('hc')],
 }
-"""Readings by what they try, drawn for each run again."""
+"""Functions that draw readings, by a description of these readings."""
 SHOWN_BY = {
     PLAIN: ('no_warning', 'warns_ever_after', 'repeated_warning', 'one_late'),
     ROW: ('warns_once', 'warns_of_changes'),
     EDGES: ('warns_at_threshold', 'sign_ignored', 'cut_off'),
+    'a warm reading at the end': ('repeated_warning',),
     'as many warm as cool readings': ('comparison_reversed',),
     'a reading far above the limit': ('upper_bound',),
     UNITS: ('ignores_unit', 'wrong_conversion'),
     ODD: ('unknown_unit', 'first_letter', 'part_of_a_unit', 'any_case'),
     BROKEN: ('nan',),
 }
-"""Slips of a monitor, by the readings that show them."""
+"""Names of a monitor's slips, by the readings that reveal them."""
 
 
 def _run(kind: str, name: str, number: int) -> MadeRun:
@@ -63,5 +72,6 @@ def _run(kind: str, name: str, number: int) -> MadeRun:
 _wanted = [(kind, '') for kind in MAKERS]
 _wanted += [(kind, name) for kind, names in SHOWN_BY.items() for name in names]
 _runs = [_run(kind, name, number) for number, (kind, name) in enumerate(_wanted)]
+_runs += [replace(_run(PLAIN, '', 0), slip=LAGS, lag_s=0.2), _run(ODD, '', 3)]
 _draw.shuffle(_runs)
 exam = build(_runs)

@@ -1,1 +1,1 @@
-"""Visible exams: what a learner's notebook runs. Shipped with the course."""
+"""Visible exams, which a learner's notebook runs; they are shipped with the course."""

@@ -1,8 +1,8 @@
 """
-Lesson 09: multiple-choice questions, answered by one letter each.
+Lesson 09: multiple-choice questions, each answered by one letter.
 
-Answers are read, never executed, and no program is started.  What learners have here looks at the
-form of the answers only; which letter is right lies with the hidden exam.
+The grader reads the answers, never executes them, and starts no program.  This exam, which
+learners have, checks only the form of the answers; the hidden exam has the answer key.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ CAUSES = {
         'Type it again on a keyboard with Latin letters.',
     ),
 }
-"""Text and advice for each way not to be a letter."""
+"""Text and advice for each kind of answer that is not a letter."""
 _SHAPES = (
     ('curly_quotes', r'[‘’“”„«»`´].*'),
     ('assigned', r"""\(?\s*[A-Za-z_]\w{0,40}\s*:?=\s*['"]?[a-d]['"]?\s*\)?"""),
@@ -64,9 +64,9 @@ _SHAPES = (
     ('number', r"""['"]?[0-9]['"]?"""),
     ('other_alphabet', r"""['"]\s*[^\W\d_a-zA-Z]\s*['"]"""),
 )
-"""What a whole answer that is no letter may look like, the first one that fits counts."""
+"""Patterns for complete answers that are not a letter; the first match is used."""
 LONGEST, LONGEST_LINE = 400, 60
-"""Characters of a text and of a line in which a shape is looked for."""
+"""Maximum length of an answer and of its line when its form is examined [characters]."""
 
 
 def build() -> Exam:
@@ -84,15 +84,15 @@ def build() -> Exam:
 
 
 def path_of(question: str) -> str:
-    """Return where the answer to a question is saved."""
+    """Return the path of the file that contains the answer to a question."""
     return f'answers/{question}.txt'
 
 
 def letter_of(run: Run, question: str) -> str:
     """
-    Return the letter that was chosen.
+    Return the chosen letter.
 
-    :raises Failed: if there is none
+    :raises Failed: if the answer is not one of the letters
     """
     expected = "one of 'a', 'b', 'c', 'd'"
     text = run.files.get(path_of(question), '')
@@ -108,7 +108,7 @@ def letter_of(run: Run, question: str) -> str:
 
 
 def _shape_of(text: str) -> str:
-    """Return which of the known shapes an answer has that is no letter, or nothing."""
+    """Return the name of the first pattern in :data:`_SHAPES` that matches, empty for none."""
     lines = [line.partition('#')[0].strip() for line in text[:LONGEST].splitlines()]
     written = [line for line in lines if line]
     if len(written) != 1 or len(written[0]) > LONGEST_LINE or written[0].lower() in LETTERS:

@@ -1,12 +1,13 @@
 """
 Lesson 03, part 3: the courier.
 
-The specification, as the lesson gives it: node ``courier``; a publisher of ``std_msgs/msg/String``
-on ``parcels`` with depth 10; the text ``for you`` exactly once, as soon as somebody is connected.
-The subscriptions come late and are volatile and reliable, so that what was published before they
-came is lost, and what was published when they came is not.  The second comes while the first is
-there, the third after both have left: a node that asks only whether somebody is there delivers
-again.
+Specification from the lesson: node ``courier``; a publisher of ``std_msgs/msg/String`` on
+``parcels`` with depth 10; the text ``for you`` exactly once, as soon as a subscription is
+connected.
+
+The subscriptions of the probe join late and are volatile and reliable, so they receive only
+messages published after they joined.  The second joins while the first is connected, the third
+after both have left: a node that only checks whether any subscription exists delivers again.
 """
 
 from __future__ import annotations
@@ -24,10 +25,10 @@ NODE = '/courier'
 TOPIC = '/parcels'
 TYPE = 'std_msgs/msg/String'
 TEXT = 'for you'
-AFTER_S = 4.0  # for a node that looks around with a timer [s]
-QUIET_S = 6.0  # no parcel is expected; long enough to notice a repeated one [s]
-ALONE_S = 2.0  # for a node that notices that everybody has left [s]
-LATEST_S = 2.05  # a node that looks around every two seconds is not late yet [s]
+AFTER_S = 4.0  # enough for a node that polls with a timer [s]
+QUIET_S = 6.0  # without an expected parcel; long enough to notice a repeated one [s]
+ALONE_S = 2.0  # enough for a node to notice that all subscriptions have left [s]
+LATEST_S = 2.05  # a node that checks every two seconds is still in time [s]
 EXERCISE = 'Exercise 2: the courier who waits'
 GONE = 'a node that has ended'
 REMEMBER = 'Deliver only once: cancel the timer after the delivery, or set a flag and check it.'
@@ -86,15 +87,15 @@ def parcels(run: Run, listener: str) -> list[Event]:
 
 
 def _lives(run: Run, when: str) -> bool:
-    """Return whether the graph of a moment, ``delivered`` or ``end``, has its publisher."""
+    """Return whether the node's publisher is in the graph ``delivered`` or ``end``."""
     return bool(endpoints_at(run, when, 'publisher', TOPIC))
 
 
 def _why_gone(run: Run, text: str) -> Cause | None:
     """
-    Explain a node that ends.
+    Explain why a node ended.
 
-    :param text: when it ended, if nothing has gone wrong
+    :param text: the explanation for a node that ended without an error
     """
     recording = run.recording
     if recording.process.get('exit') or recording.end_reason not in ('complete', 'student_exited'):
@@ -106,7 +107,7 @@ def _why_gone(run: Run, text: str) -> Cause | None:
 def delivers_to_who_comes_late(run: Run) -> None:
     """It waits: a late subscription receives the parcel at once."""
     found = run.recording.phase('first').messages(TOPIC, 'first')
-    # What is sent by a program that ends at once arrives, or not, by chance.
+    # Whether a message from a program that ends at once arrives varies from run to run.
     lives = _lives(run, 'delivered')
     if not (found and lives):
         raise Failed(
@@ -115,7 +116,7 @@ def delivers_to_who_comes_late(run: Run) -> None:
             why=_why_nothing_first(run, lives),
         )
     late_s = seconds_after_join(run, TOPIC, 'first')
-    if late_s > LATEST_S:  # no usual timer explains it
+    if late_s > LATEST_S:  # longer than the period of any usual timer
         when = 'seconds' if run.secret else f'{late_s:.2g} s'
         raise Failed(
             expected='the parcel as soon as a subscription is connected',
@@ -125,7 +126,7 @@ def delivers_to_who_comes_late(run: Run) -> None:
 
 
 def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
-    """Explain that nothing comes while the first subscription is alone, or that a node ends."""
+    """Explain why the first subscription receives nothing at first, or why the node ended."""
     if run.recording.of('joined', listener='first') and not lives:
         slip = 'Your node ended as soon as a subscription had connected, so its message was lost.'
         return _why_gone(run, slip)
@@ -135,7 +136,7 @@ def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
 
 
 def _came_with_the_second(run: Run) -> bool:
-    """Return whether the first listener heard nothing until the second one came, and then did."""
+    """Return whether the first subscription received nothing until the second one joined."""
     second = run.recording.of('joined', listener='second')
     found = parcels(run, 'first')
     waited_ns = found[0]['clock_ns'] - second[0]['clock_ns'] if found and second else -1
@@ -143,7 +144,7 @@ def _came_with_the_second(run: Run) -> bool:
 
 
 def _why_nothing(run: Run) -> Cause:
-    """Explain a courier that is connected and lives, and from whom nothing comes."""
+    """Explain why a running courier publishes nothing to a connected subscription."""
     code = Code(run.files)
     if 'publish' not in code.calls:
         return why_no_message(run)
@@ -192,7 +193,7 @@ def delivers_once(run: Run) -> None:
 
 
 def _why_again(run: Run, first: int, second: int, third: int) -> Cause | None:
-    """Explain more than one delivery."""
+    """Explain why the parcel was delivered more than once."""
     if why := why_silent(run):
         return why
     if first > 2 or (first > 1 and not second):
@@ -204,14 +205,14 @@ def _why_again(run: Run, first: int, second: int, third: int) -> Cause | None:
 
 def build(alone_s: float, between_s: float = 1.0) -> Exam:
     """
-    Return the exam for one late comer, one who comes later still, and one when both have left.
+    Return the exam: three subscriptions join in turn, the third after the first two have left.
 
-    :param alone_s: before the first comes [s]
-    :param between_s: before the second comes, when the parcel has been delivered [s]
+    :param alone_s: time before the first subscription joins [s]
+    :param between_s: additional time between the delivery and the second subscription [s]
     """
     steps: tuple[Step, ...] = (
         Advance(alone_s),
-        # Of another type, so it is there and not connected.
+        # A subscription of a different type exists, but cannot connect.
         Join('stranger', TOPIC, 'std_msgs/msg/Int32'),
         Leave('stranger'),
         Mark('first'),

@@ -1,9 +1,9 @@
 """
 Lesson 01, first exercise: two nodes in one program.
 
-The specification, as the lesson gives it: the nodes ``lookout`` and ``keeper`` in the namespace
-``harbour``; the first logs one INFO line a second and the second one every two seconds, each with
-its own logger; one executor serves both.
+Specification from the lesson: the nodes ``lookout`` and ``keeper`` in the namespace ``harbour``;
+the first logs one INFO line per second and the second one every two seconds, each with its own
+logger; one executor serves both.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from autograder.recording import Event, INFO
 
 NAMESPACE = '/harbour'
 LOOKOUT, KEEPER = f'{NAMESPACE}/lookout', f'{NAMESPACE}/keeper'
-WATCH = 'watch'  # the phase in which lines count; what a program says when it starts is before
+WATCH = 'watch'  # the phase in which lines are judged, without the program's start
 EXERCISE = 'Exercise 1: two nodes, one program'
 OTHER = {LOOKOUT: (KEEPER, 1.0), KEEPER: (LOOKOUT, 1.2)}
-"""The other node, and how many lines a second are more than its own [1/s]."""
+"""For each node: the other one, and the line rate above which it logs for both [1/s]."""
 OTHER_NODE_LOGS = Cause(
     'other_node_logs',
     'One node logs more than it should, and the other one nothing: a callback logs with the '
@@ -64,7 +64,7 @@ def both_nodes_exist(run: Run) -> None:
 
 
 def _why_missing(run: Run, node: str) -> Cause:
-    """Explain why one of the two nodes is not there."""
+    """Explain why one of the two nodes does not exist."""
     base = node.rpartition('/')[2]
     others = [name for name in run.recording.nodes if name not in (LOOKOUT, KEEPER)]
     for name in others:
@@ -111,16 +111,17 @@ def keeper_reports_every_two_seconds(run: Run) -> None:
 
 def watched_lines(run: Run, node: str, level: int | None = None) -> list[Event]:
     """
-    Return what a node's own logger said once it was watched, in order.
+    Return the lines of a node's own logger in the phase that is judged, in order.
 
     :param node: full name
+    :param level: None for all levels
     """
     return own_logs(run.during(WATCH), node, level)
 
 
 def require_reports(run: Run, node: str, period_s: int) -> None:
     """
-    Fail unless a node logs one INFO line a period.
+    Fail unless a node logs one INFO line per period.
 
     :param node: full name
     """
@@ -143,9 +144,9 @@ def require_reports(run: Run, node: str, period_s: int) -> None:
 
 def build(seconds: int) -> Exam:
     """
-    Return the exam over some time.
+    Return the exam for a given duration.
 
-    :param seconds: how long the lines are watched [s]
+    :param seconds: duration of the phase that is judged [s]
     """
     asked = [
         Call(node, 'get_parameters', 'rcl_interfaces/srv/GetParameters', patience_s=3.0)

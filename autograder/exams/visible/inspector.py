@@ -1,10 +1,10 @@
 """
 Lesson 02, part 5: a slow callback and a heartbeat that does not wait for it.
 
-The specification, as the lesson gives it: node ``inspector``; each ``std_msgs/msg/String`` of
-``pictures`` is answered by one on ``results``, with what the slow function ``inspect()`` returns;
+Specification from the lesson: node ``inspector``; it answers each ``std_msgs/msg/String`` on
+``pictures`` with one on ``results``, which contains the result of the slow function ``inspect()``;
 ``inspect()`` takes 1.2 s and never runs twice at the same time; a ``std_msgs/msg/Empty`` on
-``alive`` every 0.5 s, also meanwhile.
+``alive`` every 0.5 s, even during an inspection.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from autograder.judging.rhythm import GRAIN_S, require_period
 SOURCE, TARGET, ALIVE = '/pictures', '/results', '/alive'
 STRING, EMPTY = 'std_msgs/msg/String', 'std_msgs/msg/Empty'
 BEAT_S, INSPECT_S = 0.5, 1.2
-EVERY_S = 2.5  # from one picture to the next: a thread may look for it now and then
-REST_S = 2.0  # after the last of the single ones, and after the last of all
-QUIET_S = 3.2  # at the start, without a picture
+EVERY_S = 2.5  # between two pictures: enough for a thread that polls for them [s]
+REST_S = 2.0  # after the last single picture, and again after the burst [s]
+QUIET_S = 3.2  # at the start, without a picture [s]
 EXERCISE = 'Exercise 1: a heartbeat that never waits'
 STARVED = Cause(
     'starved',
@@ -58,6 +58,12 @@ SLIPS = (
         'Set data to what inspect() returns: String(data=inspect(message.data)).',
         each(lambda picture: ('',)),
     ),
+    Slip(
+        'strips',
+        'Your code removes the blanks around the name of a picture.',
+        'Give inspect() the text as it came: inspect(message.data), without strip().',
+        each(lambda picture: (picture.strip().upper(),)),
+    ),
     *leaving_out(looked_at),
 )
 
@@ -67,7 +73,7 @@ def _moments(run: Run, topic: str) -> list[float]:
 
 
 def why_starved(run: Run) -> Cause | None:
-    """Explain heartbeats that come until a picture does, and never while one is inspected."""
+    """Explain heartbeats that are regular at first, but stop during each inspection."""
     beats, results = _moments(run, ALIVE), _moments(run, TARGET)
     ticks = sum(beat < QUIET_S for beat in beats) > 1
     during = [beat for beat in beats for end in results if end - INSPECT_S < beat < end - GRAIN_S]
@@ -102,8 +108,9 @@ def build(pictures: Sequence[str], burst: int) -> Exam:
     """
     Return the exam for some pictures.
 
-    :param pictures: texts; one comes twice in a row, one again later, and one is empty
-    :param burst: how many of the last ones come at once
+    :param pictures: texts; one is sent twice in a row, one again later, one is empty, and
+        one has blanks around it
+    :param burst: number of pictures at the end that are sent at once
     """
     sent = [{'data': picture} for picture in pictures]
     steps = (Advance(QUIET_S), *feeds(SOURCE, sent, burst, every_s=EVERY_S, rest_s=REST_S))
@@ -135,4 +142,4 @@ def build(pictures: Sequence[str], burst: int) -> Exam:
     return exam
 
 
-exam = build(['cat', 'dog', 'dog', '', 'cat', 'owl', 'fox', 'bee'], burst=3)
+exam = build(['cat', 'dog', 'dog', '', 'cat', ' owl ', 'fox', 'bee', 'ant'], burst=3)

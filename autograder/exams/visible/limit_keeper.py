@@ -1,10 +1,10 @@
 """
-Lesson 07, part 5: a limit that can be changed, and only to what makes sense.
+Lesson 07, part 5: a limit that accepts only sensible changes.
 
-The specification, as the lesson gives it: node ``limit_keeper`` with the parameters ``limit_c``, a
-float, 30.0 in the code, and ``place``, any text; a change of ``limit_c`` is refused, with a
-reason, unless it is from -40.0 to 125.0, and the old limit stays in force; each
-``std_msgs/msg/Float64`` on ``motor_temperature`` above the limit in force gives one WARN line.
+Specification from the lesson: node ``limit_keeper`` with the parameters ``limit_c``, a float with
+the default 30.0, and ``place``, any text; the node refuses a change of ``limit_c``, with a reason,
+unless it is from -40.0 to 125.0, and keeps the old limit; each ``std_msgs/msg/Float64`` on
+``motor_temperature`` above the limit in force causes one WARN line.
 """
 
 from __future__ import annotations
@@ -102,8 +102,8 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
     """
     Return the exam for some changes.
 
-    :param start: limit that the node is started with, see :func:`readings` [degC]
-    :param changes: the first one is a float that makes sense
+    :param start: limit with which the node is started, see :func:`readings` [degC]
+    :param changes: the first one sets a valid float
     """
     sent = list(readings(start, changes))
     steps: list[Step] = []

@@ -1,9 +1,9 @@
 """
-Lesson 10: a Python package with a node of one's own, the speed limiter.
+Lesson 10: a new Python package with a node, the speed limiter.
 
-The specification, as the lesson gives it: package ``my_robot_pkg`` with the executable and node
-``limiter``; it publishes each ``std_msgs/msg/Float64`` of ``wanted_speed`` on ``speed``, at most
-``max_speed`` forwards and backwards.  ``max_speed`` is a parameter, 1.0 in the code, 0.5 in
+Specification from the lesson: package ``my_robot_pkg`` with the executable and node ``limiter``;
+it publishes each ``std_msgs/msg/Float64`` of ``wanted_speed`` on ``speed``, limited to
+``max_speed`` forwards and backwards.  The parameter ``max_speed`` is 1.0 by default and 0.5 in
 ``config/limiter.yaml``, and may change.  The node is started in a namespace, with that file.
 """
 
@@ -27,7 +27,7 @@ TYPE = 'std_msgs/msg/Float64'
 FILE = 'config/limiter.yaml'
 DEFAULT, IN_FILE = 1.0, 0.5  # of max_speed [m/s]
 EXERCISE = 'Exercise 10: a speed limiter'
-DOUBLE = 3  # the type of a parameter, as rcl_interfaces/msg/ParameterType numbers it
+DOUBLE = 3  # PARAMETER_DOUBLE in rcl_interfaces/msg/ParameterType
 
 
 DECLARATIONS = """
@@ -42,7 +42,7 @@ Float64 is a type of std_msgs.
 
 
 class Wanted(NamedTuple):
-    """A speed that is asked for, and max_speed at that moment and at the start [m/s]."""
+    """A wanted speed, with max_speed at that moment and at the start [m/s]."""
 
     speed: float
     most: float
@@ -50,12 +50,16 @@ class Wanted(NamedTuple):
 
 
 def within(speed: float, most: float) -> float:
-    """Return a speed that is at most the limit, forwards and backwards."""
+    """Return the speed, limited forwards and backwards."""
     return max(-most, min(speed, most))
 
 
 def limited(cut: Callable[[float, float], float] = within) -> Rule:
-    """Return the rule of a program that answers each speed by itself; by default the right one."""
+    """
+    Return the rule of a program that limits each speed independently.
+
+    :param cut: limits a speed; by default, the correct function
+    """
     return each(lambda one: (cut(one.speed, one.most),))
 
 
@@ -121,7 +125,7 @@ def declares_its_dependencies(run: Run) -> None:
 
 
 def parameter(run: Run) -> tuple[int, float | None]:
-    """Return the type of max_speed at the start, 0 without one, and its value if it is a float."""
+    """Return the type of max_speed at the start, 0 if not set, and its value if it is a float."""
     answers = run.recording.answers(f'{run.facts["node"]}/get_parameters')
     kind = field_of(answers[0], 'values.0.type') if answers else 0
     value = field_of(answers[0], 'values.0.double_value') if kind == DOUBLE else None
@@ -164,7 +168,7 @@ def _why_other_value(run: Run, kind: int, value: float | None) -> Cause | None:
 def _require_speeds(run: Run, first: bool) -> None:
     asked, number = run.asked('speeds'), run.facts['before']
     _, value = parameter(run)
-    if value is not None:  # whether it is that of the file is another check's question
+    if value is not None:  # a different check compares it with the file
         changed = [
             one._replace(most=value if place < number else one.most, first=value)
             for place, one in enumerate(asked.inputs)
@@ -193,10 +197,10 @@ def build(
     Return the exam for some speeds.
 
     :param space: namespace in which the node is started, such as ``/lab``
-    :param before: wanted speeds while the limit is that of the file [m/s]
-    :param most: the value that max_speed is set to then [m/s]
-    :param after: wanted speeds after that [m/s]
-    :param burst: how many of the last ones come at once
+    :param before: wanted speeds while max_speed has the value of the file [m/s]
+    :param most: the value to which max_speed is then set [m/s]
+    :param after: wanted speeds after this change [m/s]
+    :param burst: number of speeds at the end that are sent at once
     """
     name, source, target = (f'{space}/{base}' for base in (NODE, 'wanted_speed', 'speed'))
     request = {'names': ['max_speed']}

@@ -1,10 +1,10 @@
 """
-Lesson 06, part 2: a beacon with a managed life.
+Lesson 06, part 2: a beacon as a lifecycle node.
 
-The specification, as the lesson gives it: lifecycle node ``beacon``; ``on_configure`` creates a
-publisher of ``std_msgs/msg/String`` on ``beacon_signal``; active, it publishes once a second;
-otherwise it is silent; ``on_cleanup`` takes the publisher away, so that the next configuration
-starts from nothing.  The namespace is chosen on the command line.
+Specification from the lesson: lifecycle node ``beacon``; ``on_configure`` creates a publisher of
+``std_msgs/msg/String`` on ``beacon_signal``; while active, the node publishes once per second,
+otherwise nothing; ``on_cleanup`` destroys the publisher, so that the node can be configured again.
+The command line sets the namespace.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ TYPE = 'std_msgs/msg/String'
 WAYS = ('configure', 'activate', 'deactivate', 'activate', 'deactivate', 'cleanup')
 ASKED = (*WAYS, 'configure', 'activate')
 UNUSED = ('deactivate', 'cleanup', 'configure', 'cleanup', 'configure', 'activate')
-"""At the end: a configuration is cleaned up before it was active."""
+"""Transitions at the end, which clean up a configuration that was never active."""
 SILENT = ('fresh', 'configured', 'paused', 'cleaned', 'configured again')
 ACTIVE = ('active', 'active again')
 NOT_CLEANED = Cause(
@@ -95,7 +95,7 @@ EXERCISE = 'Exercise 1: a managed beacon'
 
 
 def node_of(run: Run) -> str:
-    """Return the full name of the node, in the namespace it was started in."""
+    """Return the full name of the node, in the namespace in which it was started."""
     return f'{run.facts["namespace"]}/beacon'
 
 
@@ -105,7 +105,11 @@ def topic_of(run: Run) -> str:
 
 
 def publishers(run: Run, when: str) -> list[Event]:
-    """Return the publishers on the topic when the graph was looked at."""
+    """
+    Return the publishers on the topic in a graph of the recording.
+
+    :param when: label of the graph, see :class:`autograder.exam.scenario.Look`
+    """
     return endpoints_at(run, when, 'publisher', topic_of(run))
 
 
@@ -142,9 +146,9 @@ def takes_every_transition(run: Run) -> None:
 
 def _require_transitions(run: Run, count: int) -> None:
     """
-    Fail unless the first transitions that it is asked for succeed.
+    Fail unless the first requested transitions succeed.
 
-    :param count: how many of :data:`ASKED` and :data:`UNUSED`
+    :param count: number of transitions in :data:`ASKED` and :data:`UNUSED`
     """
     asked = (*ASKED, *UNUSED)
     require_answers(
@@ -165,10 +169,10 @@ def publishes_while_active(run: Run) -> None:
 
 def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause | None) -> None:
     """
-    Fail unless messages of an active phase come once a second.
+    Fail unless the node publishes once per second in an active phase.
 
-    :param why_none: explains that none comes; None if the code does
-    :param why_more: explains more messages than are due; None if their rhythm does
+    :param why_none: cause if there are no messages; None to find it in the code
+    :param why_more: cause if there are too many messages; None to find it in their rhythm
     """
     found, active_s = run.recording.phase(phase).messages(topic_of(run)), run.facts['active_s']
     if not found:
@@ -223,11 +227,12 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
     """
     Return the exam.
 
-    :param namespace: in which the node is started, such as ``/lab``, or nothing
-    :param seconds: how long each active phase lasts [s]
+    :param namespace: namespace in which the node is started, such as ``/lab``; empty for none
+    :param seconds: duration of each active phase [s]
     """
     name, topic = f'{namespace}/beacon', f'{namespace}/beacon_signal'
-    # No tick of a timer that a transition has started meets the end of an active phase.
+    # Add 0.05 s, so that an active phase does not end exactly at a tick of a timer that a
+    # transition started.
     pause, work = Advance(2.0), Advance(seconds + 0.05)
     changes = {way: transition(name, way) for way in WAYS}
     configure, activate = changes['configure'], changes['activate']

@@ -1,11 +1,11 @@
 """
-Lesson 06, part 3: a pressure monitor that refuses a senseless limit.
+Lesson 06, part 3: a pressure monitor that refuses an invalid limit.
 
-The specification, as the lesson gives it: lifecycle node ``pressure_monitor`` with the parameter
-``limit`` (a float, in bar, -1.0 at first); ``on_configure`` refuses with FAILURE and one ERROR
-line unless the limit is above zero; active, it logs exactly one WARN for each
-``std_msgs/msg/Float64`` on ``pressure`` strictly above the limit; otherwise it warns of nothing.
-The limit that counts is the one of the last configuration, whatever the parameter is since.
+Specification from the lesson: lifecycle node ``pressure_monitor`` with the parameter ``limit`` (a
+float, in bar, -1.0 by default); ``on_configure`` refuses with FAILURE and one ERROR line unless
+the limit is above zero; while active, the node logs exactly one WARN for each
+``std_msgs/msg/Float64`` on ``pressure`` strictly above the limit, otherwise none.  The limit in
+force is the one at the last configuration, even if the parameter has changed since.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ EXERCISE = 'Exercise 2: a monitor that refuses nonsense'
 EVENTS = f'{NODE}/transition_event'
 EVENT_TYPE = 'lifecycle_msgs/msg/TransitionEvent'
 CHANGE, SETTING = f'{NODE}/change_state', f'{NODE}/set_parameters'
-ANSWER_S = 3.0  # after each input: a thread may look every two seconds for what has come
+ANSWER_S = 3.0  # after each input: enough for a thread that polls every two seconds [s]
 
 
 INACTIVE = ('accepted', 'paused')
@@ -58,9 +58,9 @@ SET_AGAIN = ('still', 'again')
 @dataclass(frozen=True)
 class Pressure:
     """
-    One pressure that is sent.
+    One pressure that the probe sends.
 
-    :param limits: those of the first and of the second configuration
+    :param limits: the limits of the first and the second configuration
     """
 
     value: float
@@ -69,17 +69,17 @@ class Pressure:
 
     @property
     def limit(self) -> float:
-        """Return the limit that counts."""
+        """Return the limit in force."""
         return self.limits[self.phase == 'again']
 
     @property
     def active(self) -> bool:
-        """Return whether the node is active then."""
+        """Return whether the node is active in this phase."""
         return self.phase not in INACTIVE
 
     @property
     def kind(self) -> str:
-        """Return what it tries, in words that may be shown."""
+        """Return a description that feedback may show."""
         if self.value == self.limit:
             return 'a pressure of exactly the limit'
         return f'a pressure {"above" if self.value > self.limit else "below"} the limit'
@@ -91,7 +91,7 @@ def warns(
     active: Callable[[Pressure], bool] = lambda one: one.active,
     times: Callable[[Pressure], int] = lambda one: 1,
 ) -> Rule:
-    """Return the warnings of a monitor with these parts, by default the right ones."""
+    """Return the rule of a monitor with the given parts, by default the correct ones."""
     return each(lambda one: times(one) if active(one) and hot(one.value, limit(one)) else 0)
 
 
@@ -229,7 +229,7 @@ def recovers(run: Run) -> None:
 
 
 def _why_still_refused(run: Run) -> Cause:
-    """Explain that a limit above zero is refused, too."""
+    """Explain why the node also refuses a limit above zero."""
     part = run.during('accepted')
     states = part.recording.messages(EVENTS)
     if any(field_of(one, 'goal_state.label') == 'errorprocessing' for one in states):
@@ -278,7 +278,7 @@ def takes_the_new_limit(run: Run) -> None:
 
 
 def _require_warnings(run: Run, phase: str) -> None:
-    """Fail unless each pressure of a phase has as many warnings as it should have."""
+    """Fail unless each pressure of a phase causes the expected number of warnings."""
     part = run.recording.phase(phase)
     if part.of('not_connected') or not part.of('input'):
         raise Failed(
@@ -292,7 +292,7 @@ def _require_warnings(run: Run, phase: str) -> None:
 
 
 def _followed(run: Run) -> list[Row | None]:
-    """Return the node's lines after each pressure, None where it was not sent."""
+    """Return the node's log lines after each pressure, None if the pressure was not sent."""
     found: list[Row | None] = []
     for phase, pressures in groupby(run.asked('warnings').inputs, lambda one: one.phase):
         part = run.during(phase)
@@ -310,14 +310,14 @@ def build(
     pressures: Mapping[str, Sequence[float]],
 ) -> Exam:
     """
-    Return the exam for some numbers.
+    Return the exam for some limits and pressures.
 
-    :param refused: limits that make no sense, the first one the parameter's default [bar]
-    :param limits: of the first and of the second configuration [bar]
-    :param highest: one more limit that makes sense, at the end [bar]
-    :param pressures: by phase: ``accepted`` and ``paused``, in which the node is not active,
-        ``active`` under the first limit, ``still`` after the parameter was set, and ``again``
-        under the second limit [bar]
+    :param refused: invalid limits, the first one the parameter's default [bar]
+    :param limits: for the first and the second configuration [bar]
+    :param highest: another valid limit, for the end [bar]
+    :param pressures: by phase: ``accepted`` and ``paused``, in which the node is not active;
+        ``active`` under the first limit; ``still`` after the parameter was set; ``again`` under
+        the second limit [bar]
     """
     configure, activate = transition(NODE, 'configure'), transition(NODE, 'activate')
     deactivate, cleanup = transition(NODE, 'deactivate'), transition(NODE, 'cleanup')
@@ -340,7 +340,7 @@ def build(
         *(Mark('accepted'), first, configure, feeds['accepted']),
         *(Mark('active'), activate, feeds['active']),
         *(Mark('paused'), deactivate, feeds['paused']),
-        # A node may refuse to be set before the cleanup; then it is set after it.
+        # A node may refuse to set the parameter before cleanup, so set it again afterwards.
         *(Mark('still'), second, activate, feeds['still'], deactivate),
         *(Mark('again'), cleanup, second, configure, activate, feeds['again']),
         *(Mark('highest'), deactivate, cleanup, third, configure),

@@ -1,10 +1,12 @@
 """
 Lesson 05, part 4: the map server.
 
-The specification, as the lesson gives it: node ``map_server``; a ``std_msgs/msg/String`` on
+Specification from the lesson: node ``map_server``; it publishes ``std_msgs/msg/String`` on
 ``map``: ``unknown`` once at the start, then each text that arrives on ``survey``, once and
-unchanged; who comes late gets the newest map and no older one.  A graph does not tell a depth, so
-two listeners of ours join, one at the start and one after the surveys: both ask for a history.
+unchanged; late subscriptions receive the newest map and no older one.
+
+The graph does not contain the depth of a publisher.  So two subscriptions of the probe join, one
+at the start and one after the surveys, and request a history.
 """
 
 from __future__ import annotations
@@ -27,9 +29,9 @@ from autograder.submission.code.learners_code import Code
 TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'
 HISTORY = Qos(durability='TRANSIENT_LOCAL', depth=50)
-LISTEN_S = 2.0  # for each listener, in which a timer would publish again
-FIRST_S = 0.2  # the first map is there before anybody comes, and arrives at once [s]
-REST_S = 5.0  # after the last survey: time in which a timer would publish again [s]
+LISTEN_S = 2.0  # per subscription: enough to notice a timer that publishes again [s]
+FIRST_S = 0.2  # maximum delay of the first map, which exists before the subscription [s]
+REST_S = 5.0  # after the last survey: enough to notice a timer that publishes again [s]
 EXERCISE = 'Exercise 1: a map server'
 LATCH = Cause(
     'not_latched',
@@ -86,7 +88,7 @@ TEXT_CHANGED = Cause(
     'Publish String(data=survey.data) as it is, without strip(), lower() or upper().',
 )
 Maps = tuple[str, ...]
-"""What is published after one survey."""
+"""The maps published after one survey."""
 
 
 def passed_on(change: Callable[[str], str] = str, times: int = 1) -> Rule:
@@ -116,21 +118,22 @@ SLIPS = (
 
 
 def texts_of(events: Sequence[Event]) -> Maps:
-    """Return the texts of messages that were recorded, in order."""
+    """Return the texts of recorded messages, in order."""
     return tuple(str(event['data']['data']) for event in events if 'data' in event)
 
 
 def maps_of(run: Run, listener: str) -> Maps:
-    """Return the maps that one listener heard, in order."""
+    """Return the maps that one subscription received, in order."""
     return texts_of(run.recording.messages('/map', listener))
 
 
 def new_maps(run: Run) -> list[Maps | None]:
     """
-    Return the maps that came after each survey, without the first one.
+    Return the maps received after each survey, without the first map.
 
-    A publisher that was made a moment ago is not yet connected to our volatile listener, and the
-    early one, for which it keeps its map, receives it.
+    A publisher that the node has just created is not yet connected to the probe's volatile
+    subscription.  The early, transient local subscription still receives the map that such a
+    publisher stores.  So this function uses the subscription that received more maps.
     """
     heard = [
         [
@@ -143,7 +146,7 @@ def new_maps(run: Run) -> list[Maps | None]:
 
 
 def compared(run: Run) -> list[Maps | None]:
-    """Return the same in the order of a specification: threads may answer a burst in any order."""
+    """Return the new maps; those of a burst are sorted, as threads may publish in any order."""
     *singles, last = new_maps(run)
     return [*singles, in_order(last) if last and run.asked('maps').burst else last]
 
@@ -169,9 +172,9 @@ def has_a_map_from_the_start(run: Run) -> None:
 
 def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> Cause | None:
     """
-    Explain what comes first.
+    Explain why the first map is missing or wrong.
 
-    :param before: what was found and is not the text of a survey
+    :param before: received texts that are not the text of a survey
     """
     if why := why_silent(run) or _why_unmatched(run, 'early'):
         return why
@@ -188,7 +191,7 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
 
 
 def _why_unmatched(run: Run, listener: str) -> Cause | None:
-    """Explain why a listener that asks for all that a latched map offers is not connected."""
+    """Explain why a subscription that requests a latched map is not connected."""
     joined = run.recording.of('joined', listener=listener)
     if not joined or joined[0]['matched']:
         return None
@@ -214,7 +217,7 @@ def publishes_each_survey(run: Run) -> None:
 
 
 def _in_order(run: Run) -> list[str]:
-    """Return all new maps, one after the other."""
+    """Return all new maps as one list."""
     return [text for row in new_maps(run) for text in row or ()]
 
 
@@ -237,12 +240,12 @@ def _why_other_maps(run: Run) -> Cause | None:
 
 
 def _bare(text: str) -> str:
-    """Return a text without spaces, in lower case."""
+    """Return a text without spaces and in lower case."""
     return ''.join(text.split()).lower()
 
 
 def _why_unconnected(run: Run, answered: bool) -> Cause | None:
-    """Explain a subscription that no survey reaches, or maps that have no publisher."""
+    """Explain why no survey reaches the node, or why its maps have no publisher."""
     if run.recording.of('not_connected'):
         ends = run.recording.endpoints('subscription', '/survey')
         if any(end['type'] == TYPE for end in ends):
@@ -265,7 +268,7 @@ def keeps_only_the_newest(run: Run) -> None:
     # Look only at the student's own maps; a different check tests their text.
     surveys, own = run.asked('maps').inputs, _in_order(run)
     newest = [*surveys, *own][-1]
-    # What several publishers keep arrives in any order.
+    # The stored maps of several publishers arrive in any order.
     order = {text: place for place, text in enumerate((FIRST, *surveys))}
     found = sorted(maps_of(run, 'late'), key=lambda text: (order.get(text, len(order)), text))
     if set(found) != {newest}:
@@ -301,7 +304,7 @@ def _why_many(run: Run, kept: int) -> Cause | None:
 
 
 def _named(run: Run, text: str) -> str:
-    """Name a map: by its text, or where the surveys are secret by the number of its survey."""
+    """Return a name for a map: its text, or the number of its survey if the surveys are secret."""
     surveys = run.asked('maps').inputs
     if run.secret and text in surveys:
         return f'survey {list(dict.fromkeys(surveys)).index(text) + 1}'
@@ -309,7 +312,7 @@ def _named(run: Run, text: str) -> str:
 
 
 def _shown(run: Run, texts: Sequence[str]) -> str:
-    """Return maps for a sentence; which survey comes twice is secret."""
+    """Return maps as text, without revealing which secret survey is sent twice."""
     surveys = run.asked('maps').inputs
     shown = []
     for text, same in groupby(texts):
@@ -322,11 +325,11 @@ def _shown(run: Run, texts: Sequence[str]) -> str:
 
 def build(surveys: Sequence[str], burst: int = 0) -> Exam:
     """
-    Return the exam with some surveys.
+    Return the exam for some surveys.
 
-    :param surveys: at least three different texts; one has outer spaces and a capital letter, and
-        one comes twice in a row
-    :param burst: how many of them come at once at the end, at most five
+    :param surveys: at least three different texts; one has leading or trailing spaces and a
+        capital letter, and one is sent twice in a row
+    :param burst: number of surveys at the end that are sent at once, at most five
     """
     messages = [{'data': text} for text in surveys]
     singles = len(surveys) - burst

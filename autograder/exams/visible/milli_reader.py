@@ -1,10 +1,13 @@
 """
 Lesson 04, part 2: from one message type to another.
 
-The specification, as the lesson gives it: node ``milli_reader`` hears ``temp_monitor_pkg/msg/Num``
-on ``raw`` and publishes, one for one, a ``temp_monitor_pkg/msg/Temperature`` on ``readings``: the
-number divided by 1000, Celsius, the description as sensor, and the time of the node's own clock.
-The program follows a ROS clock that is far from the computer's, so a stamp from any other shows.
+Specification from the lesson: node ``milli_reader`` subscribes to ``temp_monitor_pkg/msg/Num`` on
+``raw`` and publishes one ``temp_monitor_pkg/msg/Temperature`` on ``readings`` for each message:
+the number divided by 1000, Celsius, the description as sensor id, and the time of the node's own
+clock.
+
+The program follows a ROS clock that is far from the computer's clock, so a stamp from any other
+clock is detected.
 """
 
 from __future__ import annotations
@@ -28,8 +31,8 @@ NODE = '/milli_reader'
 SOURCE, TARGET = '/raw', '/readings'
 SOURCE_TYPE = 'temp_monitor_pkg/msg/Num'
 TARGET_TYPE = 'temp_monitor_pkg/msg/Temperature'
-CLOCK = RosClock(begins_s=5_000.1)  # so no tick has whole seconds
-EVERY_S = 2.5  # from one number to the next: a thread may answer some seconds late [s]
+CLOCK = RosClock(begins_s=5_000.1)  # no tick is at a whole second
+EVERY_S = 2.5  # between two numbers: enough for a thread that answers late [s]
 EXERCISE = 'Exercise 4.2: from one type to another'
 
 
@@ -42,7 +45,7 @@ ROUNDED = Cause(
 
 @dataclass(frozen=True)
 class Num:
-    """One message that is sent."""
+    """One message that the probe sends."""
 
     num: int
     description: str
@@ -50,7 +53,7 @@ class Num:
 
 
 def converting(change: Callable[[int], float] = lambda number: number / 1000) -> Rule:
-    """Return the rule of a reader that converts numbers so, by default rightly."""
+    """Return the rule of a reader with a given conversion, by default the correct one."""
     return each(lambda one: (change(one.num),))
 
 
@@ -88,7 +91,8 @@ SLIPS = (
         'Set reading.temperature_value = number.num / 1000.0.',
         converting(lambda number: 0.0),
     ),
-    # CPython reads what is no float as one: the size of a whole number, which has its sign.
+    # Without field checks, the C code of the message reads an int as if it were a double.  It gets
+    # the size and sign of the int: NaN for negative numbers, practically 0.0 for others.
     Slip(
         'field_value',
         'A whole number was put into a float64 with field checks off.',
@@ -136,7 +140,7 @@ def divides_by_a_thousand(run: Run) -> None:
 
 
 def _why_near(asked: Specification, came: Sequence[tuple[Any, ...] | None]) -> Cause | None:
-    """Explain values that come from another factor, or are nearly right."""
+    """Explain values that are nearly right or result from a wrong factor."""
     pairs = [
         (float(value), due)
         for values, row in zip(came, asked.answers)
@@ -188,11 +192,11 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
     """
     Return the exam for some numbers.
 
-    :param numbers: thousandths of a degree; none but zero is a multiple of 1000
-    :param names: the description of each, those of the burst different
-    :param burst: how many of them are sent at once at the end, at most five
+    :param numbers: thousandths of a degree; none except zero is a multiple of 1000
+    :param names: the description of each number; those in the burst are all different
+    :param burst: number of messages at the end that are sent at once, at most five
     """
-    # A node that looks at values, which the lesson leaves aside, answers some numbers otherwise.
+    # Vary the field ``values``, which the exercise does not use, to detect a node that reads it.
     inputs = [
         Num(number, name, [1.5] * (place % 3))
         for place, (number, name) in enumerate(zip(numbers, names, strict=True))

@@ -1,9 +1,9 @@
 """
-Lesson 01, second exercise: a node that logs, in a namespace that is chosen from outside.
+Lesson 01, second exercise: a node that logs, in a namespace from the command line.
 
-The specification, as the lesson gives it: node ``night_watch``; once a second one line with the
-number of the watch, from 1; level INFO, and WARN for every fifth; the node's own logger; no
-namespace in the code.
+Specification from the lesson: node ``night_watch``; one line per second with the number of the
+watch, from 1; level INFO, and WARN for every fifth; the node's own logger; no namespace in the
+code.
 """
 
 from __future__ import annotations
@@ -27,18 +27,24 @@ EXERCISE = 'Exercise 2: the night watch'
 WARN_IF = 'Warn if number % 5 == 0'
 COUNT_FIRST = 'Increase the number first, then check it.'
 Levels = tuple[int, ...]
-"""Levels of the lines of one watch; one line is due."""
+"""Levels of the lines of one watch; one line is expected."""
 
 
 def fifths(
     every: int = EVERY, rest: int = 0, warned: Levels = (WARN,), other: Levels = (INFO,)
 ) -> Rule:
-    """Return the rule of a node that logs watches of one rest in one way, others in another."""
+    """
+    Return the rule of a node that logs watches with one remainder differently from the others.
+
+    :param rest: remainder of these watches modulo ``every``
+    :param warned: levels of the lines for one of these watches
+    :param other: levels of the lines for any other watch
+    """
     return each(lambda number: warned if number % every == rest else other)
 
 
 def late(numbers: Sequence[int]) -> list[Levels]:
-    """Warn one watch late, but not in the first one."""
+    """Return the levels of a node that warns one watch after every fifth."""
     return [(WARN,) if number % EVERY == 1 < number else (INFO,) for number in numbers]
 
 
@@ -46,7 +52,7 @@ ONLY_FIFTHS = Slip(
     'only_fifths',
     'Your node logs every fifth watch, but not the others.',
     'Use if and else: a WARN for the fifth, self.get_logger().info(...) for the others.',
-    # The first line is where the watch begins, so it is in the first second.
+    # Seconds are counted from the first line, so the lines are in seconds 1, 6, 11 and so on.
     fifths(rest=1, other=()),
 )
 FIFTH_MISSING = Slip(
@@ -133,17 +139,17 @@ WRONG_LEVEL = Cause(
 
 
 def node_of(run: Run) -> str:
-    """Return the full name that the node has in this run."""
+    """Return the full name of the node in this run."""
     return f'{run.facts["namespace"]}/night_watch'
 
 
 def reports(run: Run) -> list[Event]:
-    """Return the lines of the node's own logger, whatever their level, while it is watched."""
+    """Return the lines of the node's own logger, at any level, in the phase that is judged."""
     return watched_lines(run, node_of(run))
 
 
 def watches(run: Run) -> list[Event]:
-    """Return the lines that are counted: the first watches may come when the program starts."""
+    """Return the lines from watch 1 on; the first lines may precede the phase that is judged."""
     said, found = own_logs(run, node_of(run)), reports(run)
     until_first = said[: len(said) - len(found) + 1]
     ones = [
@@ -153,7 +159,7 @@ def watches(run: Run) -> list[Event]:
 
 
 def levels_by_second(found: Sequence[Event]) -> list[Levels]:
-    """Return the levels of the lines of each second, none if lines keep no whole seconds."""
+    """Return the levels of the lines in each second, empty if a line is between two seconds."""
     rows: dict[int, list[int]] = {}
     for entry in found:
         seconds = (entry['clock_ns'] - found[0]['clock_ns']) / SECOND
@@ -181,7 +187,7 @@ def _why_not_every_second(run: Run, found: Sequence[Event]) -> Cause | None:
 
 
 def _why_other_lines(run: Run) -> Cause | None:
-    """Explain seconds with the wrong line, with several lines, or with none."""
+    """Explain seconds with a wrong line, several lines or no line."""
     asked = run.asked('levels')
     rows = levels_by_second(watches(run))[: len(asked.inputs)]
     slip = next((asked.cause(rows, place) for place in asked.wrong(rows)[:1]), None)
@@ -213,7 +219,7 @@ def lines_are_numbered(run: Run) -> None:
 
 
 def _why_shifted(run: Run) -> Cause | None:
-    """Explain watches with two lines or with none, which shift all that follow."""
+    """Explain watches with two lines or no line, which shift all later ones."""
     one_line = all(len(row) == 1 for row in levels_by_second(watches(run)))
     return None if one_line else _why_other_lines(run)
 
@@ -255,19 +261,19 @@ def _why_level(
 
 
 def _enough(run: Run) -> list[Event]:
-    """Return the lines, if two warnings are among those that are due."""
+    """Return the lines; fail if there are too few for two warnings."""
     found = watches(run)
     if len(found) < 2 * EVERY:
-        reports_every_second(run)  # fails, and says why
+        reports_every_second(run)  # fails with an explanation
     return found
 
 
 def build(seconds: int, namespace: str) -> Exam:
     """
-    Return the exam over some time.
+    Return the exam for a given duration.
 
-    :param seconds: how long the lines are watched [s], >= 4 * EVERY
-    :param namespace: chosen on the command line, such as ``/harbour``
+    :param seconds: duration of the phase that is judged [s], >= 4 * EVERY
+    :param namespace: set on the command line, such as ``/harbour``
     """
     exam = Exam(
         'night_watch',

@@ -1,9 +1,9 @@
 """
-Lesson 02, part 5: the latest of two topics, published by a timer.
+Lesson 02, part 5: the latest values of two topics, published by a timer.
 
-The specification, as the lesson gives it: node ``pilot`` hears ``std_msgs/msg/Float64`` on
-``speed`` and ``turn``, and publishes ``geometry_msgs/msg/Twist`` on ``cmd_vel``: nothing before
-both have come; then every 0.5 s the latest speed as ``linear.x`` and the latest turn as
+Specification from the lesson: node ``pilot`` subscribes to ``std_msgs/msg/Float64`` on ``speed``
+and ``turn``, and publishes ``geometry_msgs/msg/Twist`` on ``cmd_vel``: nothing until both topics
+have had a message; then, every 0.5 s, the latest speed as ``linear.x`` and the latest turn as
 ``angular.z``; zeros in both while the latest speed or the latest turn is older than 2 s.
 """
 
@@ -26,16 +26,16 @@ FLOAT, TWIST = 'std_msgs/msg/Float64', 'geometry_msgs/msg/Twist'
 SOURCES, TARGET = ('/speed', '/turn'), '/cmd_vel'
 PERIOD_S, OLD_S = 0.5, 2.0
 STOP = (0.0, 0.0)
-QUIET_S = 0.9  # at the start, without an input
-# No two inputs are a multiple of the period apart: a timer that is created when an input comes
-# never ticks at the moment of another input.
+QUIET_S = 0.9  # at the start, without an input [s]
+# No interval between two inputs is a multiple of the period.  So a timer created when an input
+# arrives never ticks exactly when another one arrives.
 SHORT_S, MIDDLE_S, LONG_S = 0.91, 1.66, 4.34
 
 right = joining(len(SOURCES), old=lambda ages: max(ages) > OLD_S)
 
 
 def commands(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
-    """Return what is due after each input, and what came, each command once if it is repeated."""
+    """Return the specification and the commands after each input, with repetitions merged."""
     found = published(run, 'commands', TARGET, 'linear.x', 'angular.z')
     return run.facts['commands'], [
         row if row is None else tuple(one for one, _ in groupby(row)) for row in found
@@ -43,7 +43,7 @@ def commands(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
 
 
 def first_complete(asked: Specification) -> int:
-    """Return the place of the input with which both topics have come."""
+    """Return the index of the first input after which both topics have had a message."""
     return next(place for place, due in enumerate(asked.answers) if due)
 
 
@@ -96,8 +96,9 @@ def build(inputs: Sequence[Told]) -> Exam:
     """
     Return the exam for some inputs.
 
-    :param inputs: speeds (topic 0) and turns (1); between two changes of what is due is more than
-        one period, so that a command comes whenever the timer was created
+    :param inputs: speeds (topic 0) and turns (topic 1).  The expected command must not change
+        twice within one period: then at least one command arrives in between, whenever the timer
+        was created
     """
     feeds = [
         Feed(SOURCES[one.topic], [{'data': one.value}], every_s=one.lasts_s, rest_s=0.0)
@@ -131,14 +132,16 @@ def build(inputs: Sequence[Told]) -> Exam:
 
 def journey(values: Sequence[float], first: int = 0) -> list[Told]:
     """
-    Return inputs in which each topic comes, stays away and comes again.
+    Return inputs in which the messages of each topic begin, pause, resume and repeat a value.
 
-    :param values: fourteen numbers, different and not 0.0
-    :param first: topic that comes first
+    :param values: fifteen different numbers other than 0.0
+    :param first: topic of the first message
     """
     one, two = first, 1 - first
-    topics = (one, two, one, two, one, two, one, one, two, one, two, two, two, two, one)
-    numbers = [*values[:4], 0.0, *values[4:]]
+    topics = [one, two, one, two, one, two, one, one, two, one, two, two, two, two, one]
+    topics += [two, one] * 3
+    # Each topic has a 0.0, and at the end the same value three times.
+    numbers = [*values[:4], 0.0, *values[4:7], 0.0, *values[7:13], *list(values[13:]) * 3]
     lasts = {5: LONG_S, 10: MIDDLE_S, 12: MIDDLE_S}
     return [
         Told(topic, number, lasts.get(place, SHORT_S))
@@ -146,4 +149,11 @@ def journey(values: Sequence[float], first: int = 0) -> list[Told]:
     ]
 
 
-exam = build(journey([0.5, 0.2, 0.8, -0.3, 0.4, 0.6, -0.7, 0.1, 1.0, -0.2, 0.25, 0.9, 0.35, -0.6]))
+exam = build(
+    journey(
+        [
+            *(0.5, 0.2, 0.8, -0.3, 0.4, 0.6, -0.7, 0.1),
+            *(1.0, -0.2, 0.25, 0.9, 0.35, 0.7, 0.3),
+        ]
+    )
+)

@@ -1,9 +1,9 @@
 """
 Lesson 03, part 4: the running mean.
 
-The specification, as the lesson gives it: node ``running_mean`` reads ``std_msgs/msg/Float64`` on
+Specification from the lesson: node ``running_mean`` subscribes to ``std_msgs/msg/Float64`` on
 ``readings`` and publishes on ``mean``, for each number exactly one message with the mean of all
-numbers so far; NaN is ignored, neither counted nor answered.
+numbers so far.  It ignores NaN: no answer, no effect on later means.
 """
 
 from __future__ import annotations
@@ -25,17 +25,22 @@ NODE = '/running_mean'
 SOURCE, TARGET = '/readings', '/mean'
 TYPE = 'std_msgs/msg/Float64'
 EXERCISE = 'Exercise 3: a running mean'
-EVERY_S = 2.5  # from one number to the next: a thread may answer some seconds late [s]
-PAUSE_S = 60.0  # in which no number comes [s]
+EVERY_S = 2.5  # between two numbers: enough for a thread that answers late [s]
+PAUSE_S = 60.0  # without a number [s]
 Means = tuple[float, ...]
-"""What is published for one number: one mean, or none."""
+"""The means published for one number: one or none."""
 
 
 def averaging(
     answer: Callable[[list[float]], float] = fmean,
     counts: Callable[[float], bool] = lambda number: not math.isnan(number),
 ) -> Rule:
-    """Return the rule of a program that answers each number that counts by those so far."""
+    """
+    Return the rule of a program that computes each answer from the numbers so far.
+
+    :param answer: computes an answer from these numbers, by default their mean
+    :param counts: returns whether a number is used and answered, by default unless it is NaN
+    """
 
     def rule(numbers: Sequence[float]) -> list[Means]:
         so_far = accumulate([one] if counts(one) else [] for one in numbers)
@@ -48,18 +53,18 @@ DUE = averaging()
 
 
 def stops(numbers: Sequence[float]) -> list[Means]:
-    """Answer until the first NaN."""
+    """Return the answers of a program that stops at the first NaN."""
     first = first_nan(numbers)
     return [*DUE(numbers[:first]), *(() for _ in numbers[first:])]
 
 
 def starts_over(place: int) -> Rule:
-    """Return the rule of a program that begins again at a number."""
+    """Return the rule of a program that starts a new mean at an index."""
     return lambda numbers: [*DUE(numbers[:place]), *DUE(numbers[place:])]
 
 
 def changes_only(numbers: Sequence[float]) -> list[Means]:
-    """Answer where the mean differs from the last one."""
+    """Return the answers of a program that publishes only means that differ from the last one."""
     found: list[Means] = []
     last: Means = ()
     for mean in DUE(numbers):
@@ -69,14 +74,14 @@ def changes_only(numbers: Sequence[float]) -> list[Means]:
 
 
 def skips_equal(numbers: Sequence[float]) -> list[Means]:
-    """Ignore a number that equals the previous one."""
+    """Return the answers of a program that ignores a number equal to the previous one."""
     equal = [one in numbers[:place][-1:] for place, one in enumerate(numbers)]
     means = iter(DUE([one for one, skipped in zip(numbers, equal) if not skipped]))
     return [() if skipped else next(means) for skipped in equal]
 
 
 def forgets(numbers: Sequence[float]) -> list[Means]:
-    """Start again after each NaN."""
+    """Return the answers of a program that starts a new mean after each NaN."""
     found: list[Means] = []
     seen: list[float] = []
     for number in numbers:
@@ -86,7 +91,11 @@ def forgets(numbers: Sequence[float]) -> list[Means]:
 
 
 def dividing(add: Callable[[float], float]) -> Rule:
-    """Return the rule of a program that counts NaN, and adds to its sum what ``add`` returns."""
+    """
+    Return the rule of a program that counts NaN as a number.
+
+    :param add: returns the value that the program adds to its sum for a number
+    """
 
     def rule(numbers: Sequence[float]) -> list[Means]:
         totals = enumerate(accumulate(map(add, numbers)), 1)
@@ -96,7 +105,7 @@ def dividing(add: Callable[[float], float]) -> Rule:
 
 
 def forms(answer: Callable[[int, list[float]], float], *numbers: int) -> list[Rule]:
-    """Return the rules of one mistake with some numbers in it, such as digits."""
+    """Return one rule per number for a mistake with a parameter, such as a number of digits."""
     return [averaging(partial(answer, number)) for number in numbers]
 
 
@@ -247,9 +256,11 @@ def build(numbers: Sequence[float], burst: int = 0, pause: int = 0) -> Exam:
     """
     Return the exam for some numbers.
 
-    :param numbers: the first three are no NaN, a later one is, the last is not
-    :param burst: how many of them are sent at once at the end, at most five, none of them NaN
-    :param pause: how many numbers come before a long pause, before the first NaN; 0 for none
+    :param numbers: the first three and the last are not NaN; at least one between them is
+    :param burst: number of messages at the end that are sent at once, at most ten, none of them
+        NaN
+    :param pause: number of messages before a long pause, which precedes the first NaN; 0 for no
+        pause
     """
     sent = [{'data': 'nan' if math.isnan(one) else one} for one in numbers]
     begins = [Feed(SOURCE, sent[:pause], every_s=EVERY_S), Advance(PAUSE_S)] if pause else []

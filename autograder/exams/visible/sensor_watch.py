@@ -1,14 +1,14 @@
 """
-Lesson 05, part 5: a listener that notices silence.
+Lesson 05, part 5: a subscription that detects silence.
 
-The specification, as the lesson gives it: node ``sensor_watch``; a subscription to
-``std_msgs/msg/Float64`` on ``distance`` that hears a best-effort sensor and requests a deadline of
-0.3 s; one INFO line with the number for each distance, one WARN line for each missed deadline, one
-ERROR line that names the policy when a publisher's offer is too weak.
+Specification from the lesson: node ``sensor_watch``; a subscription to ``std_msgs/msg/Float64`` on
+``distance`` that matches a best-effort sensor and requests a deadline of 0.3 s; one INFO line with
+the number for each distance, one WARN line for each missed deadline, one ERROR line that names the
+policy if a publisher offers too little.
 
-First come two publishers that promise no deadline, one after the other.  Then one that fits: it
-sends some distances, keeps its promise, and falls silent.  How many deadlines are missed then is
-known: the first comes one period after the last distance, the others follow period by period.
+First, two publishers without a deadline appear, one after the other.  Then a compatible one sends
+some distances in time and falls silent.  The number of missed deadlines is known: the first is one
+period after the last distance, the others follow once per period.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ TYPE = 'std_msgs/msg/Float64'
 NODE = '/sensor_watch'
 TOPIC = '/distance'
 DEADLINE_NS = 300_000_000
-EVERY_S = 0.2  # from one distance to the next
-SILENCE_S = 1.45  # from the last distance to the end: four deadlines, and time to log the last
+EVERY_S = 0.2  # between two distances [s]
+SILENCE_S = 1.45  # after the last distance: four deadlines and time to log the last one [s]
 BY_RCLPY = 'New publisher discovered on topic'
-"""The beginning of the line that rclpy's own callback logs for a refused publisher."""
+"""Start of the line that rclpy's default callback logs for an incompatible publisher."""
 DEADLINE = 'Give its profile deadline=Duration(seconds=0.3).'
 REQUEST = {
     'RELIABILITY': 'Request reliability=ReliabilityPolicy.BEST_EFFORT.',
@@ -103,12 +103,12 @@ DEFAULT_CALLBACK = Cause(
     'create_subscription(..., event_callbacks=events).',
 )
 LAZY = {'weak': 'a', 'weak again': 'another'}
-"""Publishers that offer too little, each in a phase of its name."""
+"""Publishers that offer too little, with an article for feedback; each has its own phase."""
 EXERCISE = 'Exercise 2: a listener that notices silence'
 
 
 def warnings_before_silence(run: Run) -> list[Event]:
-    """Return the WARN lines of the time in which no deadline is missed."""
+    """Return the WARN lines before the silence, when no deadline is missed."""
     until = ('mark', 'silence')
     events = takewhile(lambda one: (one['event'], one.get('name')) != until, run.recording.events)
     before = Recording(run.recording.header, tuple(events))
@@ -116,13 +116,13 @@ def warnings_before_silence(run: Run) -> list[Event]:
 
 
 def deadlines_ns(run: Run) -> list[int | None]:
-    """Return the deadline that each subscription requests [ns], None without one."""
+    """Return the deadline that each subscription requests [ns], None for no deadline."""
     ends = run.recording.endpoints('subscription', TOPIC)
     return [end['qos']['deadline_ns'] for end in ends if end['type'] == TYPE]
 
 
 def missed_deadlines(run: Run) -> int:
-    """Return how many deadlines, as the subscription requests them, are missed in the silence."""
+    """Return how many deadlines are missed in the silence, given the requested deadline."""
     asked = [one for one in deadlines_ns(run) if one]
     return int(SILENCE_S * SECOND // min(asked)) if asked else 0
 
@@ -134,7 +134,7 @@ def logs_each_distance(run: Run) -> None:
         found = [
             line for line in own_logs(run, NODE, INFO) if distance in numbers_in(str(line['text']))
         ]
-        # A later line may show it again, as the nearest distance so far.
+        # A later line may repeat the number, for example as the shortest distance so far.
         at_once = [line for line in found if line['after_input'] == index]
         due = distances.count(distance)
         if len(found) != due and len(at_once) != 1:
@@ -159,7 +159,8 @@ def _why_not_shown(run: Run, index: int) -> Cause | None:
             "Log the number as it came: self.get_logger().info(f'{message.data} m').",
         )
     distance = run.facts['distances'][index]
-    # A missed deadline may cause a WARN line after any distance: it does not replace the INFO.
+    # A missed deadline may cause a WARN line after any distance; it does not replace the INFO
+    # line.
     return why_not_logged(run, then, INFO, lambda text: distance in numbers_in(text)) or NOT_LOGGED
 
 
@@ -205,7 +206,7 @@ def _why_other_count(run: Run, found: int, due: int) -> Cause:
 
 
 def _why_default(lines: Sequence[Event]) -> Cause | None:
-    """Explain a WARN line that rclpy itself has written."""
+    """Explain a WARN line from rclpy's default callback."""
     by_rclpy = any(str(line['text']).startswith(BY_RCLPY) for line in lines)
     return DEFAULT_CALLBACK if by_rclpy else None
 
@@ -268,9 +269,9 @@ def _why_no_error(run: Run, found: Sequence[Event]) -> Cause | None:
 
 def build(distances: Sequence[float]) -> Exam:
     """
-    Return the exam with some distances.
+    Return the exam for some distances.
 
-    :param distances: numbers with decimals [m]; the first one is not sent again
+    :param distances: numbers with decimals [m]; the first one occurs only once
     """
     weak, strong = Qos('BEST_EFFORT'), Qos('BEST_EFFORT', deadline_s=0.3)
     lazy = [
@@ -288,7 +289,7 @@ def build(distances: Sequence[float]) -> Exam:
             file='sensor_watch.py',
             steps=(
                 *lazy,
-                # It promises enough, sends nothing and leaves: no deadline is missed.
+                # This publisher is compatible, sends nothing and leaves, so no deadline is missed.
                 *(Mark('guest'), Offer('guest', TOPIC, TYPE, strong), Leave('guest')),
                 *(Advance(0.5), Mark('speaking'), Offer('sensor', TOPIC, TYPE, strong)),
                 Feed('sensor', sent, optional=True, every_s=EVERY_S, rest_s=0.0),

@@ -1,9 +1,9 @@
 """
 Lesson 04, part 1: the message of a weather station, and its package.
 
-A type's hash does not include constants and defaults, and a build alone needs less of package.xml
-than users of the package do; so the files answer for these.  If the fields are right, the package
-is built, and the hash of the built type is read from the graph.
+The hash of a type does not cover constants and defaults, and a build needs less of package.xml
+than users of the package do.  So static checks read the files for these.  If the fields are right,
+the grader builds the package and reads the hash of the built type from the graph.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ MSG, MANIFEST, CMAKE = 'msg/Station.msg', 'package.xml', 'CMakeLists.txt'
 PACKAGE = 'station_interfaces'
 TYPE = f'{PACKAGE}/msg/Station'
 TYPE_HASH = 'RIHS01_a7dcc7281cddb471d19921562db327cb7292409acdde3aff436ea7690039ebb3'
-"""Of names, types and order, as the generators compute it for the reference."""
+"""Hash of the reference type, which covers names, types and order of the fields."""
 FIELDS = (
     ('builtin_interfaces/Time', 'stamp'),
     ('float64', 'temperature'),
@@ -40,9 +40,9 @@ _CONSTANT = re.compile(r'(\S+)\s+(\w+)\s*=\s*(\S+)')
 
 def constants_of(text: str) -> dict[str, tuple[str, str]]:
     """
-    Read the constants of a message definition as name to (type, value).
+    Return the constants of a message definition, name to (type, value).
 
-    :param text: a .msg file
+    :param text: content of a .msg file
     """
     found = {}
     for line in _lines(text):
@@ -80,7 +80,7 @@ def _is(found: Mapping[str, tuple[str, str]], name: str, value: int) -> bool:
 
 
 def whole(text: str) -> int | None:
-    """Return the whole number that the generators read, or None: 2, 02, 0x2 and 0b10 are one."""
+    """Return the integer in a text, such as 2, 02, 0x2 or 0b10, or None if there is none."""
     for base in (10, 0):
         try:
             return int(text, base)
@@ -90,7 +90,7 @@ def whole(text: str) -> int | None:
 
 
 def _why_constant(name: str, found: Mapping[str, tuple[str, str]], text: str) -> Cause:
-    """Explain a constant that is wrong or not there."""
+    """Explain a constant that is wrong or missing."""
     right = f'uint8 {name}={CONSTANTS[name]}'
     kind, value = found.get(name, ('', ''))
     if kind and kind != 'uint8':
@@ -112,12 +112,12 @@ def _why_constant(name: str, found: Mapping[str, tuple[str, str]], text: str) ->
 
 
 def _lines(text: str) -> list[str]:
-    """Return the lines of a message definition without comments."""
+    """Return the lines of a message definition without their comments."""
     return [line.partition('#')[0].strip() for line in text.splitlines()]
 
 
 def _why_other(name: str) -> Cause:
-    """Explain a constant that is not asked for."""
+    """Explain a constant that the exercise does not define."""
     if name in [field for _, field in FIELDS]:
         slip = f'The = makes {name} a constant, which is not a field.'
         return Cause('constant_for_default', slip, 'A default has no = sign: type, name, value.')
@@ -142,7 +142,7 @@ def starts_at_the_lowest(run: Run) -> None:
 
 
 def number(text: str) -> float | None:
-    """Return the number that a text is, or None."""
+    """Return the value of a text that is a number, otherwise None."""
     try:
         return float(text)
     except ValueError:
@@ -189,7 +189,7 @@ def builds_the_type(run: Run) -> None:
 
 
 def build() -> Exam:
-    """Return the exam; there is nothing in it to vary."""
+    """Return the exam, which has no inputs."""
     exam = Exam(
         'station_message',
         title='The type of a weather station',

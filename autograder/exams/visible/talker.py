@@ -1,11 +1,12 @@
 """
 Lesson 03, part 2: the talker.
 
-The specification, as the lesson gives it: node ``talker``; a ``std_msgs/msg/String`` twice a
-second on the relative topic ``chatter``; texts ``hello 1``, ``hello 2`` and so on; quality of
-service reliable and volatile, which is what depth 10 gives.  The node is started in a namespace.
-Both ``chatter`` in the namespace and an absolute ``/chatter`` are heard, so that an absolute name
-costs its own points and not those of the other checks.
+Specification from the lesson: node ``talker``; a ``std_msgs/msg/String`` twice a second on the
+relative topic ``chatter``; texts ``hello 1``, ``hello 2`` and so on; quality of service reliable
+and volatile, which is the default with depth 10.  The node is started in a namespace.
+
+The probe subscribes to ``chatter`` in the namespace and to the absolute ``/chatter``, so that an
+absolute name fails its own check and no others.
 """
 
 from __future__ import annotations
@@ -25,26 +26,26 @@ from autograder.results import shortened
 TYPE = 'std_msgs/msg/String'
 ABSOLUTE = '/chatter'
 PERIOD_S = 0.5
-GUEST_S = 0.2  # how long it takes to join
-WAITS_S = 1.0  # and how much longer if nobody publishes there
+GUEST_S = 0.2  # duration of a join [s]
+WAITS_S = 1.0  # additional time if there is no publisher [s]
 GREETING = re.compile(r'hello (\d{1,9})')
 EXERCISE = 'Exercise 1: a talker that can move'
 
 
 def relative(run: Run) -> str:
-    """Return the full name of the topic where it should be."""
+    """Return the correct full name of the topic."""
     return f'{run.facts["space"]}/chatter'
 
 
 def heard_on(run: Run) -> str:
-    """Return the topic that the rest is judged by: the right one, or else the absolute one."""
+    """Return the topic to judge: the absolute one if only it has a publisher."""
     right, ends = relative(run), run.recording.endpoints
     wrong = not ends('publisher', right) and ends('publisher', ABSOLUTE)
     return ABSOLUTE if wrong else right
 
 
 def greetings(run: Run) -> list[Event]:
-    """Return the messages that count, in order."""
+    """Return the messages on the judged topic, in order."""
     return [event for event in run.recording.messages(heard_on(run)) if 'data' in event]
 
 
@@ -71,7 +72,7 @@ def moves_with_its_namespace(run: Run) -> None:
 def speaks_twice_a_second(run: Run) -> None:
     """It publishes twice a second."""
     found = run.recording.messages(heard_on(run))
-    # A program that takes some seconds to begin is watched for so many less.
+    # If a program starts publishing late, subtract the whole seconds of its delay.
     begins_s = found[0]['clock_ns'] / SECOND if found else 0.0
     late_s = max(0, int(begins_s - 2 * PERIOD_S))
     waited_s = WAITS_S * len(run.recording.of('joined', matched=False))
@@ -89,7 +90,7 @@ def counts_its_greetings(run: Run) -> None:
             or Cause('wrong_rate', 'Your node sends too few messages.', 'Fix the rate first.'),
         )
     texts = [str(event['data']['data']) for event in found]
-    # A greeting that was sent before anybody could be connected is lost, and counts.
+    # Greetings sent before the subscription connected are lost, but have a number.
     first = found[0]['number']
     for place, text in enumerate(texts):
         due = first + place
@@ -122,13 +123,13 @@ def offers_reliable_qos(run: Run) -> None:
 
 def build(space: str, seconds: float, comes: bool = False) -> Exam:
     """
-    Return the exam in one namespace.
+    Return the exam for one namespace.
 
-    :param space: where the node is started, such as ``/lab``
-    :param seconds: for how long it is heard [s]
-    :param comes: whether another subscription joins in the middle
+    :param space: namespace in which the node is started, such as ``/lab``
+    :param seconds: duration of the recording [s]
+    :param comes: whether another subscription joins halfway
     """
-    # Who comes later changes nothing for those who are there.
+    # A late subscription must not affect the earlier ones.
     guest = (Join('guest', f'{space}/chatter', TYPE, listen_s=0.0),) if comes else ()
     exam = Exam(
         'talker',

@@ -1,8 +1,8 @@
 """
 Lesson 07, part 1: the message, its package.xml and its CMakeLists.txt.
 
-Three checks read the files; the fourth builds the package with colcon in the sandbox and lets a
-message of the built type travel to a probe that holds the reference type, and back.
+Three checks read the files.  The fourth builds the package with colcon in the sandbox; messages of
+the built type then travel to the probe, which has the reference type, and back.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def declares_its_dependencies(run: Run) -> None:
 
 
 def _require_required(found: Sequence[tuple[str, list[str]]]) -> None:
-    """Fail if a package that is needed is looked for as if it were not."""
+    """Fail if ``find_package`` looks for a needed package without ``REQUIRED``."""
     for name, words in found:
         if name == 'find_package' and words[:1] and words[0] in NEEDED and 'REQUIRED' not in words:
             raise Failed(
@@ -66,7 +66,7 @@ def generates_the_interface(run: Run) -> None:
     found = commands_of(_text(run, CMAKE))
     if travelled(run):
         _require_required(found)
-        return  # however else it is written, it does what it has to
+        return  # a working file may have any form
     packages = {words[0] for name, words in found if name == 'find_package' and words}
     words = next((words for name, words in found if name == 'rosidl_generate_interfaces'), [])
     projects = [words[:1] for name, words in found if name == 'project']
@@ -103,7 +103,7 @@ def _after(word: str, words: list[str]) -> list[str]:
 
 
 def travelled(run: Run) -> bool:
-    """Return whether all messages came back unchanged in the type that was built."""
+    """Return whether all messages came back unchanged with the built type."""
     inputs = [event['data'] for event in run.recording.of('input')]
     echoed = [event.get('data') for event in run.recording.messages('/echo_out')]
     return bool(inputs == run.facts['sent'] and echoed == inputs)
@@ -137,7 +137,7 @@ def _text(run: Run, name: str) -> str:
 
 
 def random_reading(draw: random.Random) -> dict[str, Any]:
-    """Return a message with secret values; binary fractions travel exactly."""
+    """Return a message with random values; binary fractions travel without rounding."""
     return {
         'temperature_value': draw.randrange(-4000, 12500) / 64,
         'unit': ''.join(draw.choices('CFKcelsiu', k=7)),
@@ -148,9 +148,9 @@ def random_reading(draw: random.Random) -> dict[str, Any]:
 
 def build(sent: Sequence[dict[str, Any]]) -> Exam:
     """
-    Return the exam for some messages that have to travel.
+    Return the exam for some messages.
 
-    :param sent: fields of each message
+    :param sent: fields of each message that the probe sends
     """
     exam = Exam(
         'temperature_message',

@@ -1,14 +1,14 @@
 """
 Lesson 07, part 2: the temperature publisher.
 
-The specification, as the lesson gives it: node ``temperature_publisher``; one
-``temp_monitor_pkg/msg/Temperature`` a second on ``temperature_topic``; unit ``Celsius``; sensor id
-``temp_sensor_01``; the stamp is the node's clock; readings vary and stay between -40 and 125 °C
-(the range of common digital sensors, such as the DS18B20's -55 to 125 °C); quality of service
-reliable and volatile, which is what depth 10 gives.
+Specification from the lesson: node ``temperature_publisher``; one
+``temp_monitor_pkg/msg/Temperature`` per second on ``temperature_topic``; unit ``Celsius``; sensor
+id ``temp_sensor_01``; stamps from the node's clock; readings vary and stay between -40 and 125 °C
+(the range of common digital sensors; a DS18B20 measures -55 to 125 °C); quality of service
+reliable and volatile, which is the default with depth 10.
 
-The exam is about the ROS clock: the program runs with ``use_sim_time``, and ROS time runs at
-a different rate from system time.  The wrong clock shows in the rhythm and in the stamps.
+The exam tests the ROS clock: the program runs with ``use_sim_time``, and ROS time runs at a
+different rate from system time.  So the rhythm and the stamps reveal a wrong clock.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ TOPIC = '/temperature_topic'
 TYPE = 'temp_monitor_pkg/msg/Temperature'
 SENSOR = 'temp_sensor_01'
 COLDEST_C, HOTTEST_C = -40.0, 125.0
-STEP_S = 0.1  # of the ROS clock, so that a timer of 0.1 s can count to ten
-BEGINS_S = 2.0  # how late the rhythm may begin, in ROS time
+STEP_S = 0.1  # of the ROS clock, so that ten ticks of 0.1 s make a second [s]
+BEGINS_S = 2.0  # latest start of the rhythm [s of ROS time]
 OTHER_CLOCK = Cause(
     'other_clock',
     "Your messages do not follow the node's own clock.",
@@ -67,9 +67,9 @@ def readings(run: Run) -> list[Event]:
 
 def enough_readings(run: Run) -> list[Event]:
     """
-    Return the readings if they are enough to judge what *every* reading is like.
+    Return the readings if there are enough to judge *every* reading.
 
-    :raises Failed: if less than a quarter of what is due has come
+    :raises Failed: if less than a quarter of the expected readings arrived
     """
     found, due = readings(run), int(run.facts['seconds'])
     if len(found) < due // 4:
@@ -105,16 +105,17 @@ def publishes_once_per_second(run: Run) -> None:
 
 
 def _begin_ns(run: Run) -> int:
-    """Return when the minute begins [virtual ns]."""
+    """Return the virtual time at which the judged phase begins [ns]."""
     marks = run.recording.of('mark', name='minute')
     return int(marks[0]['clock_ns']) if marks else 0
 
 
 def _seconds_in_rhythm(run: Run, found: list[int]) -> tuple[int, int | None]:
     """
-    Return how many messages come in the rhythm, and when another one comes or is missed [ns].
+    Return how many messages keep the rhythm, and the time of the first deviation [ns].
 
-    ROS time is known to a step, so a message may be a step early or late.
+    The time is None without a deviation.  ROS time advances in steps, so a message may be one step
+    early or late.
 
     :param found: virtual times of the messages [ns]
     """
@@ -132,7 +133,7 @@ def _seconds_in_rhythm(run: Run, found: list[int]) -> tuple[int, int | None]:
 
 
 def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
-    """Explain a wrong rhythm, unless the gaps are those of a different clock."""
+    """Explain a wrong rhythm; a period of one second of virtual time means a different clock."""
     if why := why_silent(run):
         return why
     gaps = [later['clock_ns'] - earlier['clock_ns'] for earlier, later in pairwise(found)]
@@ -144,7 +145,7 @@ def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
     if 0 not in gaps and (sleeps := why_it_sleeps(run)):
         return sleeps
     clock: RosClock = run.facts['clock']
-    # Counted from the first message, so that a late beginning does not look like an early end.
+    # Start at the first message, so that a late start does not look like an early end.
     late_ns = found[0]['clock_ns'] - _begin_ns(run) if found else 0
     during_s = run.facts['seconds'] - late_ns / SECOND * clock.rate
     return why_other_rhythm(found, 1.0, during_s, rate=clock.rate, grain_s=clock.step_s)
@@ -163,14 +164,14 @@ def names_the_sensor(run: Run) -> None:
 def stamps_follow_the_clock(run: Run) -> None:
     """The timestamp of every reading is the time of the node's own clock at that moment."""
     clock: RosClock = run.facts['clock']
-    # A thread may read the clock before the step that wakes it is told.
+    # A thread may read the clock just before the step that wakes it.
     step_ns = round(clock.step_s / clock.rate * SECOND)
     due = [(one, one['clock_ns'] - step_ns) for one in enough_readings(run)]
     require_stamps(run, (pair for pair in due if not _before_the_clock(run, pair[0])), clock)
 
 
 def _before_the_clock(run: Run, reading: Event) -> bool:
-    """Return whether a reading came before the clock was told, and says so."""
+    """Return whether a reading precedes the first ``/clock`` message and has the stamp 0."""
     stamp = reading['data']['timestamp']
     return reading['clock_ns'] < _begin_ns(run) and stamp['sec'] == stamp['nanosec'] == 0
 
@@ -178,7 +179,8 @@ def _before_the_clock(run: Run, reading: Event) -> bool:
 def readings_are_plausible(run: Run) -> None:
     """The readings are plausible temperatures, and they vary."""
     values = [float(event['data']['temperature_value']) for event in enough_readings(run)]
-    # A formula that counts runs away with a flood: what it gives for those that were due, counts.
+    # If a node floods the topic, a value that grows with each message leaves the range: judge only
+    # as many readings as expected.
     due = int(run.facts['seconds'])
     first = values[:due] if is_flood(len(values), due) else values
     odd = [value for value in first if not COLDEST_C <= value <= HOTTEST_C]
@@ -198,7 +200,7 @@ def readings_are_plausible(run: Run) -> None:
 
 
 def _why_constant(run: Run) -> Cause:
-    """Explain a reading that is the same each time, by where the code seeds its random numbers."""
+    """Explain a constant reading, for example by random numbers seeded in the callback."""
     if seed := seed_in_callback(run.files):
         return Cause(
             'seeded_each_time',
@@ -216,13 +218,13 @@ def _why_constant(run: Run) -> Cause:
 
 def build(seconds: int, begins_s: float, rate: float) -> Exam:
     """
-    Return the exam over some ROS time.
+    Return the exam for a given duration.
 
     ROS time begins near 0, as in a simulation that starts with the program.
 
     :param seconds: ROS seconds, >= 5
-    :param begins_s: first ROS time, > 0 and < STEP_S, so that no step is a whole second [s]
-    :param rate: ROS seconds a second of system time, <= 0.85 or >= 1.15
+    :param begins_s: first ROS time, > 0 and < STEP_S, so that no step is at a whole second [s]
+    :param rate: ROS seconds per second of system time, <= 0.85 or >= 1.15
     """
     clock = RosClock(begins_s, rate, STEP_S)
     exam = Exam(

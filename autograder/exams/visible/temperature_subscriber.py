@@ -1,10 +1,10 @@
 """
 Lesson 07, part 3: the temperature subscriber.
 
-The specification, as the lesson gives it: node ``temperature_subscriber`` listens on
-``temperature_topic``; logs every reading in Celsius or Fahrenheit in one INFO line with its value
-and none in an ERROR; logs exactly one WARN for each strictly above 30.0 °C; converts Fahrenheit;
-answers any other unit with one ERROR and no warning; does not warn for NaN; uses its own logger.
+Specification from the lesson: node ``temperature_subscriber`` subscribes to ``temperature_topic``;
+logs each reading in Celsius or Fahrenheit in one INFO line with its value, and no ERROR line; logs
+exactly one WARN for each reading strictly above 30.0 °C; converts Fahrenheit; logs one ERROR line
+and no warning for any other unit; does not warn for NaN; uses its own logger.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ EXERCISE = 'Exercise 3: the subscriber node'
 
 def sent(run: Run, *kinds: str) -> list[Followed]:
     """
-    Return readings, sent or not, each or the burst with what was logged after it.
+    Return single readings and the burst, sent or not, each with the log lines that follow.
 
-    :param kinds: which, see :attr:`Reading.group`; by default all
+    :param kinds: groups of readings, see :attr:`Reading.group`; by default all
     """
     found = followed(run, 'warnings')
     return [one for one in found if not kinds or one.inputs[0].group in kinds]
@@ -69,7 +69,8 @@ def logs_every_reading(run: Run) -> None:
 
 
 def _why_not_logged(run: Run, reading: Reading, group: Followed) -> Cause | None:
-    # If an INFO line follows, the line is not elsewhere: it lacks the value, or a burst is cut.
+    # If INFO lines follow the reading, do not search elsewhere: they lack the value, or the node
+    # handled only part of a burst.
     elsewhere = None if group.count(INFO) else why_elsewhere(run, INFO, reading.is_in)
     left_out = why_left_out(run, INFO, run.recording.logs(level=INFO))
     if why := why_silent(run) or left_out or elsewhere:
@@ -126,8 +127,8 @@ def _require_warnings(run: Run, kind: str, shared: bool = False) -> None:
     """
     Fail unless each reading is followed by the expected number of warnings.
 
-    :param kind: which readings, see :attr:`Reading.group`
-    :param shared: whether what is right earns a part of the points
+    :param kind: group of readings, see :attr:`Reading.group`
+    :param shared: whether partly correct results give part of the points
     """
     groups = sent(run)
     kinds = [group.inputs[0].group for group in groups]
@@ -143,7 +144,7 @@ def _require_warnings(run: Run, kind: str, shared: bool = False) -> None:
 
 
 def _why_no_warning(run: Run, group: Followed) -> Cause | None:
-    """Explain a warning that is due and that comes in another form, or nowhere at all."""
+    """Explain an expected warning that is missing or has a different form."""
     if why := _why_unit_refused(run, group):
         return why
     if len(group.inputs) > 1 and not all(map(group.showing, group.inputs)):
@@ -155,15 +156,15 @@ def _why_no_warning(run: Run, group: Followed) -> Cause | None:
 
 
 def _why_none(run: Run, instead: Sequence[Event] = ()) -> Cause | None:
-    """Explain that no warning is logged, after a reading or at all."""
+    """Explain why no warning is logged, after one reading or at all."""
     return _why_other_error(run, sent(run, 'cool')) or why_not_logged(run, instead, WARN)
 
 
 def _why_other_error(run: Run, groups: Sequence[Followed]) -> Cause | None:
     """
-    Explain the ERROR line that answers a proper reading, None if it only has the wrong level.
+    Explain an ERROR line after a proper reading; return None if only its level is wrong.
 
-    :param groups: of readings that deserve no ERROR
+    :param groups: readings that should not cause an ERROR line
     """
     found = [(group, line) for group in groups for line in group.logs if line['level'] == ERROR]
     if not found or (why := why_exception_logged(run, [found[0][1]])):
@@ -177,8 +178,8 @@ def _why_other_error(run: Run, groups: Sequence[Followed]) -> Cause | None:
 
 
 def _why_unit_refused(run: Run, group: Followed) -> Cause | None:
-    """Explain an ERROR line that answers a reading in Fahrenheit, where Celsius is understood."""
-    # A program that warns at the wrong level has ERROR lines for warm readings in Celsius too.
+    """Explain an ERROR line for a reading in Fahrenheit if readings in Celsius cause none."""
+    # A program that warns at the wrong level logs ERROR lines for warm readings in Celsius too.
     refused = group.inputs[0].unit == 'Fahrenheit' and group.count(ERROR)
     if not refused or any(one.count(ERROR) for one in sent(run, 'hot', 'cool')):
         return None
@@ -225,7 +226,7 @@ def reports_an_unknown_unit(run: Run) -> None:
 
 
 def _is_right(group: Followed) -> bool:
-    """Return whether proper readings are logged and warned about as they should be."""
+    """Return whether the readings are proper, and their INFO and WARN lines as expected."""
     shown = all(not one.odd and group.showing(one) for one in group.inputs)
     return shown and group.count(WARN) == sum(one.hot for one in group.inputs)
 
@@ -241,11 +242,16 @@ def _why_unknown_unit(run: Run, group: Followed) -> Cause | None:
     if group.count(WARN):
         came = warnings_after([one.row for one in groups])
         return run.asked('warnings').cause(came, groups.index(group)) or monitor.UNKNOWN_UNIT
+    before = [
+        one for one in groups[: groups.index(group)] if one.inputs[0].unit == group.inputs[0].unit
+    ]
+    if any(one.count(ERROR) for one in before):
+        return monitor.ERROR_ONCE
     return why_left_out(run, ERROR, run.recording.logs(level=ERROR)) or monitor.NO_ERROR
 
 
 def _goes_on(run: Run) -> None:
-    """Fail unless the odd reading was sent and a later, proper one was still handled."""
+    """Fail unless the node still logs the last reading and answers requests."""
     last = sent(run)[-1]
     if not last.logs or nobody_answers(run):
         raise Failed(
@@ -256,7 +262,7 @@ def _goes_on(run: Run) -> None:
 
 
 def _why_deaf(run: Run) -> Cause | None:
-    """Explain a node that does not log what it is sent."""
+    """Explain why a node does not log the readings that it receives."""
     proper = [one for one in run.asked('warnings').inputs if not one.odd]
 
     def shows_one(text: str) -> bool:
@@ -269,9 +275,9 @@ def build(readings: Sequence[Reading], burst: int = 0) -> Exam:
     """
     Return the exam for some readings.
 
-    :param readings: the first and the last that is sent alone are cool and proper
-    :param burst: how many of them are sent at once at the end, Celsius only and the first one
-        hot; at most five, so that the sensor-data profile's depth is enough
+    :param readings: the first and the last single reading are cool and proper
+    :param burst: number of readings at the end that are sent at once: in Celsius, the first one
+        hot; at most five, the depth of the sensor-data profile
     """
     messages = [reading.message(number) for number, reading in enumerate(readings)]
     exam = Exam(

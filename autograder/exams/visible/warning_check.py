@@ -1,11 +1,12 @@
 """
-Lesson 11: a check that accepts the runs of right temperature monitors and refuses others.
+Lesson 11: a check that accepts the runs of correct temperature monitors and refuses others.
 
-The learner writes ``accepts(run)``; ``run`` is what ``simulate()`` returns.  It is asked about
-recorded runs that are made from the specification of the monitor in lesson 07, or from one of its
-slips.  So the check is a program like any other: its inputs are runs, what is due is True for a
-right monitor and False for one with a slip.  A check has slips too: it compares too little, or
-what it takes for due has itself one of the mistakes that it should find.
+The learner writes ``accepts(run)``, where ``run`` has the type that ``simulate()`` returns.  It is
+called with recorded runs, made from the specification of the monitor in lesson 07 or from one of
+its slips.  So the exam treats the check like any other program: its inputs are runs, and the
+correct answer is True for a correct monitor and False for one with a slip.  A check can have slips
+too: it compares too little, or it computes the expected warnings with one of the monitor's
+mistakes.
 """
 
 from __future__ import annotations
@@ -35,24 +36,30 @@ RUNS, ANSWERS, TYPE = '/runs', '/answers', 'std_msgs/msg/String'
 EXERCISE = 'Exercise 11: the check'
 
 DUE = warns()
-"""What a right monitor does."""
+"""The rule of a correct monitor."""
 LATE = Slip(
     'one_late',
     'The warning comes with the next reading, and not with the one that is too warm.',
     'Compare the reading of this message, not one that was kept.',
     lambda readings: [0, *DUE(readings)[:-1]],
 )
+LAGS = Slip(
+    'warns_later',
+    'The warning comes some time after its reading.',
+    'Compare in the callback of the subscription, and log the warning there.',
+    DUE,
+)
 MISSES = ('no_warning', 'warns_once', 'warns_of_changes', 'upper_bound', 'cut_off')
 UNITS = (
     *('ignores_unit', 'wrong_conversion', 'unknown_unit'),
     *('first_letter', 'part_of_a_unit', 'any_case'),
 )
-"""Names of slips; a monitor with any other one warns where no warning is due."""
+"""Names of slips about units; any slip that is not here or in MISSES causes wrong warnings."""
 OWN = (
     *('warns_at_threshold', 'comparison_reversed', 'sign_ignored', 'upper_bound', 'cut_off'),
     *('nan', *UNITS),
 )
-"""Names of slips that a check can make itself, in what it takes for due."""
+"""Names of slips that a check itself may contain when it computes the expected warnings."""
 
 BY_READING = 'For each reading, compare the warnings at its time with those that are due.'
 NO_FUNCTION = Cause(
@@ -76,7 +83,7 @@ RAISES = Cause(
     'Return False for a wrong run. A run may have no warning, or a unit that nobody knows.',
 )
 UNHELPFUL = ('exception', 'assertion')
-"""Causes that speak of a node which ends with an exception."""
+"""Causes whose text is about a node that ended with an exception."""
 REFUSES_RIGHT = Cause(
     'refuses_right',
     'The node of this run warns of each reading above 30.0 °C once, and of no other.',
@@ -104,15 +111,27 @@ OTHER_FIXES = {'unknown_unit': 'No warning is due for a unit that is neither of 
 
 
 def compares(like: Callable[[int, int], bool] = operator.eq, due: Rule = DUE) -> Rule:
-    """Return the rule of a check that compares the warnings after each reading with due ones."""
-    return each(lambda run: all(map(like, run.answers, due(run.readings))))
+    """Return the rule of a check that compares actual and expected warnings per reading."""
+    return each(lambda run: not run.lag_s and all(map(like, run.answers, due(run.readings))))
+
+
+def _moments(counts: Sequence[int]) -> list[int]:
+    """Return the index of the reading for each warning."""
+    return [place for place, count in enumerate(counts) for _ in range(count)]
+
+
+def compares_first(run: MadeRun) -> bool:
+    """Return the answer of a check that compares only as many warnings as are due."""
+    return not run.lag_s and all(
+        map(operator.eq, _moments(run.answers), _moments(DUE(run.readings)))
+    )
 
 
 def of_monitor(name: str, readings: Sequence[Reading]) -> Slip:
     """
-    Return the first slip of a name that shows in some readings.
+    Return the first slip of a name that the given readings reveal.
 
-    :raises ExamInvalid: if there is none
+    :raises ExamInvalid: if there is no such slip
     """
     due = list(DUE(readings))
     for slip in (*OF_A_MONITOR, LATE):
@@ -149,6 +168,18 @@ SLIPS = (
         compares(operator.le),
     ),
     Slip(
+        'tolerant',
+        'A warning some time after its reading is right for your check.',
+        'The times are exact: compare them with ==.',
+        each(lambda run: list(run.answers) == list(DUE(run.readings))),
+    ),
+    Slip(
+        'ends_early',
+        'Your check compares only as far as the shorter of two lists, as zip() does.',
+        'Also compare the lengths, or compare whole lists: warned == due.',
+        each(compares_first),
+    ),
+    Slip(
         'repeats',
         'A warning that comes twice counts as one in your check.',
         'Compare lists, not sets: a set has each time once.',
@@ -168,7 +199,7 @@ SLIPS = (
 
 
 def answers_of(run: Run) -> list[bool | str]:
-    """Return the answer to each run; anything but True and False as text."""
+    """Return the answer to each run; answers other than True and False as a string."""
     rows = published(run, 'answers', ANSWERS)
     truth: dict[str, bool | str] = {'True': True, 'False': False, '': 'no answer'}
     words = [', '.join(_word(str(one)) for one in row or ()) for row in rows]
@@ -176,7 +207,7 @@ def answers_of(run: Run) -> list[bool | str]:
 
 
 def _word(answer: str) -> str:
-    """Return an answer that may be shown: no program repeats a hidden run in it."""
+    """Return an answer, replaced if it might contain parts of a hidden run."""
     return answer if answer.isidentifier() else 'another text'
 
 
@@ -205,18 +236,18 @@ def _why_no_answer(run: Run, text: str) -> Cause | None:
 
 
 def _name(run: Run, place: int) -> str:
-    """Return how a run is called: its number helps only where the runs can be looked at."""
+    """Return a description of a run; its number is shown only if learners can look at the run."""
     made: MadeRun = run.facts['answers'].inputs[place]
     return f'a run with {made.kind}' if run.secret else f'run {place + 1}, with {made.kind}'
 
 
 def _require(run: Run, places: Collection[int], due: bool) -> None:
     """
-    Fail unless runs have the right answer, and not because nearly all runs have it.
+    Fail unless the runs have the right answer, and most other runs have the opposite answer.
 
-    All runs of right nodes count together, each run of a wrong node counts by itself.
+    Runs of correct nodes give all points or none; each run of a wrong node gives a part of them.
 
-    :param places: of the runs
+    :param places: indices of the runs
     :param due: their right answer
     """
     asked, came = run.facts['answers'], answers_of(run)
@@ -245,7 +276,7 @@ def _kind(right: bool) -> str:
 
 
 def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int) -> Cause | None:
-    """Say what the node of a run does, and why the check misses it if that is known."""
+    """Explain what the node of a run does and, if known, why the check gets it wrong."""
     answer = came[place]
     if isinstance(answer, str):
         return _why_no_answer(run, answer)
@@ -262,7 +293,7 @@ def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int)
 
 
 def build(runs: Sequence[MadeRun]) -> Exam:
-    """Return the exam for some runs, which are sent in this order."""
+    """Return the exam for some runs, in the order in which they are sent."""
     told = [{'data': json.dumps(one.simulation.to_json())} for one in runs]
     exam = Exam(
         'warning_check',

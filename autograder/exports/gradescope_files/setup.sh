@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Gradescope runs this once, as root, while it builds the image. The course's own set-up installs
-# what is missing with apt-get and pip: a compiler, bubblewrap, Python, ROS 2 Jazzy from PyPI.
+# Gradescope runs this script once, as root, while it builds the image. The script installs a
+# compiler, bubblewrap and Python with apt-get; the set-up of the course then installs ROS 2 Jazzy
+# from PyPI.
 set -eu
 export DEBIAN_FRONTEND=noninteractive
 cd "${GRADESCOPE_ROOT:-/autograder}/source"

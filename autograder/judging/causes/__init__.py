@@ -1,1 +1,1 @@
-"""Why a check failed: exceptions, silence, logs that are missing, builds."""
+"""Explain failed checks: exceptions, unresponsive nodes, missing log lines, failed builds."""

@@ -1,8 +1,8 @@
 """
-What a failed build means, in one line.
+Explain failed builds in one line.
 
-The tables ``of_builds.txt`` and ``of_python_builds.txt`` have the mistakes that learners make in a
-package, each recognised by what the tools really print (ROS 2 Jazzy, colcon, CMake).
+The tables ``of_builds.txt`` and ``of_python_builds.txt`` list mistakes that learners make in a
+package.  Each is recognised by the actual output of the tools (ROS 2 Jazzy, colcon, CMake).
 """
 
 from __future__ import annotations
@@ -21,12 +21,13 @@ class Mistake:
     """
     One kind of mistake.
 
-    :param pattern: found in the output, in which all white space is one space
-    :param error: the decisive words; ``{name}`` stands for a group of the pattern
-    :param advice: what to change; may use the same groups
+    :param pattern: regular expression, searched in the output after all white space is replaced by
+        single spaces
+    :param error: the decisive words; ``{name}`` is replaced by a group of the pattern
+    :param advice: what to change; may contain the same groups
     :param cause: short stable name
-    :param place: text of the line to change, to find its number, or ``#`` and the number
-    :param file: the file to change; ``msg`` is the one that has the place
+    :param place: text that identifies the line to change, or ``#`` and the line number
+    :param file: the file to change; ``msg`` is the .msg file that contains ``place``
     """
 
     pattern: str
@@ -40,12 +41,12 @@ class Mistake:
 @dataclass(frozen=True)
 class Diagnosis:
     """
-    Why a build failed.
+    The reason why a build failed.
 
     :param cause: short stable name, empty if the mistake is not in the table
     :param error: the decisive line
-    :param advice: one line on what to change
-    :param where: file and, where known, line
+    :param advice: one line about what to change
+    :param where: file and, if known, line
     """
 
     cause: str
@@ -62,7 +63,7 @@ _CMAKE = re.compile(
 _FOLDERS = re.compile(r'(?<![\w.)}>/])(?:/[\w.+-]+)+/')
 _ERROR_LINE = re.compile(r'^(?!ninja: ).*\berror:|^CMake Error: |\wError: |^[\w.]+\.Invalid\w+: ')
 LONGEST = 240
-"""Characters of what a tool says that are passed on."""
+"""Maximum length of a tool's message in feedback [characters]."""
 
 
 def _mistakes(name: str) -> tuple[Mistake, ...]:
@@ -89,12 +90,12 @@ NO_MESSAGES = Diagnosis(
 
 
 def output_of(run: Run) -> str:
-    """Return all that a program or a build printed."""
+    """Return everything that a program or a build printed."""
     return ''.join(str(run.recording.process.get(name, '')) for name in ('stderr', 'stdout'))
 
 
 def build_cause(found: Diagnosis) -> Cause:
-    """Return the cause of a failed build, with the place first."""
+    """Return the cause of a failed build; its text begins with the file and line."""
     if not found.cause:
         advice = 'Build the package yourself and read the first error.'
         return Cause('build', f'colcon stops: {found.error}', advice)
@@ -105,7 +106,7 @@ def build_cause(found: Diagnosis) -> Cause:
 
 def texts_of(folder: Path) -> dict[str, str]:
     """
-    Return the texts of a package that a mistake may lie in, by their path inside it.
+    Return the files of a package that may contain the mistake, relative path to text.
 
     :param folder: the package's folder
     """
@@ -119,10 +120,10 @@ def texts_of(folder: Path) -> dict[str, str]:
 
 def diagnose(output: str, files: Mapping[str, str]) -> Diagnosis:
     """
-    Find the decisive line of a failed build.
+    Return the diagnosis of a failed build.
 
-    :param output: all that the build printed; it may come from anybody
-    :param files: texts of the package by their path inside it, to name the line of the mistake
+    :param output: everything that the build printed; untrusted
+    :param files: files of the package, relative path to text, to find the line of the mistake
     """
     text = ' '.join(output.split())
     for mistake in PYTHON_MISTAKES if 'setup.py' in files else MISTAKES:
@@ -151,22 +152,23 @@ def _where(mistake: Mistake, groups: Mapping[str, str], files: Mapping[str, str]
 
 
 def _decisive_line(output: str) -> str:
-    """Return the first words that look like an error, or the last line: whole sentences."""
+    """Return the first error in the output, or otherwise its last line, as complete sentences."""
     for error in _CMAKE.finditer(output):
-        # What an execute_process() has ended with is in a later line.
+        # If execute_process() failed, a later line contains its error.
         if 'execute_process' not in error['said'].lstrip().partition('\n')[0]:
             place = f'{error["place"].replace(":", ", line ")}: ' if error['place'] else ''
             return _sentences(place + ' '.join(error['said'].split()))
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     for line in lines:
-        # That there is no build.ninja follows from what CMake has said.
+        # Skip ninja's error about a missing build.ninja, which follows from an earlier error of
+        # CMake.
         if _ERROR_LINE.search(line):
             return _sentences(line)
     return _sentences(lines[-1]) if lines else 'The build printed nothing.'
 
 
 def _sentences(text: str) -> str:
-    """Return the first whole sentences of a text, without the folders of this machine."""
+    """Return the first complete sentences of a text, without absolute folder names."""
     text = _FOLDERS.sub('', text)
     if len(text) <= LONGEST:
         return text

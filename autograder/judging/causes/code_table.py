@@ -1,7 +1,8 @@
 """
-Why nothing came of a program, as far as its code shows.
+Find in the code why a program produced nothing.
 
-The table ``by_code.txt`` has the rows for all such situations; here is what its words mean.
+The table ``by_code.txt`` has the rows for all such situations; this module evaluates their
+conditions.
 """
 
 from __future__ import annotations
@@ -16,12 +17,13 @@ from autograder.submission.code.learners_code import Code
 
 class Row(NamedTuple):
     """
-    A cause that code shows.
+    A cause that can be recognised in the code.
 
-    :param situations: where it may hold, such as ``idle``; see who calls :func:`why_by_code`
-    :param words: all must hold: a name that the code uses, ``name()`` if it calls it, a fact of
-        :data:`_FACTS`; ``!`` before a word means that it must not hold
-    :param text: with names in braces, which the situation gives
+    :param situations: situations to which the row applies, such as ``idle``; callers of
+        :func:`why_by_code` name them
+    :param words: conditions that must all hold: a name that the code uses, ``name()`` if the code
+        calls it, or a fact of :data:`_FACTS`; ``!`` negates a condition
+    :param text: may contain names in braces, for which the situation gives values
     """
 
     cause_id: str
@@ -36,11 +38,11 @@ TABLE = tuple(Row(*head.split('|'), *rest) for head, *rest in rows_of('by_code.t
 
 def why_by_code(situation: str, run: Run, **names: object) -> Cause:
     """
-    Return the first cause of a situation that the code shows.
+    Return the first cause of a situation that matches the code.
 
-    Only such a last row fits code that Python cannot read.
+    For code that Python cannot parse, only the last row of a situation (``always``) matches.
 
-    :param names: what the texts of the situation have in braces
+    :param names: values for the names in braces
     """
     code = Code(run.files)
     here = (row for row in TABLE if situation in row.situations.split())
@@ -66,13 +68,13 @@ def _has_callbacks(code: Code) -> bool:
 
 
 def _main_unused(code: Code) -> bool:
-    """Return whether nothing calls main(); an entry point of a package names it in a text."""
+    """Return whether neither the code nor an entry point in setup.py calls main()."""
     unused = code.defines_unused('main') and not any(one.endswith(':main') for one in code.texts)
     return unused or ('__name__' in code.names and '__main__' not in code.texts)
 
 
 def _destroyed_first(code: Code) -> bool:
-    """Return whether destroy_node() is called above spin(); a lifecycle node is seen even so."""
+    """Return whether the code calls destroy_node() above spin()."""
     first = {name: code.calls[name][0] for name in ('destroy_node', 'spin') if name in code.calls}
     at = [(call.lineno, call.col_offset) for call in first.values()]
     return len(at) == 2 and at[0] < at[1]

@@ -1,8 +1,8 @@
 """
-Why a check failed: the likely cause, from what the probe saw and how the program ended.
+Find the likely cause of a failed check from the recording and the end of the program.
 
-What a program printed about itself may name a cause; it never decides a verdict.  When nothing
-points anywhere, the answer is None: a misleading cause is worse than none.
+The program's own output may name a cause, but never decides a verdict.  If there is no evidence,
+the functions return None: a misleading cause is worse than none.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
 _IN_VAIN = 'Failed to trigger lifecycle state machine transition'
 
 LONG_S = 50.0
-"""A period [s] longer than in any exercise: the student probably meant milliseconds."""
+"""A period longer than in any exercise: the student probably meant milliseconds [s]."""
 
 LIMITS = {
     'waits_outside': (
@@ -54,11 +54,11 @@ CPU = {
     'package': 'its build and the run used more than 50 s of processor time together',
     'build': 'it used more than 30 s of processor time, three times what it needs',
 }
-"""The limit of processor time where it differs."""
+"""Descriptions of the CPU limit for builds and packages, whose limits differ."""
 
 
 def why_it_ended(run: Run) -> Cause | None:
-    """Explain a program that is gone or was ended; empty if it was alive to the end."""
+    """Explain why a program ended early, None if it ran until the end."""
     recording = run.recording
     killed = str(recording.process.get('killed', '')) or recording.end_reason
     if killed in LIMITS:
@@ -74,14 +74,15 @@ def why_it_ended(run: Run) -> Cause | None:
         return why_by_code('died' if recording.nodes else 'died_unseen', run, code=code)
     if sent := recording.of('input'):
         return why_by_code('mid_run', run, count=len(sent))
-    # Half a second later it was still there, so it is no matter of a single spin_once().
+    # The start graph is recorded 0.5 s after the node was seen, so a program in this graph ran
+    # longer than a single spin_once().
     seen = recording.of('graph', when='start')
     return why_by_code('over_later' if seen else 'over', run)
 
 
 def why_killed(limit: str, what: str) -> Cause:
     """
-    Explain what the grader has ended because of a limit.
+    Explain why the grader stopped a program that exceeded a limit.
 
     :param what: ``program``, ``package`` or ``build``, whose limits differ
     """
@@ -93,22 +94,22 @@ def why_killed(limit: str, what: str) -> Cause:
 
 def died_in_vain(run: Run) -> bool:
     """
-    Return whether the program died of a transition that its state does not allow.
+    Return whether the program ended because it requested a transition that its state forbids.
 
-    That is the consequence of an earlier refusal, and explains nothing.
+    This follows from an earlier refusal and is not a cause.
     """
     return _IN_VAIN in str(run.recording.process.get('stderr', ''))
 
 
 def close_name(wanted: str, names: Iterable[str]) -> str:
-    """Return the name that looks like a slip of the wanted one, or nothing."""
+    """Return the name that is most similar to the wanted one, empty if none is similar enough."""
     found = difflib.get_close_matches(wanted, sorted(set(names)), n=1, cutoff=0.6)
     return found[0] if found else ''
 
 
 def why_no_node(run: Run, wanted: str) -> Cause:
     """
-    Explain why a node was not seen.
+    Explain why the probe did not see a node.
 
     :param wanted: full node name, ``/name``
     """
@@ -121,7 +122,7 @@ def why_no_node(run: Run, wanted: str) -> Cause:
 
 def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
     """
-    Explain why no endpoint of the right name and type was seen.
+    Explain why the probe saw no endpoint with the right topic and type.
 
     :param kind: ``'publisher'`` or ``'subscription'``
     """
@@ -156,7 +157,7 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
 
 
 def why_no_configure(code: Code) -> Cause | None:
-    """Explain a lifecycle node without on_configure(), with the method that is meant to be it."""
+    """Explain a lifecycle node without on_configure(), with its most similar method."""
     if code.makes('on_configure'):
         return None
     near = close_name('on_configure', code.functions)
@@ -165,7 +166,7 @@ def why_no_configure(code: Code) -> Cause | None:
 
 
 def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause | None:
-    """Explain a topic whose name ends as it should, with too much before it."""
+    """Explain a topic with the right last part but a wrong prefix."""
     base = topic.rpartition('/')[2]
     for end in run.recording.endpoints(kind):
         if end['type'] != type_name or not end['topic'].endswith(f'/{base}'):
@@ -178,13 +179,13 @@ def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause |
 
 
 def _relative(run: Run, topic: str) -> str:
-    """Return the name that the code gives a topic; the node's namespace is put before it."""
+    """Return the topic name as the code should write it, without the namespace of the node."""
     homes = [name.rpartition('/')[0] + '/' for name in run.recording.nodes]
     return topic.removeprefix(max((home for home in homes if topic.startswith(home)), default='/'))
 
 
 def why_no_verdict(run: Run) -> Cause | None:
-    """Explain a lifecycle node that died because a transition callback returned something else."""
+    """Explain a lifecycle node that ended because a transition callback returned a wrong type."""
     found = _NO_VERDICT.search(str(run.recording.process.get('stderr', '')))
     if found is None:
         return None
@@ -192,13 +193,13 @@ def why_no_verdict(run: Run) -> Cause | None:
 
 
 def why_silent(run: Run) -> Cause | None:
-    """Explain why a node with the right endpoints sends nothing."""
+    """Explain why a node with the right endpoints publishes nothing."""
     ended = why_it_ended(run)
     if not ended and died_in_vain(run):
         return None
     if ended and ended.cause_id not in LIMITS:
         return ended
-    # What has ended a thread explains more than the limit that the rest of the program passed.
+    # An exception that ended a thread explains more than a limit that the other threads exceeded.
     if other := stalled.why_thread_ended(run) or ended or stalled.why_other_is_spun(run):
         return other
     if not stalled.nobody_answers(run):
@@ -207,7 +208,7 @@ def why_silent(run: Run) -> Cause | None:
 
 
 def why_late(run: Run) -> Cause | None:
-    """Explain a timer whose first call is far away, because its period is in other units."""
+    """Explain a timer whose period has the wrong unit, so that its first call is too late."""
     code = Code(run.files)
     for timer in ('create_timer', 'Timer'):
         for period_s in code.first_numbers(timer):
@@ -218,15 +219,15 @@ def why_late(run: Run) -> Cause | None:
 
 
 def why_no_message(run: Run) -> Cause:
-    """Explain a node that lives, whose publisher is right, and from which nothing comes."""
+    """Explain why a running node with the right publisher publishes nothing."""
     return why_silent(run) or why_by_code('no_message', run)
 
 
 def how_to_look(run: Run) -> str:
     """
-    Return what to try if no cause is certain: how to see what the grader has seen.
+    Return how to investigate if no cause is certain, with tools that show what the grader saw.
 
-    It shows the last part of a topic's name only, because a hidden exam draws its namespace.
+    Only the last part of a topic name is shown, because the namespace of a hidden exam is secret.
     """
     topics = {end['topic'].rpartition('/')[2][:60] for end in run.recording.endpoints('publisher')}
     if not run.recording.nodes:

@@ -1,9 +1,9 @@
 """
-The exception a program died of, in the learner's words: what it means, where, and what to do.
+Explain the exception that ended a program: what it means, where it is, and what to do.
 
-Python's own message says what happened; beginners need to hear which of their habits leads there.
-What a pattern tells is in the table ``by_exception.txt``, names that are not found in
-:mod:`.unknown_names`; here is what has to be looked up in the code as well.
+Python's message says what happened; beginners need to know which habit of theirs caused it.  The
+table ``by_exception.txt`` explains exceptions that a pattern recognises, and :mod:`.unknown_names`
+explains unknown names.  This module handles exceptions for which the code must be read too.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ _SUBSCRIPTION = re.compile(
 _HOLDS_MORE = ('Header', 'ColorRGBA', 'Empty')
 
 MOST_SUBSCRIPTIONS = 20
-"""How many of them are looked at."""
+"""Maximum number of subscriptions that are examined."""
 
 BY_NAME = {'QoSProfile': 'QoSProfile(depth=10)', 'Duration': 'Duration(seconds=0.3)'}
-"""Classes of rclpy that take their values by name only."""
+"""Classes of rclpy that accept only keyword arguments."""
 
 SIGNATURES = {
     'publish': 'Pass one message: self.publisher.publish(message).',
@@ -59,7 +59,7 @@ SIGNATURES = {
     'create_subscription': 'In this order: '
     "create_subscription($heard_type, '$heard_topic', self.callback, 10).",
 }
-"""How functions of rclpy are called."""
+"""Advice on how to call functions of rclpy."""
 
 WANTED = {
     'a set or sequence': 'Give it a list of such values: [1.0, 2.0].',
@@ -75,17 +75,17 @@ WANTED = {
     r' in \[': 'The number is outside the range of this field: keep it within the limits.',
     '': 'Give it a value of that type.',
 }
-"""What to do about a field, by the end of rclpy's message; the first that is found."""
+"""Advice on a field, by a pattern in rclpy's message; the first match is used."""
 
 
 class Kind(NamedTuple):
     """
-    One way in which an exception is raised by a beginner.
+    One kind of exception that beginners cause.
 
-    :param says: regular expression, searched in the exception and, behind a line end, the line of
-        code without its comments and texts
-    :param text: what is wrong, with groups of ``says``
-    :param try_this: the repair, with groups of ``says`` in it and names of the exam
+    :param says: regular expression, searched in the exception and, after a line break, the line of
+        code without its comments and strings
+    :param text: what is wrong; may contain groups of ``says``
+    :param try_this: the repair; may contain groups of ``says`` and names of the exam
     """
 
     cause_id: str
@@ -95,11 +95,11 @@ class Kind(NamedTuple):
 
 
 KINDS = tuple(Kind(*row) for row in rows_of('by_exception.txt'))
-"""Exceptions of beginners, the first that fits."""
+"""Common exceptions of beginners; the first match is used."""
 
 
 def exception_cause(trace: Traceback) -> Cause:
-    """Name what a program died of, with the line of the learner's cell in front."""
+    """Return the cause of an exception; its text begins with the line in the learner's cell."""
     for explain in _IN_ORDER:
         if cause := explain(trace):
             place = '' if cause.cause_id in _IN_A_FILE else trace.place
@@ -109,7 +109,7 @@ def exception_cause(trace: Traceback) -> Cause:
 
 
 def _how_to_find(trace: Traceback) -> str:
-    """Return where to look for the reason of an exception, because feedback shows no traceback."""
+    """Return how to find the reason for an exception, because feedback shows no traceback."""
     code = trace.code[:100]
     if trace.spun or not code:
         return 'Start the node in a cell: the traceback there shows the lines that led to it.'
@@ -122,10 +122,10 @@ def _how_to_find(trace: Traceback) -> str:
 
 
 def _known_cause(trace: Traceback) -> Cause | None:
-    """Explain an exception that the table knows."""
+    """Explain an exception that is in the table."""
     for kind in KINDS:
         if found := re.search(kind.says, trace.said):
-            # A pattern that reads the line means it, even if the line only spins.
+            # If the pattern includes the line of code, name that line even if it only spins.
             place = in_cell(trace.line) if trace.spun and r'\n' in kind.says else ''
             return Cause(
                 kind.cause_id, place + found.expand(kind.text), found.expand(kind.try_this)
@@ -134,7 +134,7 @@ def _known_cause(trace: Traceback) -> Cause | None:
 
 
 def _attribute_cause(trace: Traceback) -> Cause | None:
-    """Pass on that an object does not have what the code uses."""
+    """Explain an attribute that does not exist."""
     if 'has no attribute' not in trace.error:
         return None
     return Cause(
@@ -146,7 +146,7 @@ def _attribute_cause(trace: Traceback) -> Cause | None:
 
 
 def _arguments_cause(trace: Traceback) -> Cause | None:
-    """Explain a function that gets more or fewer arguments than it takes."""
+    """Explain a call with too many, too few or unknown arguments."""
     found = _ARGUMENTS.search(trace.error)
     if trace.kind != 'TypeError' or found is None:
         return None
@@ -156,7 +156,7 @@ def _arguments_cause(trace: Traceback) -> Cause | None:
     own = called in trace.own and (made or owner in ('', '<locals>', *trace.own))
     if made and not own and (cause := _by_name_cause(owner, said, trace)):
         return cause
-    # The line hands on what the call returns.
+    # Test whether the line passes on the result of the call.
     call = rf'(?:self\.)?{re.escape(name)}\(\)'
     passed = re.search(rf'[(,=]\s*{call}|^{call}\s*[,)]', trace.bare_code)
     if own and passed and found['missing']:
@@ -180,7 +180,7 @@ def _arguments_cause(trace: Traceback) -> Cause | None:
 
 
 def _by_name_cause(name: str, said: str, trace: Traceback) -> Cause | None:
-    """Explain an object of ROS that is made with arguments its class does not take."""
+    """Explain a message or an rclpy object that is created with wrong arguments."""
     package = _messages(trace).get(name, '')
     field = _main_field(name, package) if package else ''
     example = f'{name}({field or "field"}=...)' if package else BY_NAME.get(name, '')
@@ -194,7 +194,7 @@ def _by_name_cause(name: str, said: str, trace: Traceback) -> Cause | None:
 
 
 def _messages(trace: Traceback) -> Mapping[str, str]:
-    """Return the package of each message type of the lessons, or that the code imports."""
+    """Return the package of each message type that the lessons know or the code imports."""
     known = {
         name: home.removesuffix('.msg')
         for home, names in (*homes().items(), *trace.names.homes.items())
@@ -207,7 +207,7 @@ def _messages(trace: Traceback) -> Mapping[str, str]:
 
 
 def _main_field(name: str, package: str) -> str:
-    """Return the field that holds what a message is about, or nothing if there are several."""
+    """Return the main field of a message type, empty if there are several."""
     if package == 'std_msgs' and name not in _HOLDS_MORE and not name.endswith('Array'):
         return 'data'
     if (package, name) == ('builtin_interfaces', 'Time'):
@@ -216,7 +216,7 @@ def _main_field(name: str, package: str) -> str:
 
 
 def _heard(trace: Traceback) -> Mapping[str, str]:
-    """Return what the line calls the messages that a callback gets, and of which type each is."""
+    """Return the names of received messages in the line that failed, with their types."""
     heard = {}
     for kind, callback in _SUBSCRIPTION.findall(trace.bare)[:MOST_SUBSCRIPTIONS]:
         taken = re.search(rf'def {callback}\(\s*(?:self\s*,\s*)?(\w+)', trace.bare)
@@ -230,7 +230,7 @@ def _show(name: str, package: str) -> str:
 
 
 def _field_cause(trace: Traceback) -> Cause | None:
-    """Explain a field of a message that gets a value of the wrong type."""
+    """Explain a value of the wrong type for a field of a message."""
     found = _FIELD.search(trace.error)
     if found is None:
         return None
@@ -250,7 +250,7 @@ def _field_cause(trace: Traceback) -> Cause | None:
 
 
 def _no_field_cause(trace: Traceback) -> Cause | None:
-    """Explain a field that a message does not have, where it is made or used."""
+    """Explain a field that a message does not have, in its constructor or in an assignment."""
     known = _messages(trace)
     if 'Invalid arguments passed to constructor' in trace.error:
         named = re.findall(r'\b([A-Z]\w{0,40})\(', trace.bare_code)
@@ -268,7 +268,7 @@ def _no_field_cause(trace: Traceback) -> Cause | None:
 
 
 def _whole_message_cause(trace: Traceback) -> Cause | None:
-    """Explain a message that the code uses as if it were the number in it."""
+    """Explain code that uses a message as if it were a number or a string."""
     if trace.kind != 'TypeError' or 'not callable' in trace.error:
         return None
     known = _messages(trace)
@@ -277,7 +277,7 @@ def _whole_message_cause(trace: Traceback) -> Cause | None:
 
 
 def _take_the_field(kind: str, trace: Traceback) -> Cause:
-    """Return the repair for a message that is used instead of its field."""
+    """Return the cause that recommends a field of the message instead of the whole message."""
     package = _messages(trace)[kind]
     field = _main_field(kind, package)
     name = next((one for one, theirs in _heard(trace).items() if theirs == kind), 'message')
@@ -289,7 +289,7 @@ def _take_the_field(kind: str, trace: Traceback) -> Cause:
 
 
 _IN_A_FILE = ('no_parameter_file', 'parameter_file')
-"""Causes that are not in the line that raises."""
+"""Causes that are not in the line that raises the exception."""
 _IN_ORDER = (
     init_cause,
     _known_cause,

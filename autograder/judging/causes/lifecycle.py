@@ -1,8 +1,8 @@
 """
-What explains the failure of a lifecycle node, of which rclpy itself tells next to nothing.
+Explain failed transitions of lifecycle nodes.
 
-rclpy swallows the exceptions of transition callbacks: no log line, no traceback.  What is left is
-the code, so these functions read it; like everything that explains, they decide no verdict.
+rclpy swallows exceptions in transition callbacks: there is no log line and no traceback.  So these
+functions read the code.  Like all explanations, they never decide a verdict.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ ERROR_NOT_FAILURE = cause_of('error_not_failure')
 
 
 def why_accepted(run: Run) -> Cause:
-    """Explain a configuration that succeeds, although its limit is not above zero."""
+    """Explain a configuration that succeeded although the limit was not above zero."""
     if why := why_no_verdict(run):
         return why
     declared = Code(run.files).calls.get('declare_parameter', ())
@@ -39,7 +39,7 @@ def why_refused(run: Run, name: str, again: bool = False) -> Cause:
     """
     Explain a transition that ended with FAILURE or ERROR.
 
-    :param name: of the transition, such as ``configure``
+    :param name: name of the transition, such as ``configure``
     :param again: whether it succeeded before
     """
     code = Code(run.files)

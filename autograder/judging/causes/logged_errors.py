@@ -1,7 +1,7 @@
 """
-Why a node logs an ERROR that is not due: a mistake in its code, which an ``except`` has logged.
+Explain ERROR lines that come from a mistake in the code, logged in an ``except`` block.
 
-Only the text of the line tells such a mistake from what the exercise asks for.
+Only the text of the line distinguishes such a mistake from an ERROR that the exercise requires.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ _PYTHON = re.compile(
     r'[Dd]ivision by zero|format code|format string|'
     r'\b(?:Type|Name|Attribute|Key|Index|Assertion|UnboundLocal|ZeroDivision)Error\b'
 )
-"""What Python says of a mistake in code; ValueError is what an exercise itself may raise."""
+"""Parts of Python's error messages, without ValueError, which exercises raise themselves."""
 
 
 def why_exception_logged(run: Run, lines: Sequence[Event]) -> Cause | None:
     """
-    Explain the first ERROR among some lines, if it is what Python says of a mistake.
+    Explain the first ERROR line if it contains one of Python's error messages.
 
-    :param lines: of the node's own logger
+    :param lines: log lines of the node's own logger
     """
     texts = [str(one['text']) for one in lines if one['level'] == ERROR][:1]
     attribute = _ATTRIBUTE.search(texts[0]) if texts else None
@@ -40,7 +40,7 @@ def why_exception_logged(run: Run, lines: Sequence[Event]) -> Cause | None:
 
 
 def why_error_logged(run: Run, text: str) -> Cause:
-    """Pass on what a node has logged as an error."""
+    """Return a cause that quotes an ERROR line of the node."""
     return Cause(
         'logged_error',
         f"Your node logs this error: '{quoted(run, text)}'.",

@@ -1,8 +1,8 @@
 """
-Why a log line that is due did not come: another logger, another level, ``print()``, or none.
+Explain a missing log line: a different logger, a wrong level, ``print()``, or no line at all.
 
-A node's own lines go to the topic ``/rosout`` and, as the course sets it up, to standard output
-too.  Any other text on standard output was printed, or comes from a different logger.
+The lines of a node's logger go to the topic ``/rosout`` and, in this course, also to standard
+output.  Other text on standard output was printed, or comes from a different logger.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from autograder.submission.code.learners_code import Code, in_cell, last_name
 
 CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
 Belongs = Callable[[str], bool]
-"""Returns whether a text is that of the missing line."""
+"""Returns whether a text may be the missing line."""
 
 OTHER_LOGGER = cause_of('other_logger')
 OF_ROS = ('rcl', 'rmw', 'rcutils')
-"""How the names of loggers begin that the libraries of ROS write with, on standard output only."""
+"""Prefixes of the loggers of ROS libraries, which write only to standard output."""
 _LOGGED = re.compile(r'\[(DEBUG|INFO|WARN|ERROR|FATAL)\] (?:\[[\d.]+\] )?\[([^\]]*)\]: ?(.*)')
 
 
@@ -34,11 +34,11 @@ def why_not_logged(
     run: Run, found: Sequence[Event], level: int, belongs: Belongs | None = None
 ) -> Cause | None:
     """
-    Explain a log line that did not come.
+    Explain a missing log line.
 
-    :param found: what was logged instead at that moment
-    :param level: the level that is missing
-    :param belongs: without it, any line may be the missing one
+    :param found: lines that were logged instead at that moment
+    :param level: level of the missing line
+    :param belongs: by default, any line may be the missing one
     """
     if why := why_silent(run) or why_other_logger(run, level, _needed(run, belongs)):
         return why
@@ -52,7 +52,7 @@ def why_not_logged(
 
 
 def why_elsewhere(run: Run, level: int, belongs: Belongs | None = None) -> Cause | None:
-    """Explain a line that comes on standard output only, or not at all because all is silent."""
+    """Explain a line that is only on standard output, or missing from a silent program."""
     needed = _needed(run, belongs)
     return (
         why_silent(run) or why_other_logger(run, level, needed) or why_printed(run, level, needed)
@@ -60,16 +60,17 @@ def why_elsewhere(run: Run, level: int, belongs: Belongs | None = None) -> Cause
 
 
 def _needed(run: Run, belongs: Belongs | None) -> Belongs | None:
-    """Return how to know the missing line; where nothing is logged at all, it is any."""
+    """Return how to recognise the missing line; None (any line) if nothing was logged at all."""
     return belongs if run.recording.logs() else None
 
 
 def why_other_logger(run: Run, level: int, belongs: Belongs | None = None) -> Cause | None:
-    """Explain a line of the right level that comes from a logger that belongs to no node."""
+    """Explain a line at the right level from a logger that does not belong to any node."""
     own = {node.strip('/').replace('/', '.') for node in run.recording.nodes}
     own |= {str(entry['name']) for entry in run.recording.logs()}
     for severity, name, text in _on_stdout(run):
-        # A child's lines reach /rosout as its parent's do; and ROS has words of its own.
+        # Lines of child loggers reach /rosout too, and the libraries of ROS have their own
+        # loggers.
         known = name.startswith(OF_ROS) or any(f'{name}.'.startswith(f'{one}.') for one in own)
         if severity == LEVELS[level] and not known and (belongs is None or belongs(text)):
             return OTHER_LOGGER
@@ -80,9 +81,9 @@ def why_other_logger(run: Run, level: int, belongs: Belongs | None = None) -> Ca
 
 def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | None:
     """
-    Explain lines that are missing because the logger is told to leave some out.
+    Explain missing lines by a logger that is configured to leave some out.
 
-    :param found: those that came; where they were logged tells which call it is
+    :param found: lines that were logged; their line numbers identify the call
     """
     lines = {int(one['line']) for one in found if one.get('line')}
     if name := leaves_out(run.files, _names(level), lines):
@@ -96,15 +97,19 @@ def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | N
 
 
 def _names(level: int) -> Sequence[str]:
-    """Return what the functions are called that log at a level."""
+    """Return the names of the functions that log at a level."""
     return (CALLS[level], 'warn') if CALLS[level] == 'warning' else (CALLS[level],)
 
 
 def why_printed(run: Run, level: int, belongs: Belongs | None = None) -> Cause | None:
-    """Explain a line that is printed; any counts only if there is none of that level at all."""
+    """
+    Explain a line that was printed instead of logged.
+
+    :param belongs: None accepts any printed line, but only if no line of this level was logged
+    """
     if belongs is None and run.recording.logs(level=level):
         return None
-    # The second line of a log text has no level in front of it either.
+    # The second line of a logged message has no level on standard output, but was not printed.
     logged = {line for one in run.recording.logs() for line in str(one['text']).splitlines()}
     for severity, _, text in _on_stdout(run):
         if not severity and text not in logged and (belongs is None or belongs(text)):
@@ -113,10 +118,10 @@ def why_printed(run: Run, level: int, belongs: Belongs | None = None) -> Cause |
 
 
 def _on_stdout(run: Run) -> Iterator[tuple[str, str, str]]:
-    """Yield level, logger and text of what is on standard output; print() has no level."""
+    """Yield level, logger and text of each line on standard output; printed text has no level."""
     for line in str(run.recording.process.get('stdout', '')).splitlines():
         found = _LOGGED.search(line)
-        printed = line[: found.start()] if found else line  # print(..., end='') comes before it
+        printed = line[: found.start()] if found else line  # print(..., end='') comes first
         if printed.strip():
             yield '', '', printed
         if found:
@@ -124,7 +129,7 @@ def _on_stdout(run: Run) -> Iterator[tuple[str, str, str]]:
 
 
 def why_dropped(run: Run, level: int) -> Cause | None:
-    """Explain a line at level DEBUG with none of the right one, or one that is left out."""
+    """Explain a line that was logged at level DEBUG or suppressed by the logger."""
     code = Code(run.files)
     if 'debug' in code.calls and not code.calls.keys() & set(_names(level)):
         return cause_of('debug_level', call=CALLS[level])
@@ -133,8 +138,8 @@ def why_dropped(run: Run, level: int) -> Cause | None:
 
 def why_no_line(run: Run, call: str) -> Cause:
     """
-    Explain a node that is served, lives on and logs nothing.
+    Explain why a running node that answers requests logs nothing.
 
-    :param call: how its timer is made
+    :param call: code that creates the node's timer
     """
     return why_by_code('no_line', run, call=call)

@@ -1,7 +1,8 @@
 """
-Why a node does not answer, or answers late, in a program that runs to the end.
+Explain a node that answers late or not at all, in a program that runs until the end.
 
-Its thread has ended with an exception, the program spins a different node, or a callback sleeps.
+Possible causes: an exception ended its thread, the program spins a different node, or a callback
+sleeps.
 """
 
 from __future__ import annotations
@@ -18,26 +19,27 @@ from autograder.recording import Recording
 from autograder.submission.code.learners_code import in_cell, pause_in_callback
 
 THREAD = 'Exception in thread '
-"""The first words that Python prints when an exception has ended a thread."""
-MOST_THREADS = 20  # that are looked at
+"""Start of Python's message about an exception that ended a thread."""
+MOST_THREADS = 20  # maximum number of threads that are examined
 SPINS = re.compile(r'^ +File .*, in _?spin\w*$', re.MULTILINE)
 
 
 def nobody_answers(run: Run) -> bool:
-    """Return whether the probe asked every node at the end, and none answered."""
+    """Return whether the probe sent a request to every node at the end, and none responded."""
     asked_nodes = run.recording.of('asked')
     return bool(asked_nodes) and not any(event['answered'] for event in asked_nodes)
 
 
 def why_thread_ended(run: Run) -> Cause | None:
     """
-    Explain a program that lives on after an exception has ended the thread that spins its node.
+    Explain a program that keeps running after an exception ended the thread that spins its node.
 
-    An exception in another thread explains only that there is no node, or nobody ever spins it.
+    An exception in any other thread is the cause only if there is no node or no node answers.
     """
     said = str(run.recording.process.get('stderr', ''))
     for thread in said.split(THREAD, MOST_THREADS)[1:]:
-        # With what a hidden exam has sent: the words of an exception must not show it.
+        # Keep the inputs of a hidden exam, so that traceback_of() can remove them from the
+        # message.
         events = [
             *run.recording.of('input'),
             *asked(run),
@@ -55,14 +57,14 @@ def why_thread_ended(run: Run) -> Cause | None:
 
 
 def why_other_is_spun(run: Run) -> Cause | None:
-    """Explain a node that does not answer at the end while another one of the program does."""
+    """Explain a node that does not answer at the end although another node does."""
     asked_nodes = run.recording.of('asked')
     names = {event['node'] for event in asked_nodes}
     answered = {event['node'] for event in asked_nodes if event['answered']}
     if not answered:
         return None
     silent = sorted(names - answered, key=lambda node: (not _works(run, node), node))
-    # A helper that is not spun explains nothing, unless the spun node has no work either.
+    # A node without endpoints is not the cause, unless the nodes that answer have none either.
     if silent and (_works(run, silent[0]) or not any(_works(run, node) for node in answered)):
         other, mine = (name.rpartition('/')[2][:60] for name in (min(answered), silent[0]))
         return cause_of('other_node_spun', other=other, mine=mine)
@@ -76,7 +78,7 @@ def _works(run: Run, node: str) -> bool:
 
 
 def why_it_sleeps(run: Run) -> Cause | None:
-    """Explain a node that is late because a callback sleeps, unless the exercise asks for it."""
+    """Explain a node that is late because a callback sleeps, unless the exercise requires this."""
     pause = None if run.facts.get('slow_callback') else pause_in_callback(run.files)
     if pause is None:
         return None

@@ -1,11 +1,11 @@
 """
 Keep the inputs, the namespace and the parameters of hidden exams out of feedback.
 
-A student who learns these values could hard-code them and resubmit.  So the checks of an exam
-speak of drawn values in kinds and relations wherever :attr:`autograder.exam.exam.Run.secret`
-holds, and quote the student's node only with what cannot be an echo of them.  The namespace is a
-part of most names, and an exception may quote a parameter, so the judge takes what a program is
-started with out of all texts, in one place.
+A student who learns these values could hard-code them and resubmit.  If
+:attr:`autograder.exam.exam.Run.secret` is true, checks describe drawn values only in general
+terms, and quote the student's node only if the quotation cannot repeat them.  The namespace is
+part of most names, and an exception may quote a parameter.  So the judge removes the program's
+arguments from all texts in one place.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ _OPTION = '__ns:='
 _NUMBER = re.compile(r'\d+(?:[.,]\d+)?')
 MOST_QUOTED = 120
 PUBLIC = ('Celsius', 'Fahrenheit', 'temp_sensor_01', 'nan', '30')
-"""Parts of inputs that every lesson shows; an error that names one gives nothing away."""
+"""Input values that every lesson shows; an error message that contains one reveals nothing."""
 
 
 def namespace_of(scenario: Scenario) -> str:
-    """Return the namespace in which a program is started, such as ``/lab``, or nothing."""
+    """Return the namespace in which a program is started, such as ``/lab``, empty for none."""
     chosen = [one.removeprefix(_OPTION) for one in scenario.arguments if one.startswith(_OPTION)]
     return chosen[-1] if chosen and chosen[-1] != '/' else ''
 
 
 def without_arguments(scenario: Scenario, check: CheckResult) -> CheckResult:
     """
-    Return a result of a hidden exam whose texts do not show what the program was started with.
+    Return a result of a hidden exam without the arguments of the program in its texts.
 
-    Names of nodes and topics lose the namespace; alone, it is described.  What the student's node
-    has said about it, and the values of parameters, are left out too.
+    Names of nodes and topics lose the namespace; the namespace alone is replaced by a description.
+    The student's text about it and the values of parameters become an ellipsis.
     """
     space = namespace_of(scenario).strip('/')
     settings = [one.partition(':=')[2] for one in scenario.arguments if ':=' in one]
@@ -53,7 +53,7 @@ def without_arguments(scenario: Scenario, check: CheckResult) -> CheckResult:
             return text
         text = re.sub(rf'the namespace /{space}(?![\w/])', 'the namespace that we chose', text)
         text = re.sub(rf'/?{space}/(?=\w)', '', text)
-        return text.replace(space, '…')  # drawn letters are part of no word
+        return text.replace(space, '…')  # random letters, which occur in no word
 
     return replace(
         check,
@@ -66,11 +66,11 @@ def without_arguments(scenario: Scenario, check: CheckResult) -> CheckResult:
 
 def own_words(run: Run, text: str, instead: str) -> str:
     """
-    Return a text of the student's node as it may be quoted.
+    Return a quotation of the student's node if it cannot repeat a hidden input.
 
-    It cannot repeat an input if none was sent, or if the text is in the code.
+    That is certain if no input was sent, or if the text is in the code.
 
-    :param instead: what to say if it may repeat one
+    :param instead: text that replaces a quotation that may repeat one
     """
     open_to_all = not run.secret or not run.recording.of('input')
     if open_to_all or any(text in code for code in run.files.values()):
@@ -79,7 +79,7 @@ def own_words(run: Run, text: str, instead: str) -> str:
 
 
 def quoted(run: Run, text: str) -> str:
-    """Return what a node has logged, without the numbers and names that a hidden exam has sent."""
+    """Return a logged text without the numbers and strings that a hidden exam sent."""
     text = ' '.join(text.split())
     if run.secret:
         for word in {one for one in drawn_values(run) if isinstance(one, str)} - {*PUBLIC, ''}:
@@ -89,16 +89,17 @@ def quoted(run: Run, text: str) -> str:
 
 
 def drawn_values(run: Run) -> Iterator[Any]:
-    """Yield the values that were sent to the student's node, and the fractions it was asked."""
+    """Yield the values in the inputs, and the fractional numbers in the service requests."""
     for event in run.recording.of('input'):
         yield from event['data'].values()
     for event in asked(run):
-        # Whole numbers are also the ids of transitions, or one of the words 'takes 0 arguments'.
+        # Omit integers: they are also ids of transitions, or part of texts such as 'takes 0
+        # arguments'.
         yield from (one for one in _leaves(event['request']) if isinstance(one, float) and one % 1)
 
 
 def asked(run: Run) -> list[Event]:
-    """Return the calls of services whose request was recorded, in order."""
+    """Return the service calls with a recorded request, in order."""
     calls = run.recording.of('answer') + run.recording.of('no_answer')
     return [event for event in calls if event.get('request')]
 

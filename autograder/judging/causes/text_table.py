@@ -1,4 +1,4 @@
-"""Read the tables of causes, which are written as text so that a row is read as what it says."""
+"""Read the tables of causes, which are text files to make each row readable."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ FOLDER = Path(__file__).parent
 
 def rows(text: str) -> list[list[str]]:
     """
-    Return the rows of a table, each with its cells.
+    Return the rows of a table, each as a list of cells.
 
-    :param text: rows with an empty line between them, a cell in each line; a line that is indented
-        continues the one above it, behind one space; a block that begins with # is a comment
+    :param text: rows are separated by an empty line, and each line is a cell.  An indented line
+        continues the previous one after a space.  A block that begins with # is a comment
     """
     blocks = (block for block in text.strip().split('\n\n') if block[0] != '#')
     return [re.sub(r'\n +', ' ', block).split('\n') for block in blocks]
@@ -29,9 +29,9 @@ def rows_of(name: str) -> list[list[str]]:
 
 def cause_of(situation: str, **words: object) -> Cause:
     """
-    Return the cause that ``by_evidence.txt`` has for a situation.
+    Return the cause for a situation from ``by_evidence.txt``.
 
-    :param words: what its sentences have in braces
+    :param words: values for the names in braces
     """
     cause_id, text, try_this = _sentences()[situation]
     return Cause(cause_id, text.format(**words), try_this.format(**words))

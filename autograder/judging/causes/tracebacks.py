@@ -1,8 +1,9 @@
 """
-The exception a program died of, read off standard error, with the learner's line that it names.
+Read from standard error which exception ended a program, and in which line of the learner.
 
-Of several tracebacks the last one ended the program.  Two kinds do not count: what Python says
-that it ignores, and an ``except`` or ``finally`` that fails because a name was never assigned.
+If there are several tracebacks, the last one ended the program.  Two kinds are skipped: exceptions
+that Python reports as ignored, and an ``except`` or ``finally`` block that fails because a name
+was never assigned.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ _UNMADE = re.compile(r"(?:UnboundLocalError|NameError): .{0,40}?'(\w{1,60})'")
 _PATH = re.compile(r' \((?:/[^()\n]*|unknown location)\)')
 
 LONGEST = 400
-"""Characters of a line of code that are read; to search in longer ones costs time."""
+"""Maximum length of a line of code that is read [characters]; searching longer lines is slow."""
 
 
 @dataclass(frozen=True)
@@ -38,11 +39,13 @@ class Traceback:
     The exception that ended a program.
 
     :param error: type and message, one line
-    :param line: line of the student's file, None if no frame is in it
-    :param code: text of that line
-    :param source: all of the student's code in Python
-    :param spun: whether that line spins, and the executor below it raised
-    :param names: those of the exam
+    :param file: name of the student's file, empty if no frame is in one
+    :param line: line in this file, None if no frame is in one
+    :param code: text of this line
+    :param source: all Python code of the student
+    :param spun: whether this line only spins, and the exception was raised in the executor below
+        it
+    :param names: names of the exam
     """
 
     error: str
@@ -55,37 +58,37 @@ class Traceback:
 
     @property
     def kind(self) -> str:
-        """Return the exception's class name."""
+        """Return the class name of the exception."""
         return self.error.partition(':')[0].rpartition('.')[2]
 
     @property
     def place(self) -> str:
-        """Return the place in the learner's cell, unless the line only spins, which is right."""
+        """Return the line in the learner's cell, empty if this line only spins."""
         return in_cell(None if self.spun else self.line)
 
     @cached_property
     def said(self) -> str:
-        """Return the exception by its class's own name, and below it the bare line of code."""
+        """Return the exception's class name and message, then the line as in ``bare_code``."""
         return f'{self.kind}{self.error[len(self.error.partition(":")[0]) :]}\n{self.bare_code}'
 
     @cached_property
     def bare_code(self) -> str:
-        """Return the line without its comments and texts."""
+        """Return the line without its comments and strings."""
         return without_texts(self.code)
 
     @cached_property
     def bare(self) -> str:
-        """Return all of the student's code without its comments and texts."""
+        """Return all of the student's code without its comments and strings."""
         return without_texts(self.source)
 
     @cached_property
     def own(self) -> frozenset[str]:
-        """Return the classes, functions and methods that the student's files define."""
+        """Return the names of classes, functions and methods that the student's files define."""
         return frozenset(re.findall(r'\b(?:class|def) (\w+)', self.bare))
 
 
 def traceback_of(run: Run) -> Traceback | None:
-    """Return the exception at the end of standard error, if the program died of one."""
+    """Return the exception at the end of standard error, None if there is none."""
     source = '\n'.join(text for name, text in run.files.items() if name.endswith('.py'))
     lines = _last_traceback(str(run.recording.process.get('stderr', '')).splitlines(), source)
     error = _error_of(lines)
@@ -94,7 +97,7 @@ def traceback_of(run: Run) -> Traceback | None:
     error = _without_secrets(run, error)
     texts = {name.rpartition('/')[2]: text for name, text in run.files.items()}
     frames = [(at, found) for at, line in enumerate(lines) if (found := _FRAME.match(line))]
-    # Nodes that came as cells were built in the folder with the package's name.
+    # The grader puts nodes from notebook cells into the folder with the package's name.
     names = [*run.files, *(f'{run.facts.get("package", "")}/{name}' for name in run.files)]
     frames = [(at, found) for at, found in frames if _is_learners(found['path'], names)]
     spun = any(_EXECUTOR.match(line) for line in lines[frames[-1][0] if frames else 0 :])
@@ -109,8 +112,8 @@ def _is_learners(path: str, names: Iterable[str]) -> bool:
     """
     Return whether a frame is in one of the student's files.
 
-    A module of a package may be called as one of a library is, such as ``node.py``; where both are
-    installed, its folder tells.
+    A module of a package may have the name of a library module, such as ``node.py``.  If the path
+    is an installed one, the folder must match too.
     """
     parts = 2 if _INSTALLED.search(path) else 1
     tail = path.split('/')[-parts:]
@@ -118,7 +121,7 @@ def _is_learners(path: str, names: Iterable[str]) -> bool:
 
 
 def _last_traceback(lines: Sequence[str], source: str) -> Sequence[str]:
-    """Return the lines of the traceback that explains the end, or all where none begins."""
+    """Return the lines of the traceback that ended the program, or all if there is none."""
     starts = [at for at, line in enumerate(lines) if line.startswith(_HEAD)]
     if not starts:
         return lines
@@ -130,7 +133,8 @@ def _last_traceback(lines: Sequence[str], source: str) -> Sequence[str]:
     while len(parts) > 1:
         above, last = parts[-1]
         unmade = _UNMADE.match(_error_of(last))
-        # What the failed line was to make cannot be cleaned up: that failure is no news.
+        # If the first exception prevents an assignment, cleaning up the missing object fails too:
+        # skip this second exception.
         made = unmade and re.search(rf'\b{unmade[1]}\s*=(?!=)', source)
         if not made or not any(line.startswith(_DURING) for line in above):
             break
@@ -139,18 +143,19 @@ def _last_traceback(lines: Sequence[str], source: str) -> Sequence[str]:
 
 
 def _error_of(lines: Sequence[str]) -> str:
-    """Return the type and message of an exception, one line without the machine's paths."""
+    """Return type and message of an exception as one line, without absolute paths."""
     frames = [at for at, line in enumerate(lines) if _FRAME.match(line)]
     below = lines[frames[-1] + 1 :] if frames else ()
     error = next((line for line in below if line and not line[0].isspace()), '')
     if not _ERROR.match(error):
-        # Without a frame, as Python ends in the middle of its start, the last one that looks so.
+        # If Python ends during its start, there is no frame: use the last line that looks like an
+        # error.
         error = next((line for line in reversed(lines) if _LOOSE.match(line)), '')
     return _PATH.sub('', error)[:200]
 
 
 def _without_secrets(run: Run, error: str) -> str:
-    """Leave out the message of an exception that shows what a hidden exam has sent."""
+    """Remove the message of an exception if it contains an input of a hidden exam."""
     if not run.secret:
         return error
     for value in drawn_values(run):

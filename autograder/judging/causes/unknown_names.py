@@ -1,7 +1,8 @@
 """
-Names that Python does not find, at an import or in a line: where they come from, what to write.
+Explain names that Python does not find: where they come from, and what to write.
 
-Python's own suggestions are passed on; 3.10 and 3.11 make fewer of them, so the tables go first.
+Python's suggestions are used too.  Python 3.10 and 3.11 make fewer of them, so the tables come
+first.
 """
 
 from __future__ import annotations
@@ -47,11 +48,11 @@ HOMES = {
     'dataclasses': 'dataclass',
     'pathlib': 'Path',
 }
-"""Where the names of the lessons, of the most used messages and of everyday Python come from."""
+"""Names from the lessons, of common messages and of everyday Python, by module."""
 
 
 def homes() -> Mapping[str, str]:
-    """Return where names come from, those of the course's own messages too: module -> names."""
+    """Return the names in each module, joined by spaces, with the course's own messages."""
     own: dict[str, str] = {}
     for one in Layout.here().facts.messages:
         package, kind, name = one.split('/')
@@ -67,22 +68,22 @@ IMPORTS = {
     'Time': 'from builtin_interfaces.msg import Time, for the stamp of a message; or from '
     'rclpy.time import Time, to calculate with times',
 }
-"""Import lines of names that have a different module, or more than one."""
+"""Import lines of names that are in a different module, or in more than one."""
 
 INSTALLED = (*(one for one in sorted(sys.stdlib_module_names) if one[0] != '_'), 'numpy')
-"""Modules that exist wherever rclpy does."""
+"""Modules that are always installed together with rclpy."""
 
 NOTEBOOK = (
     'build_messages echo explain graph hz info listen logs nodes plot qos_table quiz start stop '
     'stop_all timeline topics wait_until'
 )
-"""What roslab brings into a notebook."""
+"""Functions that roslab adds to a notebook."""
 
 ALONE = 'Each %%node cell is a separate file, without the imports and names of other cells.'
 
 
 def import_cause(trace: Traceback) -> Cause | None:
-    """Explain a module that is not found, or a name that is looked for in the wrong module."""
+    """Explain a module that is not found, or a name that is imported from the wrong module."""
     if missing := _MODULE.search(trace.error):
         return _module_cause(trace, missing[1])
     found = _FROM.search(trace.error) or _BEHIND.search(trace.error)
@@ -143,24 +144,25 @@ def name_cause(trace: Traceback) -> Cause | None:
 
 
 def _import_line(name: str, trace: Traceback) -> str:
-    """Return the import line of a name; empty if it is not known to come from a module."""
+    """Return the import line for a name, empty if no module is known for it."""
     if name in IMPORTS:
         return IMPORTS[name]
     if home := _home(name, trace.names.homes, homes()):
         return f'from {home} import {name}'
-    # Half the modules of Python have names that variables have too, such as code or string.
+    # Many modules have names that variables have too, such as code or string, so require a use as
+    # a module.
     used = name in sys.stdlib_module_names and re.search(rf'\b{name}\.\w', trace.bare_code)
     return f'import {name}' if used else ''
 
 
 def _home(name: str, *tables: Mapping[str, str]) -> str:
-    """Return the module that a name comes from, or nothing."""
+    """Return the module that defines a name, empty if unknown."""
     pairs = (pair for homes in tables for pair in homes.items())
     return next((home for home, names in pairs if name in names.split()), '')
 
 
 def _how_to_define(name: str, trace: Traceback) -> str:
-    """Return what to do about a name that comes from no module."""
+    """Return the advice for a name that is in no known module."""
     if name == 'self':
         return 'Only a method has it, as its first argument, and further right than its def.'
     if name == 'main':
@@ -178,7 +180,7 @@ def _how_to_define(name: str, trace: Traceback) -> str:
 
 
 def init_cause(trace: Traceback) -> Cause | None:
-    """Explain a class whose __init__() is written with other underscores or letters."""
+    """Explain an __init__() method whose name is misspelt."""
     found = _PARENTS.search(trace.error)
     if _NO_INIT.search(trace.error) and 'def __init__(' not in trace.bare:
         found = _INIT.search(trace.bare)

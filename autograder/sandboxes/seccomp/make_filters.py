@@ -1,19 +1,20 @@
 """
 Write the system-call filters that every sandbox loads, one file per processor family.
 
-A developer's tool: it needs libseccomp and ``pip install pyseccomp``; the grader only reads the
-files next to it.  After a change run ``python autograder/sandboxes/seccomp/make_filters.py``,
-commit both.
+This is a tool for developers.  It needs libseccomp and ``pip install pyseccomp``; the grader only
+reads the files that it writes.  After a change, run
+``python autograder/sandboxes/seccomp/make_filters.py`` and commit this file and the filters.
 
 The filter is the last layer, after namespaces, dropped capabilities and resource limits.  It
-closes what they leave open, tested with real rclpy nodes inside:
+blocks the following, which they leave open (tested with real rclpy nodes inside):
 
-* new namespaces and mounts (bubblewrap's root mode has no user namespace to forbid them),
+* new namespaces and mounts (as root, there is no user namespace that forbids them),
 * socket families that a network namespace does not isolate, such as AF_VSOCK,
-* memory that is invisible to the sum of resident sets: memfd and System V segments,
+* memory that is not part of resident memory: memfd and System V segments,
 * the session keyring, ptrace of the sandbox's own init, io_uring, bpf, perf.
 
-Everything else stays allowed, because Python, numpy and Fast DDS need a wide and changing set.
+All other system calls are allowed, because Python, numpy and Fast DDS need many, which change
+from version to version.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ def write_filter(arch: str, path: Path) -> None:
     deny = seccomp.ERRNO(errno.EPERM)
     for name in FORBIDDEN.split():
         rules.add_rule(deny, name)
-    # glibc falls back to clone(), whose flags can be inspected, when clone3() does not exist.
+    # Without clone3(), glibc falls back to clone(), whose flags a filter can inspect.
     rules.add_rule(seccomp.ERRNO(errno.ENOSYS), 'clone3')
     for flag in NEW_NAMESPACE_FLAGS:
         rules.add_rule(deny, 'clone', seccomp.Arg(0, seccomp.MASKED_EQ, flag, flag))

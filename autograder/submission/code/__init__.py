@@ -1,1 +1,1 @@
-"""Learners' Python, read as a syntax tree and never run."""
+"""Analyse students' Python code as a syntax tree, without running it."""

@@ -1,7 +1,7 @@
 """
-Where in a learner's code something stands: in what is called again, or in a function around it.
+Find calls inside the callbacks of student code: log calls that skip lines, and fixed seeds.
 
-Read as Python and never run, as in :mod:`.learners_code`: it decides words, not verdicts.
+As in :mod:`.learners_code`, the code is never run, and the results affect only messages.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ def leaves_out(
     files: Mapping[str, str], names: Collection[str], lines: Collection[int] = ()
 ) -> str:
     """
-    Return the argument with which every log call of a level leaves lines out, or nothing.
+    Return the argument with which all log calls in callbacks skip lines; empty if one does not.
 
-    :param names: of the calls, such as ``warn`` and ``warning``; those of callbacks count
-    :param lines: only calls in these lines, if there are any
+    :param names: names of the log calls, such as ``warn`` and ``warning``
+    :param lines: consider only calls in these lines; empty for all calls
     """
     made = (call for tree in trees(files) for call in _calls_in_callbacks(tree, names))
     found = [_leaves_out(call) for call in made if not lines or call.lineno in lines]
@@ -36,7 +36,7 @@ def leaves_out(
 
 
 def _leaves_out(call: ast.Call) -> str:
-    """Return the argument with which a log call leaves lines out; False, 0 and None do not."""
+    """Return the argument with which a log call skips lines; False, 0 and None skip none."""
     for one in call.keywords:
         off = isinstance(one.value, ast.Constant) and not one.value.value
         if one.arg in _LEAVE_OUT and not off:
@@ -46,13 +46,13 @@ def _leaves_out(call: ast.Call) -> str:
 
 def logs_with_python(files: Mapping[str, str], names: Collection[str]) -> bool:
     """
-    Return whether all log calls of a level go to Python's own module ``logging``.
+    Return whether all log calls of a level use Python's module ``logging``.
 
-    :param names: of the calls, such as ``warn`` and ``warning``
+    :param names: names of the log calls, such as ``warn`` and ``warning``
     """
     found: list[bool] = []
     for tree in trees(files):
-        theirs = set(_logging_names(tree)) - {''}  # of what is no name, as an item of a list
+        theirs = set(_logging_names(tree)) - {''}  # '' is for targets without a name: items[0]
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
                 by = node.func.value
@@ -63,7 +63,7 @@ def logs_with_python(files: Mapping[str, str], names: Collection[str]) -> bool:
 
 
 def _logging_names(tree: ast.Module) -> Iterator[str]:
-    """Yield what a file calls the module ``logging`` and the loggers that it has from it."""
+    """Yield the names in a file for the module ``logging`` and for its loggers."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (one.asname or one.name for one in node.names if one.name == 'logging')
@@ -73,7 +73,7 @@ def _logging_names(tree: ast.Module) -> Iterator[str]:
 
 
 def seed_in_callback(files: Mapping[str, str]) -> str:
-    """Return what seeds random numbers with a constant in a function that is called again."""
+    """Return the function that seeds random numbers with a constant in a callback, or ''."""
     for tree in trees(files):
         known = values_by_name(tree)
         for call in _calls_in_callbacks(tree, _SEEDS):

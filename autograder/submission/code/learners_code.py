@@ -1,7 +1,7 @@
 """
-What a learner's code says, read as Python and never run: it decides words, not verdicts.
+Analyse student code as a syntax tree, without running it, to choose messages but not verdicts.
 
-Comments and strings do not count: a call that is named in a comment calls nothing.
+A syntax tree has no comments, so a call in a comment is not found.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from autograder.submission.code.python_text import NotPythonError, parsed
 
 _DEFS = (ast.FunctionDef, ast.AsyncFunctionDef)
 SHORT_S = 0.1
-"""A pause [s] too short to matter."""
+"""Calls of ``sleep`` for less than this time [s] are ignored."""
 
 
-@lru_cache(maxsize=64)  # Python needs a second for a line with thousands of f-strings
+@lru_cache(maxsize=64)  # tokenising a line with thousands of f-strings takes a second
 def without_texts(code: str) -> str:
-    """Return code with blanks for its comments and plain texts, as far as Python can read it."""
+    """Return code with its comments and strings (except f-strings) replaced by blanks."""
     lines = [list(line) for line in io.StringIO(code)]
     with suppress(tokenize.TokenError, SyntaxError, ValueError, RecursionError, MemoryError):
         for token in tokenize.generate_tokens(io.StringIO(code).readline):
@@ -40,15 +40,15 @@ def without_texts(code: str) -> str:
 
 def in_cell(line: int | None) -> str:
     """
-    Return a place in the learner's cell, to be put before a sentence.
+    Return the prefix of a message that names a line of the student's cell; empty for None.
 
-    :param line: of the file, from 1; line 1 of the cell is the magic line, which is in no file
+    :param line: line of the file, from 1; the cell has its magic line before it
     """
     return f'Line {line + 1}: ' if line else ''
 
 
 def trees(files: Mapping[str, str]) -> Iterator[ast.Module]:
-    """Yield the syntax tree of each file that Python can read."""
+    """Yield the syntax tree of each Python file, without files that Python cannot parse."""
     for name, text in sorted(files.items()):
         if name.endswith('.py'):
             with suppress(NotPythonError):
@@ -56,13 +56,13 @@ def trees(files: Mapping[str, str]) -> Iterator[ast.Module]:
 
 
 def texts_in(files: Mapping[str, str]) -> set[str]:
-    """Return the texts between quotes, documentation among them."""
+    """Return all string literals in the code, including docstrings."""
     return Code(files).texts
 
 
 class Code:
     """
-    What files say, as far as Python can read them.
+    The student's Python files as syntax trees, without files that Python cannot parse.
 
     :param files: the student's files, relative path to text
     """
@@ -73,7 +73,7 @@ class Code:
 
     @cached_property
     def calls(self) -> Mapping[str, Sequence[ast.Call]]:
-        """Return the calls by the last part of what is called, such as ``isnan``."""
+        """Return the calls by the last part of the called name, such as ``isnan``."""
         found: dict[str, list[ast.Call]] = {}
         for node in self.nodes:
             if isinstance(node, ast.Call):
@@ -82,22 +82,22 @@ class Code:
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """Return the names and attributes that are used, and the functions that are defined."""
+        """Return all names and attributes that are used, and all functions that are defined."""
         return (frozenset(map(last_name, self.nodes)) | set(self.functions)) - {''}
 
     @cached_property
     def texts(self) -> set[str]:
-        """Return the texts between quotes, documentation among them."""
+        """Return all string literals, including docstrings."""
         constants = (node.value for node in self.nodes if isinstance(node, ast.Constant))
         return {value for value in constants if isinstance(value, str)}
 
     @cached_property
     def functions(self) -> Mapping[str, ast.FunctionDef | ast.AsyncFunctionDef]:
-        """Return the functions and methods that are defined, by name."""
+        """Return all defined functions and methods by name."""
         return {node.name: node for node in self.nodes if isinstance(node, _DEFS)}
 
     def makes(self, name: str) -> bool:
-        """Return whether a name is defined, gets a value, or is in quotes, for setattr()."""
+        """Return whether a name is defined, assigned, or in quotes (as for ``setattr``)."""
         return name in self.functions or any(
             (isinstance(one, ast.Constant) and one.value == name)
             or (
@@ -109,7 +109,7 @@ class Code:
         )
 
     def parameters(self, name: str) -> Sequence[str] | None:
-        """Return the parameters of a function, None if it is not defined or takes any number."""
+        """Return a function's positional parameters; None if it is undefined or has ``*args``."""
         function = self.functions.get(name)
         if function is None or function.args.vararg:
             return None
@@ -117,7 +117,7 @@ class Code:
 
     @property
     def unmade(self) -> frozenset[str]:
-        """Return the names that are used, and that nothing in the files imports or makes."""
+        """Return the names that are used but neither imported nor defined in the files."""
         used = {one.id for one in self.nodes if isinstance(one, ast.Name)}
         made = {one.id for one in self.nodes if isinstance(one, ast.Name) and _is_made(one)}
         made |= {one.name for one in self.nodes if isinstance(one, ast.ClassDef)}
@@ -129,7 +129,7 @@ class Code:
 
     @property
     def loops(self) -> bool:
-        """Return whether there is a loop; one in a list or a sum is none."""
+        """Return whether there is a ``while`` or ``for`` loop; comprehensions do not count."""
         return any(isinstance(node, (ast.While, ast.For, ast.AsyncFor)) for node in self.nodes)
 
     @property
@@ -142,21 +142,21 @@ class Code:
 
     @property
     def ends_itself(self) -> bool:
-        """Return whether it exits: ``sys.exit(main())``, the usual last line, is none."""
+        """Return whether the code can exit, other than by the usual ``sys.exit(main())``."""
         exits = (call for name in ('exit', '_exit', 'quit') for call in self.calls.get(name, ()))
         given = (call.args[0] if call.args else None for call in exits)
         mains = (isinstance(one, ast.Call) and last_name(one.func) == 'main' for one in given)
         return 'SystemExit' in self.names or not all(mains)
 
     def defines_unused(self, name: str) -> bool:
-        """Return whether a function is defined, and neither called nor handed to anything."""
+        """Return whether a function is defined but neither called nor passed as an argument."""
         bare = {node.value for node in self.nodes if isinstance(node, ast.Expr)}
         loads = (one for one in self.nodes if isinstance(getattr(one, 'ctx', None), ast.Load))
         used = any(last_name(one) == name and one not in bare for one in loads)
         return name in self.names and not used
 
     def first_numbers(self, name: str) -> Iterator[float]:
-        """Yield the first arguments of a function where they are numbers, or names of some."""
+        """Yield the first argument of each call of a function if it is a number or names one."""
         for tree in self.trees:
             known = values_by_name(tree)
             for node in ast.walk(tree):
@@ -171,7 +171,7 @@ def _is_made(name: ast.Name | ast.Attribute) -> bool:
 
 
 def last_name(node: ast.AST) -> str:
-    """Return the last part of a name with or without dots, empty for anything else."""
+    """Return the last part of a name, with or without dots; empty for any other node."""
     if isinstance(node, ast.Attribute):
         return node.attr
     return node.id if isinstance(node, ast.Name) else ''
@@ -183,11 +183,12 @@ def last_name(node: ast.AST) -> str:
 @dataclass(frozen=True)
 class FieldUse:
     """
-    What code does with a field of a message.
+    How code uses a field of a message.
 
-    :param given: whether it may get a value: it, a part of it or an argument of its name is there
-    :param empty: whether one of those values is a call of ``Time`` without arguments
-    :param local: whether a variable of the field's name gets a value
+    :param given: whether the field may get a value: the code has an attribute, keyword argument
+        or string with its name
+    :param empty: whether one of the assigned values is a call of ``Time`` without arguments
+    :param local: whether a variable with the field's name is assigned
     """
 
     given: bool
@@ -197,16 +198,16 @@ class FieldUse:
 
 def use_of_field(files: Mapping[str, str], field: str) -> FieldUse:
     """
-    Return what code does with a field.
+    Return how code uses a field of a message.
 
-    :param field: its name, such as ``timestamp``
+    :param field: name of the field, such as ``timestamp``
     """
     nodes = Code(files).nodes
     values = [one.value for one in nodes if isinstance(one, ast.keyword) and one.arg == field]
     for node in nodes:
         if isinstance(node, ast.Assign):
             values += [node.value for target in node.targets if _reaches(target, field)]
-    # A name in quotes is given to setattr(), or is the key of a dictionary of fields.
+    # A name in quotes may be an argument of setattr(), or a key in a dictionary of fields.
     named = any(isinstance(node, ast.Constant) and node.value == field for node in nodes)
     read = any(isinstance(node, ast.Attribute) and node.attr == field for node in nodes)
     stored = (node for node in nodes if isinstance(node, ast.Name) and node.id == field)
@@ -218,12 +219,12 @@ def use_of_field(files: Mapping[str, str], field: str) -> FieldUse:
 
 
 def _reaches(target: ast.AST, field: str) -> bool:
-    """Return whether an assignment's target is a field or a part of it."""
+    """Return whether an assignment's target is a field or a part of the field."""
     return any(isinstance(one, ast.Attribute) and one.attr == field for one in ast.walk(target))
 
 
 def _is_empty_time(value: ast.AST) -> bool:
-    """Return whether a value is ``Time()``, or that turned into a message."""
+    """Return whether a value contains ``Time()``, as in ``Time().to_msg()``."""
     made = [one for one in ast.walk(value) if last_name(one) == 'Time']
     return bool(made) and any(
         isinstance(one, ast.Call) and one.func in made and not one.args and not one.keywords
@@ -235,11 +236,11 @@ def _is_empty_time(value: ast.AST) -> bool:
 
 
 def values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
-    """Return what names get in a file, None for what gets several values or is changed."""
+    """Return the value of each name in a file; None if it has several values or is changed."""
     known: dict[str, ast.AST | None] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.arg):
-            known[node.arg] = None  # whatever is passed
+            known[node.arg] = None  # a parameter, whose value is unknown
         if isinstance(node, (ast.AnnAssign, ast.AugAssign)):
             known[last_name(node.target)] = None
         if isinstance(node, ast.Assign):
@@ -252,7 +253,7 @@ def values_by_name(tree: ast.Module) -> dict[str, ast.AST | None]:
 
 
 def followed(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> ast.AST | None:
-    """Return what an expression stands for: a name in it is followed once."""
+    """Return the value of a name (not followed further), or any other expression itself."""
     named = isinstance(node, (ast.Name, ast.Attribute))
     return known.get(last_name(node)) if node is not None and named else node
 
@@ -263,10 +264,10 @@ def followed(node: ast.AST | None, known: Mapping[str, ast.AST | None]) -> ast.A
 @dataclass(frozen=True)
 class Pause:
     """
-    A call of ``sleep`` that a callback comes to.
+    A call of ``sleep`` that a callback reaches.
 
-    :param callback: name of the function that ROS calls, empty for a lambda
-    :param line: of the file, from 1
+    :param callback: name of the callback, empty for a lambda
+    :param line: line of the call in the file, from 1
     """
 
     callback: str
@@ -275,10 +276,10 @@ class Pause:
 
 def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
     """
-    Return the first pause in a callback, or in what it calls in the same file.
+    Return the first pause in a callback or in a function that it calls; None if there is none.
 
-    ``await asyncio.sleep()`` lets others work and does not count, nor does a pause in a ``while``
-    loop, which is the one to blame.
+    ``await asyncio.sleep()`` does not count, because it does not block.  A pause in a ``while``
+    loop does not count either, because the loop itself is the cause.
     """
     for tree in trees(files):
         for name, body in bodies_of_callbacks(tree):
@@ -289,11 +290,11 @@ def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
 
 def bodies_of_callbacks(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
     """
-    Yield each function that a callback comes to, once, with the name of that callback.
+    Yield each function that a callback reaches, once, with the name of that callback.
 
-    A callback is a lambda or a function of the file that is handed to something but a thread.
+    A callback is a lambda or a function of the file that is passed to any call except ``Thread``.
     """
-    functions: dict[str, list[ast.AST]] = {}  # two classes may each have a report()
+    functions: dict[str, list[ast.AST]] = {}  # several classes may have a method of the same name
     for node in ast.walk(tree):
         if isinstance(node, _DEFS):
             functions.setdefault(node.name, []).append(node)
@@ -317,7 +318,7 @@ def bodies_of_callbacks(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
 
 
 def _pause(body: ast.AST) -> int | None:
-    """Return the line of the first pause in a function."""
+    """Return the line of the first pause in a function, None if there is none."""
     others = {
         id(inner)
         for node in ast.walk(body)
@@ -336,6 +337,6 @@ def _pause(body: ast.AST) -> int | None:
 
 
 def _is_short(call: ast.Call) -> bool:
-    """Return whether a pause is surely so short that nothing waits for it."""
+    """Return whether a pause is certainly too short to matter."""
     value = call.args[0].value if call.args and isinstance(call.args[0], ast.Constant) else None
     return isinstance(value, (int, float)) and value < SHORT_S

@@ -1,0 +1,78 @@
+"""Read CSV files that people and learning platforms write, and write them in the same form."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+import io
+from pathlib import Path
+
+from autograder.errors import GraderError
+
+BOM = '\N{ZERO WIDTH NO-BREAK SPACE}'
+
+
+@dataclass(frozen=True)
+class Table:
+    """
+    A CSV file, cell by cell; the first row is the header.
+
+    :param delimiter: comma, semicolon or tab
+    :param newline: how its lines end
+    :param bom: whether it begins with a byte order mark
+    """
+
+    rows: list[list[str]]
+    delimiter: str = ','
+    newline: str = '\n'
+    bom: bool = False
+
+    @property
+    def header(self) -> list[str]:
+        """Return the names of the columns."""
+        return self.rows[0]
+
+    def to_bytes(self) -> bytes:
+        """Return the file with its current cells, in UTF-8."""
+        text = io.StringIO()
+        writer = csv.writer(text, delimiter=self.delimiter, lineterminator=self.newline)
+        writer.writerows(self.rows)
+        return ((BOM if self.bom else '') + text.getvalue()).encode('utf-8')
+
+
+def parse_table(data: bytes) -> Table:
+    """
+    Return the cells of a CSV file; empty lines do not count.
+
+    :raises ValueError: with the reason, if it is not a table with equally long rows
+    """
+    try:
+        text = data.decode('utf-8')
+    except UnicodeDecodeError as error:
+        raise ValueError('the text is not UTF-8') from error
+    bom, text = text.startswith(BOM), text.removeprefix(BOM)
+    first = text.partition('\n')[0]
+    delimiter = max(',;\t', key=first.count)
+    try:
+        rows = list(csv.reader(io.StringIO(text, newline=''), delimiter=delimiter, strict=True))
+    except csv.Error as error:
+        raise ValueError(f'a line is not valid CSV ({error})') from error
+    rows = [row for row in rows if row] or [[]]
+    for line, row in enumerate(rows, start=1):
+        if len(row) != len(rows[0]):
+            raise ValueError(f'line {line} has {len(row)} fields, the first line {len(rows[0])}')
+    return Table(rows, delimiter, '\r\n' if '\r\n' in text else '\n', bom)
+
+
+def read_bytes(path: Path, what: str, fix: str) -> bytes:
+    """
+    Read a file.
+
+    :param what: its name in the message, such as ``the gradebook from Canvas``
+    :param fix: what to try
+    :raises GraderError: if it cannot be read
+    """
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise GraderError(f'{path}: {what} cannot be read: {error.strerror}.', fix) from error

@@ -1,0 +1,16 @@
+"""Hidden exam of lesson 05, part 6: secret speeds and turns."""
+
+from __future__ import annotations
+
+from autograder.exam.inputs import generator
+from autograder.exams.visible.safety_stop import build, drive
+
+_draw = generator('safety_stop', 'commands')
+_slow = [size / 1000 for size in _draw.sample(range(50, 500), 9)]
+_small = [size / 1000 for size in _draw.sample(range(50, 500), 13)]
+_large = [size / 1000 for size in _draw.sample(range(550, 2000), 4)]
+_fast = [_draw.randrange(550, 1000) / 1000, *_draw.sample((-1.25, 1.5), 2)]
+# The limit itself, backward and forward, are speeds like any other.
+_first = [_slow[0], -_slow[1], _fast[0], _fast[1], *_slow[2:5], _fast[2], 0.5]
+_turns = [*_small[:2], _large[0], -_large[1], _small[4], _large[2], _small[6], -_large[3]]
+exam = build(drive([*_first, *_slow[5:]], [*_turns, *_small[8:]]))

@@ -1,0 +1,284 @@
+"""
+Lesson 05, part 6: a node between a driver and a robot, which notices silence.
+
+The specification, as the lesson gives it: node ``safety_stop``; each ``geometry_msgs/msg/Twist``
+of ``cmd_vel_raw`` is published at once on ``cmd_vel``, with ``linear.x`` limited to -0.5 to 0.5
+and ``angular.z`` unchanged; 0.5 s after the last command, at most 0.1 s later, one ``Twist`` with
+zeros, then nothing until the next command; nothing before the first command.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import groupby
+from typing import Any, NamedTuple
+
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.scenario import Advance, Feed, Scenario
+from autograder.exam.specification import Rule, Slip, Specification
+from autograder.judging.checks import SECOND
+from autograder.judging.claims import node, passes
+from autograder.judging.rhythm import GRAIN_S
+from autograder.judging.rows import (
+    published,
+    require_all_sent,
+    require_one_for_one,
+    require_values,
+)
+
+SOURCE, TARGET, TWIST = '/cmd_vel_raw', '/cmd_vel', 'geometry_msgs/msg/Twist'
+LIMIT, SILENCE_S, LATE_S = 0.5, 0.5, 0.1
+STOP = (0.0, 0.0)
+QUIET_S = 0.9  # at the start, without a command
+SHORT_S, MIDDLE_S, LONG_S = (0.31, 0.43), 0.83, 1.66  # from one command to the next
+BURST = 3
+Pair = tuple[float, float]
+EARLY = Cause(
+    'early_stop',
+    'A stop comes although the last command is less than 0.5 s old.',
+    'Measure the silence from the last command: self.silence.reset() in each call of guard().',
+)
+REPEATS = Cause(
+    'repeats_stop',
+    'In one silence, more than one stop comes.',
+    'Let stop() cancel the timer: self.silence.cancel(). The next command resets it.',
+)
+PASSED_LATE = Cause(
+    'passed_late',
+    'A command is not published when it comes, but later.',
+    'Publish the command in the callback of the subscription, not in that of a timer.',
+)
+STOPS_LATE = Cause(
+    'other_moment',
+    'The stop does not come 0.5 s after the last command.',
+    'Create the timer with 0.5 s, and reset it each time a command comes.',
+)
+
+
+class Command(NamedTuple):
+    """
+    One input.
+
+    :param lasts_s: time to the next input [s]
+    """
+
+    speed: float
+    turn: float
+    lasts_s: float
+
+
+def limited(value: float, limit: float = LIMIT) -> float:
+    """Return the nearest value that is not further from 0 than the limit."""
+    return max(-limit, min(value, limit))
+
+
+def right_pair(one: Command) -> Pair:
+    """Return what a right node makes of a command: speed and turn."""
+    return limited(one.speed), one.turn
+
+
+def guarding(
+    pair: Callable[[Command], Pair | None] = right_pair,
+    stops: Callable[[Command, int], Sequence[Pair]] = lambda one, silence: [STOP],
+    after_s: float = SILENCE_S,
+    for_good: Sequence[Pair] | None = None,
+) -> Rule:
+    """
+    Return the rule of a safety stop; without parameters, it is the right one.
+
+    :param pair: what is published for a command, None for nothing
+    :param stops: what is published in a silence, by the last command and the number of silences
+    :param after_s: length of a pause that counts as a silence [s]
+    :param for_good: what is published for each command after the first silence; None: as before it
+    """
+
+    def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
+        found, silences = [], 0
+        for one in inputs:
+            passed = pair(one)
+            row = [passed] if passed else []
+            if silences and for_good is not None:
+                row = list(for_good)
+            elif one.lasts_s > after_s:
+                silences += 1
+                row += stops(one, silences)
+            found.append(tuple(row))
+        return found
+
+    return rule
+
+
+def _fast(change: Callable[[Command], Pair | None]) -> Rule:
+    return guarding(lambda one: change(one) if abs(one.speed) > LIMIT else right_pair(one))
+
+
+CLAMP = 'Limit linear.x on both sides: max(-0.5, min(command.linear.x, 0.5)).'
+ALONE = 'Change only linear.x, and publish the command that came.'
+ZEROS = 'In a silence, publish an empty Twist(): all of its fields are 0.0.'
+SLIPS = (
+    Slip('not_limited', 'Fast commands are passed on as they came.', CLAMP,
+         guarding(lambda one: (one.speed, one.turn))),
+    Slip('forward_only', 'Only the speed forward is limited, not the speed backward.', CLAMP,
+         guarding(lambda one: (min(one.speed, LIMIT), one.turn))),
+    Slip('sign_lost', 'The robot drives forward although the command says backward.', CLAMP,
+         guarding(lambda one: (min(abs(one.speed), LIMIT), one.turn)),
+         _fast(lambda one: (LIMIT, one.turn))),
+    Slip('other_limit', 'The speed is limited to 1.0 instead of 0.5.', CLAMP,
+         guarding(lambda one: (limited(one.speed, 1.0), one.turn))),
+    Slip('drops_fast', 'A fast command is not passed on at all.', CLAMP, _fast(lambda one: None)),
+    Slip('stops_fast', 'A fast command becomes a stop.', CLAMP,
+         _fast(lambda one: STOP), _fast(lambda one: (0.0, one.turn))),
+    Slip('turn_limited', 'The turn is limited too.', ALONE,
+         guarding(lambda one: (limited(one.speed), limited(one.turn)))),
+    Slip('turn_lost', 'The turn is lost.', ALONE, guarding(lambda one: (limited(one.speed), 0.0))),
+    Slip('no_stop', 'Nothing is published when the commands end.',
+         'A timer that each command resets ticks only in a silence: publish Twist() then.',
+         guarding(stops=lambda one, silence: [])),
+    Slip('half_a_stop', 'In a silence, one of speed and turn is 0.0 and the other one is not.',
+         ZEROS, guarding(stops=lambda one, silence: [(0.0, one.turn)]),
+         guarding(stops=lambda one, silence: [(limited(one.speed), 0.0)])),
+    Slip('repeats_last', 'In a silence, the last command is published again.', ZEROS,
+         guarding(stops=lambda one, silence: [right_pair(one)])),
+    Slip('stops_once', 'Only the first silence causes a stop.',
+         'Reset the timer with each command, also after a stop.',
+         guarding(stops=lambda one, silence: [STOP] if silence == 1 else [])),
+    Slip('stops_for_good', 'After the first stop, commands are not passed on any more.',
+         'Pass each command on, without a flag that stays set.',
+         guarding(for_good=()), guarding(for_good=(STOP,))),
+    Slip.of(EARLY, guarding(after_s=0.25)),
+    Slip('late_stop', 'The stop comes only after a longer silence than 0.5 s.',
+         'Create the timer with 0.5 s.', guarding(after_s=1.0)),
+    Slip.of(REPEATS, guarding(
+        stops=lambda one, silence: [STOP] * int(one.lasts_s / SILENCE_S))),
+)  # fmt: skip
+
+
+def _came(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
+    return run.facts['commands'], published(run, 'commands', TARGET, 'linear.x', 'angular.z')
+
+
+def places(asked: Specification, silent: bool, fast: bool = False) -> list[int]:
+    """Return the places of the commands before a silence, or of the others of one kind."""
+    singles = asked.inputs[: len(asked.inputs) - asked.burst]
+    if silent:
+        long = [place for place, one in enumerate(singles) if one.lasts_s > SILENCE_S]
+        return [*long, len(singles)]
+    return [
+        place
+        for place, one in enumerate(singles)
+        if one.lasts_s < SILENCE_S and (abs(one.speed) > LIMIT) == fast
+    ]
+
+
+def passes_commands_on(run: Run) -> None:
+    """Each command is passed on once, with its turn; nothing comes before the first."""
+    asked, came = _came(run)
+    require_one_for_one(run, asked, TARGET, came, ())
+    plain = places(asked, silent=False)
+    for place in plain:
+        if STOP in (came[place] or ())[1:]:
+            raise Failed(
+                expected='no stop while the commands are less than 0.5 s apart',
+                observed='a stop',
+                why=asked.cause(came, place, plain) or EARLY,
+            )
+    require_values(run, asked, came, plain)
+
+
+def limits_the_speed(run: Run) -> None:
+    """The speed is limited to -0.5 to 0.5, and the turn is not."""
+    asked, came = _came(run)
+    require_values(run, asked, came, places(asked, silent=False, fast=True))
+
+
+def stops_in_silence(run: Run) -> None:
+    """In each silence of more than 0.5 s comes exactly one Twist with zeros."""
+    asked, came = _came(run)
+    silent = places(asked, silent=True)
+    for place in silent:
+        stops = [len(list(group)) for one, group in groupby(came[place] or ()) if one == STOP]
+        if stops and max(stops) > 1:
+            why = asked.cause(came, place, silent) or REPEATS
+            raise Failed(expected='one stop', observed='more than one stop', why=why)
+    require_values(run, asked, came, silent)
+    require_all_sent(run, came)
+
+
+def keeps_its_times(run: Run) -> None:
+    """A command is passed on at once; a stop comes 0.5 s to 0.6 s after the last command."""
+    sent = [one['clock_ns'] for one in run.recording.of('input')]
+    for message in run.recording.messages(TARGET):
+        late_s = (message['clock_ns'] - sent[message['after_input']]) / SECOND
+        values = message['data']['linear']['x'], message['data']['angular']['z']
+        if values != STOP and late_s > GRAIN_S:
+            raise Failed(
+                expected='a command that is published when it comes',
+                observed=f'a command {late_s:.2g} s later',
+                why=PASSED_LATE,
+            )
+        in_time = SILENCE_S - GRAIN_S <= late_s <= SILENCE_S + LATE_S + GRAIN_S
+        if values == STOP and late_s > GRAIN_S and not in_time:
+            raise Failed(
+                expected=f'a stop {SILENCE_S:g} s to {SILENCE_S + LATE_S:g} s after the command',
+                observed=f'a stop {late_s:.2g} s after it',
+                why=STOPS_LATE,
+            )
+
+
+def build(commands: Sequence[Command]) -> Exam:
+    """
+    Return the exam for some commands.
+
+    :param commands: none is a stop; the last :data:`BURST` of them come at once
+    """
+    data = [{'linear': {'x': one.speed}, 'angular': {'z': one.turn}} for one in commands]
+    singles = [
+        Feed(SOURCE, [sent], every_s=one.lasts_s, rest_s=0.0)
+        for sent, one in zip(data[:-BURST], commands)
+    ]
+    burst = Feed(SOURCE, data[-BURST:], burst=True, every_s=LONG_S, rest_s=0.0)
+    exam = Exam(
+        'safety_stop',
+        title='A safety stop',
+        assignment='05_quality_of_service',
+        part=3,
+        scenario=Scenario(
+            file='safety_stop.py',
+            watch={TARGET: TWIST},
+            feed={SOURCE: TWIST},
+            steps=(Advance(QUIET_S), *singles, burst),
+        ),
+        read='Exercise 3: a safety stop',
+        asks={'commands': Specification(commands, guarding(), SLIPS, BURST)},
+    )
+    exam.check(points=1)(node('/safety_stop'))
+    exam.check(points=1)(passes((SOURCE, TWIST), (TARGET, TWIST)))
+    exam.check(points=2, needs=['reads_and_writes'])(passes_commands_on)
+    exam.check(points=2, needs=['reads_and_writes'])(limits_the_speed)
+    exam.check(points=3, needs=['reads_and_writes'])(stops_in_silence)
+    exam.check(points=1, needs=['passes_commands_on', 'stops_in_silence'])(keeps_its_times)
+    return exam
+
+
+def drive(speeds: Sequence[float], turns: Sequence[float]) -> list[Command]:
+    """
+    Return commands with three silences among them, and a burst at the end.
+
+    A mistake in the limit costs nothing in a silence: before one, speed and turn are small.
+
+    :param speeds: 13 numbers, the third, fourth and eighth above the limit or below it, no other
+    :param turns: 13 numbers, different and not 0.0, from the eleventh on and in the fifth, seventh
+        and tenth place at most 0.5
+    """
+    short, long = SHORT_S
+    pauses = (short, long, short, long, LONG_S, short, MIDDLE_S, long, short, LONG_S)
+    lasts = (*pauses, *(0.0,) * (BURST - 1), LONG_S)
+    return [Command(*one) for one in zip(speeds, turns, lasts, strict=True)]
+
+
+exam = build(
+    drive(
+        [0.3, -0.4, 0.9, -0.8, 0.2, 0.45, 0.3, 1.5, 0.5, 0.35, 0.1, 0.4, 0.25],
+        [0.2, -0.1, 0.7, 0.3, 0.45, -0.6, 0.4, 1.2, 0.1, -0.3, 0.25, -0.4, 0.15],
+    )
+)

@@ -1,0 +1,54 @@
+"""
+Pack feedback pages under the names with which Canvas and Moodle take them back.
+
+Canvas (``infer_comment_context_from_filename`` of an assignment) reads the first two numbers of
+a name: the user's and the attachment's.  It ignores names whose last part begins with ``link``.
+Moodle (``mod/assign/feedback/file/importziplib.php``) reads the participant's number and the type
+of the submission.  Both are in the names of the downloads.  Both ignore any other file in the zip.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import io
+from pathlib import PurePath
+import re
+import zipfile
+
+from autograder.classroom.delivered import Delivered
+from autograder.files import safe_name
+
+PAGE = 'feedback.html'
+MOODLE = re.compile(r'.+?_\d+_assignsubmission_file')
+
+
+def name_in_zip(student: str, delivered: Delivered | None) -> str:
+    """
+    Return the name of a student's page.
+
+    :param delivered: the name of the submission on its platform, if known; without one, the page
+        is in a folder with the student's id
+    """
+    if delivered and delivered.kind == 'canvas':
+        return f'{PurePath(delivered.place).stem}_{PAGE}'
+    if delivered and delivered.kind == 'moodle' and (match := MOODLE.match(delivered.place)):
+        return f'{match[0]}_{PAGE}'
+    return f'{safe_name(student)}/{PAGE}'
+
+
+def feedback_zip(pages: Mapping[str, bytes], names: Mapping[str, Delivered]) -> bytes:
+    """
+    Return the zip file; equal pages give equal bytes.
+
+    :param pages: HTML by student id
+    :param names: names of the submissions on their platforms, by student id
+    """
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
+        for student, page in sorted(pages.items()):
+            name = name_in_zip(student, names.get(student))
+            entry = zipfile.ZipInfo(name, date_time=(2024, 1, 1, 0, 0, 0))
+            entry.external_attr = 0o644 << 16
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, page)
+    return made.getvalue()

@@ -1,0 +1,103 @@
+"""
+Fill the grades in a grading worksheet from Moodle.
+
+What Moodle writes and reads again (its own ``mod/assign/gradingtable.php`` and
+``feedback/offline/importgradeslib.php``): a header in the user's language, the column
+``Identifier`` first with ``Participant 4711``, the grade, the maximum grade right after it, and
+the time of the last change, which Moodle compares.  The number is the one in the names of
+downloaded submissions, so ``collect`` knows it.  Moodle reads a decimal point in every language.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+import re
+
+from autograder.classroom.tables import parse_table, Table
+from autograder.errors import GraderError
+from autograder.exports.filling import add_names, factor_for, Filled, matched, to_number
+from autograder.exports.marks import Mark
+
+GRADE = 'Grade'
+"""The header of the grades in English."""
+PARTICIPANT = re.compile(r'\D*(\d+)')
+FIX = (
+    'Try: in Moodle turn on "Offline grading worksheet" in the settings of the assignment, then '
+    'choose Download grading worksheet'
+)
+
+
+def fill(
+    data: bytes,
+    where: str,
+    marks: Sequence[Mark],
+    numbers: Mapping[str, str],
+    column: str = GRADE,
+    scale: bool = False,
+) -> Filled:
+    """
+    Enter marks in a grading worksheet.
+
+    :param data: the file from Moodle
+    :param where: how to name it in messages
+    :param numbers: participants' numbers by student id, as far as ``collect`` has seen them
+    :param column: header of the grades, in the language of the worksheet
+    :param scale: convert the points if Moodle has another maximum
+    :raises GraderError: if this is not such a file, or the points differ
+    """
+    table = _read(data, where)
+    index = _grade(table, where, column)
+    possible = to_number(table.rows[1][index + 1]) if len(table.header) > index + 1 else None
+    factor = factor_for(where, column, possible, marks, scale)
+    done = Filled('Moodle', column=column)
+    columns = ', '.join(table.header[:index])
+    rows = matched(_lines(table, index, marks, numbers), marks, columns, done)
+    for row, mark in rows.items():
+        done.enter(table.rows[row], index, mark, factor)
+    done.untouched = len(table.rows) - 1 - len(rows)
+    done.data = table.to_bytes()
+    return done
+
+
+def _lines(
+    table: Table, index: int, marks: Sequence[Mark], numbers: Mapping[str, str]
+) -> dict[str, set[int]]:
+    """Return the rows that have a student's number, else the student's id."""
+    by_number: dict[str, set[int]] = {}
+    by_id: dict[str, set[int]] = {}
+    for row, cells in enumerate(table.rows[1:], start=1):
+        if match := PARTICIPANT.fullmatch(cells[0]):
+            by_number.setdefault(match[1], set()).add(row)
+        for cell in cells[1:index]:
+            add_names(by_id, cell, row)
+    # A number belongs to one person; two people may have one name.
+    return by_id | {
+        mark.student: by_number.get(numbers[mark.student], set())
+        for mark in marks
+        if mark.student in numbers
+    }
+
+
+def _read(data: bytes, where: str) -> Table:
+    try:
+        table = parse_table(data)
+    except ValueError as error:
+        raise _no_worksheet(where, str(error)) from error
+    if len(table.rows) < 2 or not all(PARTICIPANT.fullmatch(row[0]) for row in table.rows[1:]):
+        raise _no_worksheet(where, 'the first column has no numbers of participants')
+    return table
+
+
+def _grade(table: Table, where: str, column: str) -> int:
+    """Return the index of the grades."""
+    found = [index for index, name in enumerate(table.header) if name == column]
+    if len(found) != 1:
+        raise GraderError(
+            f'{where}: there is no column {column!r}.',
+            f'Try: --column with one of {", ".join(table.header[1:])}',
+        )
+    return found[0]
+
+
+def _no_worksheet(where: str, why: str) -> GraderError:
+    return GraderError(f'{where}: this is not a grading worksheet from Moodle: {why}.', FIX)

@@ -1,0 +1,114 @@
+"""
+Run the visible checks of the notebooks in a student's repository.
+
+    python -m autograder.workflow [LESSON ...]
+
+GitHub Actions runs this on every push. Exit code 0: every check has a verdict, 2: the checks could
+not be run. Classroom's reporter decides from the points whether the job passes.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+import os
+from pathlib import Path
+import sys
+
+from autograder.commands import OK, USAGE
+from autograder.commands.check import REFUSALS, refuse, sandbox_for
+from autograder.exam import catalog
+from autograder.exam.exam import Exam
+from autograder.explaining.feedback import printable
+from autograder.grading.examine import examine
+from autograder.layout import Layout
+from autograder.results import ExamResult, Problem
+from autograder.sandboxes.sandbox import Sandbox
+from autograder.submission.cells import UNSOLVED
+from autograder.submission.extract import extract
+from autograder.submission.notebook import marks_of, read_release
+from autograder.submission.package import name_missing
+from autograder.submission.reading import read_file
+from autograder.submission.submission import open_submission
+from autograder.workflow.report import Checked, classroom_result, error_commands, summary
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """
+    Run the checks, print the annotations, and write summary and points for GitHub.
+
+    :returns: the exit code
+    """
+    parser = argparse.ArgumentParser(prog='python -m autograder.workflow')
+    parser.add_argument('lessons', nargs='*', metavar='LESSON', help='lesson (default: all)')
+    chosen = parser.parse_args(arguments)
+    try:
+        layout = Layout.here()
+        lessons = [layout.assignment_named(one) for one in chosen.lessons]
+        found = list(checked(layout, lessons or layout.assignments(), sandbox_for(visible=True)))
+    except REFUSALS as error:
+        refuse(error, as_json=False)
+        return USAGE
+    print('\n'.join(error_commands(found)))
+    _append('GITHUB_STEP_SUMMARY', summary(found))
+    _append('GITHUB_OUTPUT', f'result={classroom_result(found)}\n')
+    return OK
+
+
+def checked(layout: Layout, lessons: Sequence[str], sandbox: Sandbox) -> Iterator[Checked]:
+    """
+    Yield the outcome of each exam; an answer that is not written is not run.
+
+    :raises GraderError: for a fault of the grader
+    """
+    for lesson in lessons:
+        if exams := catalog.for_assignment(lesson, hidden=False):
+            path = layout.release(lesson)
+            try:
+                yield from _of_notebook(path, exams, layout, sandbox)
+            except (ValueError, LookupError, TypeError) as error:
+                name = path.relative_to(layout.root).as_posix()
+                said = f'the notebook cannot be read ({type(error).__name__})'
+                yield from (_unwritten(name, exam, sandbox, (said,)) for exam in exams)
+
+
+def _of_notebook(
+    path: Path, exams: Sequence[Exam], layout: Layout, sandbox: Sandbox
+) -> Iterator[Checked]:
+    """Yield the outcome of each exam of a notebook."""
+    name = path.relative_to(layout.root).as_posix()
+    data, problems = read_file(path, path.name)
+    release = read_release(path)  # the student's own: a repository has no other
+    opened = open_submission(data, release, path.name, problems)
+    sources = {marks_of(cell).get('grade_id'): cell['source'] for cell in release['cells']}
+    for exam, files in zip(exams, extract(opened, exams, release, path.name).values()):
+        said = (*opened.problems, *files.problems)
+        if not said and any(UNSOLVED in text for text in files.files.values()):
+            yield _unwritten(name, exam, sandbox)
+            continue
+        result = examine(exam, files.files, sandbox=sandbox)
+        result = result if said else name_missing(result, files.files)
+        text = (data or b'').decode('utf-8', 'replace')
+        source = next((sources[cell] for cell in exam.cells if cell in sources), '')
+        yield Checked(name, text, source, True, result, _lines(said))
+
+
+def _unwritten(name: str, exam: Exam, sandbox: Sandbox, problems: tuple[str, ...] = ()) -> Checked:
+    """Return an exam without points; nothing is run, because no file is there."""
+    result: ExamResult = examine(exam, {}, sandbox=sandbox)
+    return Checked(name, '', '', False, result, problems)
+
+
+def _lines(problems: Sequence[Problem]) -> tuple[str, ...]:
+    return tuple(printable(problem.line()) for problem in problems)
+
+
+def _append(variable: str, text: str) -> None:
+    """Append to the file that GitHub names in a variable; without one, print nothing."""
+    if path := os.environ.get(variable):
+        with Path(path).open('a', encoding='utf-8') as file:
+            file.write(text)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,163 @@
+"""What a bag holds, in the words of ``ros2 bag info`` and of ``metadata.yaml``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+_NS = 10**9
+_VERSION = 9
+"""Of the format of metadata.yaml that ROS 2 Jazzy writes."""
+
+
+@dataclass(frozen=True)
+class BagTopic:
+    """
+    A recorded topic.
+
+    :param name: full name
+    :param type: such as ``std_msgs/msg/String``
+    :param profiles: quality of service of its publishers, see :mod:`roslab.bags.qos`
+    :param hash: hash of the type, '' if unknown
+    :param count: number of messages
+    """
+
+    name: str
+    type: str
+    profiles: Sequence[dict[str, Any]]
+    hash: str
+    count: int
+
+
+@dataclass(frozen=True)
+class Bag:
+    """
+    The summary of a bag.
+
+    :param path: the file, or the folder that ``ros2 bag record`` has written
+    :param files: its MCAP files, oldest first
+    :param topics: sorted by name
+    :param start_ns: when the first message was received [ns since 1970]
+    :param end_ns: when the last one was [ns since 1970]
+    :param distro: ROS 2 release of the recorder, '' if unknown
+    """
+
+    path: Path
+    files: tuple[Path, ...]
+    topics: tuple[BagTopic, ...]
+    start_ns: int
+    end_ns: int
+    distro: str
+
+    @property
+    def count(self) -> int:
+        """Number of messages."""
+        return sum(topic.count for topic in self.topics)
+
+    @property
+    def seconds(self) -> float:
+        """Time between the first and the last message [s]."""
+        return (self.end_ns - self.start_ns) / _NS
+
+    def metadata(self) -> dict[str, Any]:
+        """Return the values of ``metadata.yaml``, in its order."""
+        duration = {'nanoseconds': self.end_ns - self.start_ns}
+        starting_time = {'nanoseconds_since_epoch': self.start_ns}
+        return {
+            'version': _VERSION,
+            'storage_identifier': 'mcap',
+            'duration': duration,
+            'starting_time': starting_time,
+            'message_count': self.count,
+            'topics_with_message_count': [_plain(topic) for topic in self.topics],
+            'compression_format': '',
+            'compression_mode': '',
+            'relative_file_paths': [file.name for file in self.files],
+            'files': [
+                {
+                    'path': file.name,
+                    'starting_time': starting_time,
+                    'duration': duration,
+                    'message_count': self.count,
+                }
+                for file in self.files
+            ],
+            'custom_data': None,
+            'ros_distro': self.distro,
+        }
+
+    def __str__(self) -> str:
+        pad = ' ' * 19
+        topics = [
+            f'Topic: {topic.name} | Type: {topic.type} | Count: {topic.count} | '
+            'Serialization Format: cdr'
+            for topic in self.topics
+        ]
+        return '\n'.join(
+            [
+                f'Files:             {f"{chr(10)}{pad}".join(file.name for file in self.files)}',
+                f'Bag size:          {_size(sum(file.stat().st_size for file in self.files))}',
+                'Storage id:        mcap',
+                f'ROS Distro:        {self.distro or "unknown"}',
+                f'Duration:          {_seconds(self.end_ns - self.start_ns)}s',
+                f'Start:             {_moment(self.start_ns)}',
+                f'End:               {_moment(self.end_ns)}',
+                f'Messages:          {self.count}',
+                f'Topic information: {f"{chr(10)}{pad}".join(topics)}',
+            ]
+        )
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
+def to_yaml(values: Any) -> str:
+    """Return values as YAML, in their order."""
+    text: str = yaml.dump(values, Dumper=_Dumper, sort_keys=False)
+    return text
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes repeated objects in full instead of naming the first."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """Make PyYAML write no anchors."""
+        return True
+
+
+def _plain(topic: BagTopic) -> dict[str, Any]:
+    return {
+        'topic_metadata': {
+            'name': topic.name,
+            'type': topic.type,
+            'serialization_format': 'cdr',
+            'offered_qos_profiles': list(topic.profiles),
+            'type_description_hash': topic.hash,
+        },
+        'message_count': topic.count,
+    }
+
+
+def _size(count: float) -> str:
+    if count < 1024:
+        return f'{count:.0f} B'
+    for unit in ('KiB', 'MiB', 'GiB'):
+        count /= 1024
+        if count < 1024:
+            return f'{count:.1f} {unit}'
+    return f'{count / 1024:.1f} TiB'
+
+
+def _seconds(nanoseconds: int) -> str:
+    return f'{nanoseconds // _NS}.{nanoseconds % _NS:09}'
+
+
+def _moment(nanoseconds: int) -> str:
+    there = datetime.fromtimestamp(nanoseconds // _NS)
+    date = f'{there:%b} {there.day:2} {there:%Y %H:%M:%S}.{nanoseconds % _NS:09}'
+    return f'{date} ({_seconds(nanoseconds)})'

@@ -1,0 +1,114 @@
+"""Write messages to an MCAP file that Foxglove, PlotJuggler and ``ros2 bag`` open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+import os
+from pathlib import Path
+from types import TracebackType
+
+from mcap.writer import CompressionType, Writer
+from rclpy.qos import QoSProfile
+
+from roslab.bags.bag import Bag, BagTopic, to_yaml
+from roslab.bags.definition import definition_of, hash_of
+from roslab.bags.qos import plain_profiles
+
+_PROFILE = 'ros2'
+_ENCODING = 'ros2msg'
+DISTRO = 'jazzy'
+
+
+class BagWriter:
+    """
+    Writes one MCAP file; use it in a ``with`` statement.
+
+    The file gets its name at the end, even after an interrupt.  Without a message, no file is
+    written, and a file of that name is kept.
+
+    :param path: the file, which is replaced at the end
+    :raises OSError: if its folder cannot be written
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.bag: Bag | None = None
+        self._unfinished = path.with_name(f'.{path.name}.{os.getpid()}')
+        self._file = self._unfinished.open('wb')
+        # Not compressed, as ros2 bag does it: some readers lack zstd.
+        self._mcap = Writer(self._file, compression=CompressionType.NONE)
+        self._mcap.start(profile=_PROFILE, library='roslab')
+        self._topics: dict[str, BagTopic] = {}
+        self._channels: dict[str, int] = {}
+        self._counts: dict[str, int] = {}
+        self._times: tuple[int, int] | None = None
+
+    @property
+    def count(self) -> int:
+        """Number of messages so far."""
+        return sum(self._counts.values())
+
+    def add_topic(self, name: str, type_name: str, profiles: Iterable[QoSProfile] = ()) -> None:
+        """
+        Add a topic; it may remain without messages.
+
+        :param name: full name
+        :param type_name: such as ``std_msgs/msg/String``
+        :param profiles: what its publishers offer
+        :raises LookupError: if the type is not installed
+        """
+        made = BagTopic(name, type_name, plain_profiles(profiles), hash_of(type_name), 0)
+        schema = self._mcap.register_schema(
+            type_name, _ENCODING, definition_of(type_name).encode()
+        )
+        about = {
+            'offered_qos_profiles': to_yaml(list(made.profiles)),
+            'topic_type_hash': made.hash,
+        }
+        self._channels[name] = self._mcap.register_channel(name, 'cdr', schema, about)
+        self._topics[name], self._counts[name] = made, 0
+
+    def write(self, topic: str, data: bytes, received_ns: int, sent_ns: int) -> None:
+        """
+        Add a message.
+
+        :param topic: full name, of a topic that was added
+        :param data: the serialised message
+        :param received_ns: when it was received [ns since 1970]
+        :param sent_ns: when it was published [ns since 1970]
+        """
+        self._mcap.add_message(self._channels[topic], received_ns, data, sent_ns)
+        self._counts[topic] += 1
+        first, last = self._times or (received_ns, received_ns)
+        self._times = min(first, received_ns), max(last, received_ns)
+
+    def __enter__(self) -> BagWriter:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Complete the file, except after an error that is not an interrupt."""
+        try:
+            if self._times and (error is None or not isinstance(error, Exception)):
+                bag = self._summary(*self._times)
+                self._mcap.add_metadata(
+                    'rosbag2', {'serialized_metadata': to_yaml(bag.metadata())}
+                )
+                self._mcap.finish()
+                self._file.close()
+                self._unfinished.replace(self.path)
+                self.bag = bag
+        finally:
+            self._file.close()
+            self._unfinished.unlink(missing_ok=True)
+
+    def _summary(self, start_ns: int, end_ns: int) -> Bag:
+        topics = (
+            BagTopic(name, one.type, one.profiles, one.hash, self._counts[name])
+            for name, one in sorted(self._topics.items())
+        )
+        return Bag(self.path, (self.path,), tuple(topics), start_ns, end_ns, DISTRO)

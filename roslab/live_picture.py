@@ -1,0 +1,133 @@
+"""
+A picture in the output of one cell that is redrawn while other cells run.
+
+A separate thread draws, at most five times a second and only if there is something new.  It ends
+with what it shows, or when another cell shows the same thing.
+"""
+
+from __future__ import annotations
+
+import atexit
+from collections.abc import Callable, Hashable
+from contextlib import suppress
+import threading
+from typing import Any
+
+from roslab.interrupts import HeldInterrupts
+from roslab.output import current_cell, has_frontend, shell
+
+_PERIOD_S = 0.2
+_STOPPING_S = 1.0
+
+_pictures: dict[Hashable, LivePicture] = {}
+
+
+class LivePicture:
+    """
+    The place of a picture, and the thread that redraws it.
+
+    :param key: what it shows; a second picture of it ends the first one
+    :param bundle: returns the picture, by MIME type
+    :param newest: returns a value that changes when there is something new to draw
+    :param alive: returns whether something new can come
+    :param end: called once at the end, to stop what is shown
+    """
+
+    def __init__(
+        self,
+        key: Hashable,
+        bundle: Callable[[], dict[str, str]],
+        newest: Callable[[], object],
+        alive: Callable[[], bool],
+        end: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._key = key
+        self._bundle = bundle
+        self._newest = newest
+        self.alive = alive
+        self._end = end
+        self._handle: Any = None
+        self._painting = threading.Lock()
+        self._painted: object = None
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+        cell = current_cell()
+        self._shown_in = cell.number if cell else None
+
+    def begin(self) -> None:
+        """Show the picture in the running cell and keep it up to date."""
+        with HeldInterrupts():
+            older = _pictures.pop(self._key, None)
+            if older is not None:
+                older.stop()
+            _pictures[self._key] = self
+            if shell() is None:
+                return
+            from IPython.display import display
+
+            self._handle = display(self._bundle(), raw=True, display_id=True)
+        self.keep_up()
+
+    def keep_up(self) -> None:
+        """Make the picture follow again, even after stop_all() has ended what it shows."""
+        with HeldInterrupts():
+            if self._handle is None or self._ended.is_set():
+                return
+            _pictures.setdefault(self._key, self)
+            running = self._thread is not None and self._thread.is_alive()
+            if has_frontend() and not running:
+                # Without a frontend, redrawing at the end of each cell is enough.
+                self._thread = threading.Thread(
+                    target=self._follow, name='roslab picture', daemon=True
+                )
+                self._thread.start()
+
+    def paint(self) -> None:
+        """Redraw if there is something new; never raise."""
+        with HeldInterrupts(), self._painting:
+            newest = self._newest()
+            if self._handle is None or newest == self._painted:
+                return
+            self._painted = newest
+            with suppress(Exception):  # a closed connection must not end a cell or a thread
+                self._handle.update(self._bundle(), raw=True)
+
+    def stop(self) -> None:
+        """End what is shown and stop drawing; the picture no longer changes."""
+        with HeldInterrupts():
+            self._ended.set()
+            self._end()
+            if self._thread is not None and self._thread is not threading.current_thread():
+                self._thread.join(_STOPPING_S)
+            if _pictures.get(self._key) is self:
+                del _pictures[self._key]
+            self.paint()
+
+    def show_again(self) -> None:
+        """Show a copy if a later cell returns the picture; only the first one is updated."""
+        cell = current_cell()
+        if cell is None or cell.number != self._shown_in:
+            from IPython.display import display
+
+            display(self._bundle(), raw=True)
+
+    def _follow(self) -> None:
+        while not self._ended.wait(_PERIOD_S) and self.alive():
+            self.paint()
+
+
+def paint_all(_: Any = None) -> None:
+    """Update the pictures at the end of a cell, and drop those that have ended."""
+    for key, picture in tuple(_pictures.items()):
+        picture.paint()
+        if not picture.alive():
+            _pictures.pop(key, None)
+
+
+def _stop_all() -> None:
+    """End the threads before the interpreter shuts down."""
+    for picture in tuple(_pictures.values()):
+        picture.stop()
+
+
+atexit.register(_stop_all)

@@ -1,0 +1,143 @@
+"""The class list and the extensions: who is missing, who has more time, and what is wrong."""
+
+from __future__ import annotations
+
+from datetime import timedelta
+
+from collect_sources import (
+    collect,
+    GOOD,
+    laid,
+    layout,  # noqa: F401 - a fixture
+    LISTEN,
+    TALK,
+)
+from export_world import submission
+import pytest
+from rich.console import Console
+
+from autograder.classroom.class_list import class_list, extensions
+from autograder.classroom.class_report import write_class_report
+from autograder.classroom.not_collected import not_collected, not_listed
+from autograder.classroom.pages import print_table, write_reports
+from autograder.classroom.people import keep_people, read_people, saved_people
+from autograder.classroom.results_of_class import ClassResults, graded
+from autograder.classroom.statistics import class_numbers
+from autograder.commands.stats import stats_text
+from autograder.errors import GraderError
+from autograder.exports.marks import AUTOMATIC, marks, MISSING
+
+
+@pytest.fixture
+def listed(layout):
+    """Return a course whose class has three students."""
+    text = 'Student;name;Section\r\nann;Ann Example;1\r\nbob@x.example;;1\r\nzoe;Zoe Z;2\r\n'
+    laid(layout.work, {'class_list.csv': b'\xef\xbb\xbf' + text.encode()})
+    return layout
+
+
+def test_ids_are_those_of_collect_and_other_columns_are_ignored(listed):
+    """A spreadsheet may write semicolons and a byte order mark."""
+    assert class_list(listed) == {'ann': 'Ann Example', 'bob@x.example': '', 'zoe': 'Zoe Z'}
+
+
+def test_names_of_the_list_are_shown_but_not_saved(listed):
+    """The instructor's list comes first: platforms shorten names."""
+    keep_people(listed, {'zoe': 'zedzoe', 'eve': 'adamseve'})
+
+    assert read_people(listed) == {'ann': 'Ann Example', 'zoe': 'Zoe Z', 'eve': 'adamseve'}
+    assert saved_people(listed) == {'zoe': 'zedzoe', 'eve': 'adamseve'}
+
+
+def test_a_student_without_a_submission_is_missing_and_has_no_mark(listed):
+    """Never a zero."""
+    here = ClassResults(TALK, (submission('ann'), submission('eve')))
+    found = marks(listed, here, AUTOMATIC)
+
+    assert [(one.student, one.points, one.status) for one in found[2:]] == [
+        ('bob@x.example', None, MISSING),
+        ('zoe', None, MISSING),
+    ]
+    assert found[3].max_points == 6.5
+    assert not_listed(listed, ['ann', 'eve']) == ('eve',)
+
+
+def test_without_a_list_nobody_is_missing(layout):
+    """And nobody is unknown."""
+    assert not_collected(layout, TALK, {'ann'}) == ()
+    assert not_listed(layout, ['ann']) == ()
+
+
+def test_reports_and_statistics_name_who_is_missing(listed):
+    """In the table, on both pages and in the numbers."""
+    missing = not_collected(listed, TALK, {'ann'})
+    console = Console(record=True, width=120, file=None)
+    print_table(console, TALK, [submission('ann')], missing=missing)
+    write_reports(listed.reports, TALK, [submission('ann')], missing=missing)
+    write_class_report(listed, graded(listed, TALK)[0])
+
+    assert 'Nothing handed in.' in console.export_text()
+    for page in ('index.html', 'class.html'):
+        text = (listed.reports / TALK / page).read_text('utf-8')
+        assert '<li>zoe (Zoe Z): Nothing handed in.</li>' in text
+    numbers = class_numbers(listed, graded(listed, TALK)[0])
+    assert '  missing: zoe: Nothing handed in.' in stats_text(numbers)
+    assert numbers.marks.count == 1
+
+
+@pytest.mark.parametrize(
+    ('text', 'why'),
+    [
+        ('name\nann\n', 'there is no column student'),
+        ('student\nann\nann\n', 'row 3: ann is in the list twice'),
+        ('student\n-\n', "row 2: the student id '-' has no letter or digit"),
+        ('student,name\nann\n', 'line 2 has 1 fields, the first line 2'),
+        ('student\nJ\xf6rg\n', 'not UTF-8'),
+    ],
+)
+def test_a_wrong_list_is_refused_with_its_place(layout, text, why):
+    """A list that is half read would call students missing."""
+    laid(layout.work, {'class_list.csv': text.encode('latin-1')})
+
+    with pytest.raises(GraderError, match=why):
+        class_list(layout)
+
+
+def test_extensions_are_hours_for_one_assignment_or_for_all(layout):
+    """A row with an assignment counts more than one for all."""
+    text = 'student,assignment,hours\nann,,24\nann,talk,"1,5"\nzoe,04_listen,0\n'
+    laid(layout.work, {'extensions.csv': text.encode()})
+    found = extensions(layout)
+
+    assert found['ann', TALK] == timedelta(hours=1.5)
+    assert found['ann', LISTEN] == timedelta(hours=24)
+    assert ('zoe', TALK) not in found
+
+
+def test_without_the_file_the_gradebook_decides(layout):
+    """An empty file takes all extensions away."""
+    assert extensions(layout) is None
+
+    laid(layout.work, {'extensions.csv': b'student,assignment,hours\n'})
+    assert extensions(layout) == {}
+
+
+@pytest.mark.parametrize(
+    ('row', 'why'),
+    [
+        ('ann,talkk,1', 'row 2: talkk: there is no such assignment'),
+        ('ann,,two', "row 2: expected hours from 0 to 8784, got 'two'"),
+        ('ann,,-1', 'expected hours'),
+        ('ann,,nan', 'expected hours'),
+    ],
+)
+def test_a_wrong_extension_is_refused_with_its_place(layout, row, why):
+    """Nobody loses points because of a misspelt name."""
+    laid(layout.work, {'extensions.csv': f'student,assignment,hours\n{row}\n'.encode()})
+
+    with pytest.raises(GraderError, match=why):
+        extensions(layout)
+    source = laid(layout.root / 'class', {f'{name}/talk.ipynb': GOOD for name in ('ann', 'bob')})
+    with pytest.raises(GraderError, match=why):
+        collect(source, layout, layout.submitted)
+    assert not layout.submitted.exists()

