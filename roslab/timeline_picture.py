@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from drawing import svg
+from drawing.slider import cursor, with_slider
+from roslab.cli_text import message_yaml
 from roslab.errors import RoslabError
 from roslab.silence import type_name
 
@@ -14,6 +16,7 @@ _WIDTH = 760.0
 _ROW = 30.0
 _MARGIN = 10.0
 _MOST_TIMES = 12
+_MOST_LETTERS = 60
 _MARK_SHAPES = ('triangle', 'diamond', 'cross', 'square', 'plus', 'circle')
 _MARK_COLOURS = (svg.RED, svg.ORANGE, svg.GREEN)
 
@@ -27,12 +30,14 @@ class Row:
     :param times: times of the events, in order [s]
     :param mark: whether the row shows other events instead of messages
     :param more: a second, fainter label
+    :param texts: contents of the messages of a recorded run, for its slider
     """
 
     label: str
     times: tuple[float, ...]
     mark: bool = False
     more: str = ''
+    texts: tuple[str, ...] = ()
 
     @property
     def rate(self) -> float | None:
@@ -108,7 +113,11 @@ def make_timeline(
     begin = min([*stamps, 0.0]) if seconds is None else end - seconds
     if seconds is not None:
         rows = [
-            Row(row.label, tuple(t for t in row.times if t >= begin), row.mark, row.more)
+            replace(
+                row,
+                times=tuple(t for t in row.times if t >= begin),
+                texts=tuple(text for t, text in zip(row.times, row.texts) if t >= begin),
+            )
             for row in rows
         ]
     return Timeline(rows, begin, end)
@@ -122,7 +131,30 @@ def _row_of(source: Any, zero: float) -> Row:
         )
     shift = source.began - zero if source.began else 0.0
     times = tuple(time + shift for time in source.times)
-    return Row(source.topic, times, more=type_name(source.msg_type))
+    # Only a recorded run keeps its messages as they were: it has their fields, `data`.
+    texts = tuple(map(_short, source.messages)) if hasattr(source, 'data') else ()
+    return Row(source.topic, times, more=type_name(source.msg_type), texts=texts)
+
+
+def _short(message: Any) -> str:
+    words = 'too large to show' if message is None else ' '.join(message_yaml(message).split())
+    return words if len(words) <= _MOST_LETTERS else f'{words[:_MOST_LETTERS]}...'
+
+
+def _moments(rows: Sequence[Row]) -> list[tuple[float, str]]:
+    """Return each message of a recorded run with the latest message of every row [s]."""
+    events = sorted(
+        (time, index, text)
+        for index, row in enumerate(rows)
+        for time, text in zip(row.times, row.texts)
+    )
+    latest: dict[str, str] = {}
+    moments = []
+    for time, index, text in events:
+        latest[rows[index].label] = text
+        state = '; '.join(f'{label}: {newest}' for label, newest in latest.items())
+        moments.append((time, f'{time:.2f} s, a message on {rows[index].label}. Latest: {state}'))
+    return moments
 
 
 def _row_of_mark(label: str, times: Iterable[float]) -> Row:
@@ -160,14 +192,19 @@ def _draw(line: Timeline) -> str:
         marks += row.mark
     described = '. '.join(f'{row.label}: {row.amount}' for row in rows)
     data = [(row.label, row.more, row.amount, svg.listed(row.times)) for row in rows]
-    return svg.picture(
+    moments = [(place(time), words) for time, words in _moments(rows)]
+    if moments:
+        parts.append(cursor(moments[-1][0], _MARGIN, bottom + 4))
+    title = f'Timeline of {span:.1f} seconds, {len(rows)} row{"s" * (len(rows) != 1)}'
+    drawn = svg.picture(
         _WIDTH,
         bottom + 28,
-        f'Timeline of {span:.1f} seconds, {len(rows)} row{"s" * (len(rows) != 1)}',
+        title,
         described,
         parts,
         [('row', 'type', 'amount', 'times [s]'), *data],
     )
+    return with_slider(drawn, title, moments) if moments else drawn
 
 
 def _row(row: Row, y: float, left: float, right: float, xs: list[float], marks: int) -> str:

@@ -1,5 +1,7 @@
 """The layout, the pictures and the text of roslab, made from plain data."""
 
+import html
+import json
 import math
 import re
 from types import SimpleNamespace
@@ -16,6 +18,7 @@ from std_msgs.msg import ByteMultiArray, Empty, Float64, Header, Int32MultiArray
 from autograder.simulated import TopicRecord
 from drawing import svg
 from drawing.graph_layout import arrange
+from drawing.slider import MAX_MOMENTS, with_slider
 from roslab.cli_text import (
     echo_text,
     hz_text,
@@ -325,6 +328,34 @@ def test_timeline_of_the_last_seconds_leaves_older_messages_out():
 
     assert line.rows[0].times == (4.0, 5.0)
     assert (line.begin, line.end) == (3.0, 5.0)
+
+
+def test_timeline_of_a_recorded_run_has_a_slider_with_the_state_at_each_message():
+    """The last step is shown first; live messages have none."""
+    one = TopicRecord('/a', STRING, (1.0, 3.0), ({'data': 'x'}, {'data': '<y>'}), 4.0)
+    other = TopicRecord('/b', STRING, (2.0,), ({'data': 'z'},), 4.0)
+    page = make_timeline([SimpleNamespace(listeners=[one, other])])._repr_html_()
+    held = html.unescape(re.search('data-moments="([^"]*)"', page)[1])
+    places, words = zip(*json.loads(held))
+
+    assert words == (
+        '1.00 s, a message on /a. Latest: /a: data: x',
+        '2.00 s, a message on /b. Latest: /a: data: x; /b: data: z',
+        '3.00 s, a message on /a. Latest: /a: data: <y>; /b: data: z',
+    )
+    assert places[1] - places[0] == pytest.approx(places[2] - places[1], abs=0.2)
+    assert f'translate({places[2]})' in page
+    assert '<y>' not in page
+    assert 'type="range"' not in make_timeline([listener('/a', 0.0, [1.0])])._repr_html_()
+
+
+def test_slider_of_many_moments_is_short_and_keeps_the_last():
+    """A run of an hour has thousands of messages."""
+    page = with_slider('', 'Run', [(n, f'step {n}') for n in range(1001)])
+    held = json.loads(html.unescape(re.search('data-moments="([^"]*)"', page)[1]))
+
+    assert len(held) <= MAX_MOMENTS
+    assert held[-1] == [1000, 'step 1000']
 
 
 @pytest.mark.parametrize(
