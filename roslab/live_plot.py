@@ -1,8 +1,8 @@
 """
-Plot a number of a topic against time, redrawn in its own cell while other cells run.
+Plot a numeric field of a topic; the picture stays up to date while other cells run.
 
-A separate thread draws, at most five times a second and only if there is something new.  It ends
-with its listener, with the session, or when another cell plots the same field.
+A separate thread draws at most five times a second, and only if there is new data.  It ends with
+its listener, with the session, or when another cell plots the same field.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ _plots: dict[tuple[str, str, bool], Plot] = {}
 
 class Plot:
     """
-    A picture that follows a topic, or shows one of a simulation.
+    A picture that follows a topic, or that shows one topic of a simulation.
 
-    :param session: whose hidden node listens
-    :param topic: with or without the leading slash; its type is found in the graph. Or what a
-        simulation recorded of it, ``run['topic']``
+    :param session: session whose hidden node subscribes
+    :param topic: with or without the leading slash (the graph gives its type), or a topic
+        recorded by a simulation, ``run['topic']``
     :param field: path of a numeric field, such as ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]
-    :param threshold: a level to compare the values with
-    :param marks: times of other events, by their name [s]
-    :raises NotHereError: if no endpoint has the topic
-    :raises RoslabError: if there is no such field, or it is not a number
+    :param threshold: a value to mark with a horizontal line
+    :param marks: times of other events, by name [s]
+    :raises NotHereError: if the topic has no endpoint
+    :raises RoslabError: if the field does not exist or is not numeric
     """
 
     def __init__(
@@ -88,9 +88,9 @@ class Plot:
 
     def wait(self, count: int = 1, timeout: float = 10.0) -> list[float]:
         """
-        Wait until that many messages have arrived and the picture shows them.
+        Wait until a number of messages have arrived and the picture shows them.
 
-        :param count: how many messages since the plot was begun
+        :param count: how many messages since the plot began
         :param timeout: how long to wait [s]
         :returns: all values so far
         :raises TimeoutError: with possible reasons
@@ -103,7 +103,7 @@ class Plot:
         return self.values
 
     def stop(self) -> None:
-        """Stop listening and drawing; the picture no longer changes."""
+        """Stop listening and drawing; the picture stays as last drawn."""
         with HeldInterrupts():
             self._ended.set()
             self.listener.stop()
@@ -114,7 +114,7 @@ class Plot:
             self.paint()
 
     def begin(self) -> None:
-        """Show the picture in the running cell and keep it up to date."""
+        """Show the picture in the running cell and start updating it."""
         with HeldInterrupts():
             older = _plots.pop(self._key, None)
             if older is not None:
@@ -128,7 +128,7 @@ class Plot:
         self._keep_up()
 
     def _keep_up(self) -> None:
-        """Make the picture follow the topic, even after stop_all() has ended its subscription."""
+        """Continue updating the picture, even after stop_all() has ended its subscription."""
         with HeldInterrupts():
             if self._handle is None or self._ended.is_set():
                 return
@@ -142,7 +142,7 @@ class Plot:
                 self._thread.start()
 
     def paint(self) -> None:
-        """Redraw if there is something new; never raise."""
+        """Redraw if there is new data; never raise an exception."""
         with HeldInterrupts(), self._painting:
             newest = self._newest()
             if self._handle is None or newest == self._painted:
@@ -153,7 +153,7 @@ class Plot:
 
     @property
     def _key(self) -> tuple[str, str, bool]:
-        # A picture of a simulation does not end the one that follows the topic of that name.
+        # A plot of a simulation does not end the live plot of the topic with the same name.
         return self.topic, self.field, isinstance(self.listener, TopicRecord)
 
     def _newest(self) -> tuple[int, float]:
@@ -187,7 +187,7 @@ class Plot:
         return str(self)
 
     def _ipython_display_(self) -> None:
-        """Show a copy if a later cell returns the picture; only the first picture is updated."""
+        """Show a copy if a later cell returns the plot; only the first picture is updated."""
         cell = current_cell()
         if cell is None or cell.number != self._shown_in:
             from IPython.display import display
@@ -196,7 +196,7 @@ class Plot:
 
 
 def paint_all(_: Any = None) -> None:
-    """Update the pictures at the end of a cell, and drop those that have ended."""
+    """Update the pictures at the end of a cell, and forget plots that have ended."""
     for key, plot in tuple(_plots.items()):
         plot.paint()
         if not plot.listener.alive:
@@ -204,7 +204,7 @@ def paint_all(_: Any = None) -> None:
 
 
 def _stop_all() -> None:
-    """End the threads before the interpreter shuts down."""
+    """Stop the drawing threads before the interpreter shuts down."""
     for plot in tuple(_plots.values()):
         plot.stop()
 
