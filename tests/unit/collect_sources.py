@@ -1,4 +1,4 @@
-"""Sources of submissions as the systems make them, and what lies in ``submitted/`` afterwards."""
+"""Create sources of submissions as each system exports them, and read ``submitted/``."""
 
 from __future__ import annotations
 
@@ -15,13 +15,15 @@ from autograder.collect.source.tree import opened
 from autograder.layout import Layout
 
 collect = partial(collecting.collect, trust_names=True)
-"""Deliveries in these exchanges are all of the user who runs the tests."""
+"""
+All deliveries in these exchanges belong to the user who runs the tests, so names are trusted.
+"""
 
 TALK, LISTEN, SPIN = '03_talk', '04_listen', '05_spin'
 
 
 def notebook(*ids: str, text: str = 'x = 1') -> bytes:
-    """Return a notebook with such cells."""
+    """Return a notebook with cells of the given nbgrader ids."""
     cells = [
         {
             'cell_type': 'code',
@@ -35,13 +37,13 @@ def notebook(*ids: str, text: str = 'x = 1') -> bytes:
 
 GOOD, OTHER = notebook('talker', 'talk_rate'), notebook('listener')
 OWN = notebook(text='what I tried')
-"""Somebody's own notes: a notebook, but with no cell of the course."""
+"""A student's private notes: a notebook without any cell of the course."""
 DAMAGED = GOOD[:40]
 
 
 @pytest.fixture
 def layout(tmp_path) -> Layout:
-    """Return a course of two assignments, and of a lesson without a cell to grade."""
+    """Return a course with two assignments and a lesson that is not graded."""
     course = Layout(tmp_path / 'course')
     for name, data in ((TALK, GOOD), (LISTEN, OTHER), (SPIN, notebook())):
         folder = course.notebooks / name
@@ -51,7 +53,7 @@ def layout(tmp_path) -> Layout:
 
 
 def packed(path: Path, files: dict[str, bytes]) -> Path:
-    """Write a zip."""
+    """Write a zip file and return its path."""
     with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
         for name, data in files.items():
             archive.writestr(name, data)
@@ -59,7 +61,7 @@ def packed(path: Path, files: dict[str, bytes]) -> Path:
 
 
 def laid(folder: Path, files: dict[str, bytes]) -> Path:
-    """Write a folder."""
+    """Write a folder and return its path."""
     for name, data in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -68,7 +70,7 @@ def laid(folder: Path, files: dict[str, bytes]) -> Path:
 
 
 def taken(layout: Layout) -> dict[str, bytes]:
-    """Return all that lies in ``submitted/`` now."""
+    """Return the contents of all files in ``submitted/``, by relative path."""
     return {
         path.relative_to(layout.submitted).as_posix(): path.read_bytes()
         for path in sorted(layout.submitted.rglob('*'))
@@ -77,18 +79,18 @@ def taken(layout: Layout) -> dict[str, bytes]:
 
 
 def table(rows) -> dict[tuple[str, str], str]:
-    """Return what was done, by student and place."""
+    """Return the reported actions by student and place."""
     return {(row.student, row.place): row.done for row in rows}
 
 
 def kind(source: Path) -> str:
-    """Return which system a source is taken for."""
+    """Return the name of the system as which a source is recognised."""
     with opened(source) as found:
         return recognised(found)[0]
 
 
 def notes(rows) -> dict[str, tuple[str, ...]]:
-    """Return the notes by place."""
+    """Return the notes of the table by place."""
     return {row.place: row.notes for row in rows}
 
 

@@ -1,4 +1,4 @@
-"""JSON as docs/results.schema.json describes it."""
+"""Test the JSON export against docs/results.schema.json."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ VALID = Draft202012Validator(SCHEMA)
 
 @pytest.fixture
 def document():
-    """Return the class as it is exported."""
+    """Return the exported class."""
     return json.loads(results_json([CLASS]))
 
 
 def test_the_schema_is_one_of_the_draft_that_it_names():
-    """And of the format and version that are written."""
+    """The schema names the exported format and version, too."""
     Draft202012Validator.check_schema(SCHEMA)
 
     assert SCHEMA['properties']['format']['const'] == FORMAT
@@ -34,7 +34,7 @@ def test_the_schema_is_one_of_the_draft_that_it_names():
 
 
 def test_a_class_follows_the_schema(document):
-    """Failed, waiting, for review and hostile ones."""
+    """The class includes failed, waiting, for-review and hostile entries."""
     VALID.validate(document)
 
     assert [one['status'] for one in document['submissions']] == [
@@ -47,7 +47,7 @@ def test_a_class_follows_the_schema(document):
 
 
 def test_for_review_has_no_points_anywhere():
-    """Not of the submission, its exams or its checks."""
+    """Neither the submission nor its exams and checks have points."""
     (one,) = json.loads(results_json([ClassResults(REVIEW.assignment, (REVIEW,))]))['submissions']
 
     assert one['points'] is None
@@ -69,7 +69,7 @@ def test_for_review_has_no_points_anywhere():
     ],
 )
 def test_the_schema_refuses_what_contradicts_itself(document, number, change):
-    """A review with points, a grade without, unknown words and fields."""
+    """Examples are a review with points, a grade without points, unknown values and fields."""
     wrong = copy.deepcopy(document)
     wrong['submissions'][number].update(change)
 
@@ -78,7 +78,7 @@ def test_the_schema_refuses_what_contradicts_itself(document, number, change):
 
 
 def test_every_field_is_required(document):
-    """So a reader can rely on them."""
+    """So readers of the file can rely on every field."""
     parts = [
         (document, '$'),
         (document['submissions'][0], 'submission'),
@@ -95,7 +95,7 @@ def test_every_field_is_required(document):
 
 
 def test_visible_checks_alone_have_no_points_anywhere():
-    """As in every other export."""
+    """Other exports behave in the same way."""
     data = json.loads(results_json([ClassResults(VISIBLE.assignment, (VISIBLE,))]))
     VALID.validate(data)
     (one,) = data['submissions']

@@ -1,4 +1,4 @@
-"""The exams of lesson 02 and the one of limits, without a program: inputs, rules and causes."""
+"""Test the exams of lesson 02 and of limits without a program: inputs, rules and causes."""
 
 from __future__ import annotations
 
@@ -35,16 +35,16 @@ def run_of(exam, *events):
 
 
 class TestJoining:
-    """The latest of several topics."""
+    """Test the rule that joins the latest messages of several topics."""
 
     rule = staticmethod(joining(2, old=lambda ages: max(ages) > 2.0))
 
     def test_nothing_is_due_before_all_have_come(self):
-        """One topic is not enough."""
+        """A message on one topic is not enough."""
         assert self.rule([Told(0, 0.5, 1.0), Told(1, 0.2, 1.0)]) == [(), ((0.5, 0.2),)]
 
     def test_stop_is_due_while_one_is_old(self):
-        """And the latest of both as soon as it is fresh again."""
+        """When the topic is fresh again, the latest messages of both are expected."""
         inputs = [Told(0, 0.5, 0.5), Told(1, 0.2, 2.5), Told(1, 0.3, 0.5), Told(0, 0.0, 0.5)]
 
         assert self.rule(inputs) == [
@@ -56,7 +56,7 @@ class TestJoining:
 
 
 def ticked(inputs, begins_s):
-    """Return what a timer of the pilot publishes after each input, as a program does it."""
+    """Return what a timer of the pilot publishes after each input."""
     found, sent, now_s = [], [None, None], 0.0
     tick_s = begins_s
     for topic, value, lasts_s in inputs:
@@ -74,16 +74,16 @@ def ticked(inputs, begins_s):
 
 @pytest.mark.parametrize('secret', SECRETS)
 class TestInputsOfThePilot:
-    """The exam does not depend on the moment at which a timer was created."""
+    """Test that the exam does not depend on when a timer was created."""
 
     def test_any_timer_publishes_all_that_is_due(self, secret):
-        """No command is due for so short a time that it falls between two ticks."""
+        """Every command is expected for longer than a period of the timer."""
         asked = catalog.drawn('pilot', secret).asks['commands']
         for hundredth in range(50):
             assert ticked(asked.inputs, hundredth / 100 + 0.003) == asked.answers
 
     def test_no_two_inputs_are_whole_periods_apart(self, secret):
-        """A timer that is created when one comes does not tick when another one does."""
+        """So a timer created when one input arrives never ticks exactly when another arrives."""
         times = [0.0]
         for one in catalog.drawn('pilot', secret).asks['commands'].inputs[:-1]:
             times.append(times[-1] + one.lasts_s)
@@ -93,7 +93,7 @@ class TestInputsOfThePilot:
 
 
 def test_command_before_both_have_come_is_told():
-    """It is the timer that must wait."""
+    """The advice is that the timer must wait."""
     early = {
         'event': 'message',
         'topic': '/cmd_vel',
@@ -110,7 +110,7 @@ def test_command_before_both_have_come_is_told():
 
 
 class TestHeartbeat:
-    """Why heartbeats are missing."""
+    """Test the causes of missing heartbeats."""
 
     quiet = tuple(beat(half / 2) for half in range(1, 7))
 
@@ -130,15 +130,15 @@ class TestHeartbeat:
         ids=['goes on', 'beats with the pictures', 'no result'],
     )
     def test_other_heartbeats_are_not(self, events):
-        """A cause is named only if all that came fits it."""
+        """A cause is named only if all messages are consistent with it."""
         assert inspector.why_starved(run_of(inspector.exam, *events)) is None
 
 
 class TestLimits:
-    """What is in force after changes."""
+    """Test which limit applies after changes."""
 
     def test_node_is_judged_by_the_limits_that_it_accepts(self):
-        """A node that accepts NaN warns of nothing after that, and loses those points once."""
+        """A node that accepts NaN stops warning, and loses those points only once."""
         changes = [(LIMIT, 35.0), (LIMIT, float('nan')), ('place', 'pump')]
         sent = [Reading(50.0, '', 28.0, 28.0, 28.0, number) for number in range(4)]
         rule = limit_changes.warning()

@@ -1,4 +1,4 @@
-"""Records survive the way through JSON, and sum up."""
+"""Test that results can be written to JSON and read again, and their sums of points."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ PROBLEM = Problem('x.ipynb', 'a notebook', 'a picture', 'submit again', ('talker
 
 
 def through_json(record):
-    """Return a record after a trip through JSON text."""
+    """Return a record after conversion to JSON and back."""
     return type(record).from_json(json.loads(json.dumps(record.to_json())))
 
 
 def test_an_exam_result_is_the_same_after_json():
-    """Nothing is lost, verdicts are verdicts again."""
+    """Nothing is lost, and verdicts are enum members again."""
     assert through_json(EXAM) == EXAM
     assert through_json(EXAM).checks[0].verdict is Verdict.PASSED
 
 
 def test_a_submission_result_is_the_same_after_json():
-    """Problems and exams come back as records."""
+    """Problems and exams are records again."""
     result = SubmissionResult('ann', '01', (EXAM,), (PROBLEM,), 'broken')
 
     assert through_json(result) == result
 
 
 def test_points_are_sums_over_checks_and_exams():
-    """Partial points count."""
+    """Partial points are included."""
     result = SubmissionResult('ann', '01', (EXAM, EXAM))
 
     assert (result.points, result.max_points) == (5.0, 12)
@@ -40,5 +40,5 @@ def test_points_are_sums_over_checks_and_exams():
 
 
 def test_a_problem_is_one_line():
-    """Where, expected, got, what to try."""
+    """The line has place, expected and actual value, and what to try."""
     assert PROBLEM.line() == 'x.ipynb: expected a notebook, got a picture. Try: submit again.'

@@ -1,4 +1,4 @@
-"""However much a class hands in, the grader holds one notebook at a time and keeps the answers."""
+"""Test that the grader holds only one notebook in memory at a time and keeps only the answers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FILE = 'talker.ipynb'
 
 
 def cell(source):
-    """Return the one answer cell of a notebook."""
+    """Return the single answer cell of a notebook."""
     marks = {'grade_id': 'talker', 'solution': True}
     return {'cell_type': 'code', 'metadata': {'nbgrader': marks}, 'source': source}
 
@@ -29,29 +29,29 @@ RELEASE = {'cells': [cell('%%node talker\n# YOUR CODE HERE')], 'metadata': {}}
 
 @dataclass(frozen=True)
 class FakeExam:
-    """What the pipeline needs of an exam."""
+    """The attributes of an exam that the pipeline uses."""
 
     name: str = 'talker'
     cells: tuple[str, ...] = ('talker',)
 
 
 class FakeEngine:
-    """Says that it ran."""
+    """A fake engine that reports a run."""
 
     def run(self, exam, files):
-        """Judge nothing."""
+        """Return a result without judging."""
         return ExamResult(exam.name, ())
 
 
 def large_notebook(picture=MEGABYTE):
-    """Return an answer with a picture below it."""
+    """Return an answer with a large picture as its output."""
     output = {'output_type': 'display_data', 'data': {'image/png': 'A' * picture}}
     return json.dumps({'cells': [{**cell('%%node talker\npass'), 'outputs': [output]}]}).encode()
 
 
 @dataclass
 class Traced:
-    """Bytes of Python's memory, beyond what there was before."""
+    """Memory allocated by Python since the start of the measurement [bytes]."""
 
     kept: int = 0
     peak: int = 0
@@ -59,7 +59,7 @@ class Traced:
 
 @contextmanager
 def traced() -> Iterator[Traced]:
-    """Measure what a block allocates."""
+    """Measure the memory that a block allocates."""
     found = Traced()
     tracemalloc.start()
     try:
@@ -70,7 +70,7 @@ def traced() -> Iterator[Traced]:
 
 
 def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
-    """Not of all of them: the bytes are read and dropped one after the other."""
+    """Notebooks are read and released one after the other."""
     for number in range(STUDENTS):
         folder = tmp_path / f's{number:02}' / '01'
         folder.mkdir(parents=True)
@@ -88,7 +88,7 @@ def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
 
 
 def test_of_a_text_that_is_too_long_almost_nothing_is_kept():
-    """A cell of many megabytes is one problem."""
+    """A cell of many megabytes gives one problem."""
     data = json.dumps({'cells': [cell('x' * 10 * MEGABYTE)]}).encode()
 
     with traced() as memory:
@@ -99,7 +99,7 @@ def test_of_a_text_that_is_too_long_almost_nothing_is_kept():
 
 
 def test_many_numbers_take_no_more_than_their_text():
-    """Each would be an object of 24 bytes or more."""
+    """Each number would be an object of at least 24 bytes."""
     numbers = b'1.5,' * MEGABYTE
     data = b'{"cells": [], "x": [' + numbers + b'1]}'
 
