@@ -1,4 +1,4 @@
-"""Nodes for the tests of the ros2 command, in a process of their own. Prints a line when ready."""
+"""Run nodes for the tests of the ros2 command in a separate process; print a line when ready."""
 
 import signal
 
@@ -13,7 +13,7 @@ from std_msgs.msg import Empty, Header, Int32, String
 
 
 class Talker(Node):
-    """Publishes twenty texts and headers a second; its rate has limits."""
+    """Publishes twenty strings and headers per second; its rate parameter has limits."""
 
     def __init__(self):
         super().__init__('talker')
@@ -33,21 +33,21 @@ class Talker(Node):
         self.add_on_set_parameters_callback(self.judge)
 
     def judge(self, parameters):
-        """Refuse one value."""
+        """Reject one particular value."""
         odd = any(one.name == 'rate_hz' and one.value == 3.0 for one in parameters)
         return SetParametersResult(successful=not odd, reason='not three' if odd else '')
 
 
 class Beacon(LifecycleNode):
-    """A node with states; it refuses to be activated."""
+    """A lifecycle node that refuses activation."""
 
     def on_activate(self, state):
-        """Refuse."""
+        """Refuse the transition."""
         return TransitionCallbackReturn.FAILURE
 
 
 def listener(namespace):
-    """Return a node that hears the texts, and that says twice what it heard."""
+    """Return a node that receives the strings and publishes each one twice."""
     node = Node('listener', namespace=namespace)
     node.create_subscription(String, '/chatter', lambda message: None, 10)
     node.create_subscription(Empty, '/_hidden', lambda message: None, 10)
@@ -66,8 +66,8 @@ def listener(namespace):
 
 
 def main():
-    """Spin all nodes until told to end."""
-    # rclpy's own handler may shut down just before it waits, which is an error of another kind.
+    """Spin all nodes until the process receives a signal."""
+    # rclpy's own handler may shut ROS down just before a wait, which raises a different error.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     told = []
     signal.signal(signal.SIGINT, lambda *_: told.append(True))
