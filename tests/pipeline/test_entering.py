@@ -1,4 +1,4 @@
-"""A class is entered in the gradebook while the rest of it is still being run."""
+"""Test that results are written to the gradebook while other submissions are still running."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ GOES_ON_S = 60
 
 
 class Held(FakeEngine):
-    """Runs nothing of the last student before it may."""
+    """An engine that does not run the last student before it is released."""
 
     def __init__(self) -> None:
-        """Hold."""
+        """Create the engine with the last student held."""
         self.begun, self.free = threading.Event(), threading.Event()
 
     def run(self, exam, files):
-        """Wait for the others to be entered."""
+        """Wait until the other results are written."""
         if 'of_cho' in ''.join(files.values()):
             self.begun.set()
             assert self.free.wait(GOES_ON_S)
@@ -39,14 +39,14 @@ class Held(FakeEngine):
 
 @pytest.fixture
 def class_(course):
-    """Lay three answers that differ."""
+    """Submit three different answers."""
     for student in STUDENTS:
         hand_in(course, student, **{'THRESHOLD_C = ': f'of_{student} = THRESHOLD_C = '})
     return course
 
 
 def run(course, engine, on_graded):
-    """Run the class, one after the other."""
+    """Run the class, one submission after the other."""
     lesson = load_lesson(course, ASSIGNMENT, engine)
     there = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
     book = Entering(course, lesson, Guard(course))
@@ -55,7 +55,7 @@ def run(course, engine, on_graded):
 
 
 def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
-    """And nobody twice; all of it is noted as if it had been one piece."""
+    """No result is written twice, and the journal is the same as after one step."""
     monkeypatch.setattr(entering, 'TOGETHER', 2)
     engine = Held()
     early: list[str] = []
@@ -74,7 +74,7 @@ def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
 
 
 def test_a_gradebook_that_refuses_meanwhile_is_asked_again_at_the_end(class_, monkeypatch):
-    """Only then is it a matter for the instructor."""
+    """Only a failure at the end is reported to the instructor."""
     monkeypatch.setattr(entering, 'TOGETHER', 2)
     engine, real = Held(), entering.record
     engine.free.set()
@@ -93,7 +93,7 @@ def test_a_gradebook_that_refuses_meanwhile_is_asked_again_at_the_end(class_, mo
 
 
 def test_a_gradebook_that_cannot_be_reached_costs_no_result(class_):
-    """It is said once, at the end."""
+    """The problem is reported once, at the end."""
     class_.work.joinpath('gradebook.db').write_bytes(b'no database' * 100)
     engine = Held()
     engine.free.set()

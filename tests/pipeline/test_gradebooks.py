@@ -1,4 +1,4 @@
-"""One gradebook, one writer: reruns, grades given by hand, lateness."""
+"""Test one gradebook with one writer: reruns, manual grades, lateness."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ import pytest
 @pytest.mark.nbgrader
 @pytest.mark.parametrize('scene', gradebooks.ALL, ids=lambda scene: scene.__name__)
 def test_sqlite(scene, course):
-    """The database of a course that says nothing else."""
+    """SQLite is the default database of a course."""
     scene(course)

@@ -1,4 +1,4 @@
-"""``grade --submitted DIR``: the class keeps its results when a different folder is graded."""
+"""Test that ``grade --submitted DIR`` does not change the results of the class."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ NOTEBOOK = 'temperature_monitor.ipynb'
 
 
 class VisibleEngine(FakeEngine):
-    """Without the gradebook, which is not the matter here."""
+    """An engine without the gradebook, which these tests do not need."""
 
     hidden = False
 
 
 def hand_in(course, folder, student, **changes):
-    """Lay the solution into a folder of a class, with some words replaced."""
+    """Write the solution to a folder of a class, with some words replaced."""
     text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
     for old, new in changes.items():
         text = text.replace(old, new)
@@ -36,7 +36,7 @@ def hand_in(course, folder, student, **changes):
 
 
 def grade(course, folder):
-    """Grade a folder; return what a terminal shows."""
+    """Grade a folder; return the output on the terminal."""
     console = Console(file=io.StringIO(), width=150)
     Grading(course, folder, VisibleEngine(), 1, console, Guard(course)).one(ASSIGNMENT)
     return console.file.getvalue()
@@ -57,7 +57,7 @@ def pages(course):
 
 @pytest.fixture
 def graded(course):
-    """Return a course with a class of three."""
+    """Return a course with a class of three students."""
     for student in ('ann', 'cho'):
         hand_in(course, course.submitted, student)
     hand_in(course, course.submitted, 'bob', temperature_topic='temprature_topic')
@@ -66,7 +66,7 @@ def graded(course):
 
 
 def test_an_appeal_changes_one_student(graded, tmp_path):
-    """Results and pages of the others stay; the lists have everybody, and the terminal says so."""
+    """Other results and pages are kept, lists contain all students, and the terminal says so."""
     before, old = points(graded), pages(graded)
     hand_in(graded, tmp_path / 'appeal', 'bob')
     hand_in(graded, tmp_path / 'appeal', 'dee')
@@ -89,7 +89,7 @@ def test_an_appeal_changes_one_student(graded, tmp_path):
 
 @pytest.mark.parametrize('link', [False, True], ids=['by its name', 'by a link'])
 def test_the_courses_own_folder_is_the_class(graded, tmp_path, link):
-    """Who is not in it any more is gone, however the folder is called."""
+    """Students without work in it are removed, whatever the folder's name is."""
     (graded.submitted / 'cho' / ASSIGNMENT / NOTEBOOK).unlink()
     (graded.submitted / 'cho' / ASSIGNMENT).rmdir()
     (graded.submitted / 'cho').rmdir()
@@ -104,7 +104,7 @@ def test_the_courses_own_folder_is_the_class(graded, tmp_path, link):
 
 
 def test_a_first_grading_from_elsewhere_has_nobody_to_keep(course, tmp_path):
-    """As with a class that lies elsewhere."""
+    """The class may be in a different folder from the start."""
     hand_in(course, tmp_path / 'mine', 'ann')
 
     assert 'their results are unchanged' not in grade(course, tmp_path / 'mine')
@@ -112,7 +112,7 @@ def test_a_first_grading_from_elsewhere_has_nobody_to_keep(course, tmp_path):
 
 
 def test_results_that_cannot_be_read_are_not_replaced(graded, tmp_path):
-    """And nothing is run before that is known."""
+    """No program is run before the results are read."""
     path = results_file(graded, ASSIGNMENT)
     path.write_text(json.dumps([{'student': 'ann'}]), encoding='utf-8')
     hand_in(graded, tmp_path / 'appeal', 'bob')

@@ -1,4 +1,4 @@
-"""A lamp with a service: it refuses to be switched to what it is already."""
+"""Exam of a lamp with a service that refuses to set the current state again."""
 
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Call, Scenario
@@ -9,7 +9,7 @@ CALLS = (True, True, False, False, True)
 
 
 def switched(calls):
-    """Return the answers of a lamp that is off at first."""
+    """Return the responses of a lamp that is initially off."""
     return [{'success': one != before} for before, one in zip((False, *calls), calls)]
 
 
