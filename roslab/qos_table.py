@@ -362,7 +362,7 @@ def _await_all(pairs: Sequence[_Pair], executor: SingleThreadedExecutor) -> None
 
 def documented(policy: str, offered: str, requested: str) -> bool | None:
     """
-    Return whether the documented rule predicts a match, an offer as strong as the request.
+    Return whether the documented rule predicts a match of an offer with a request.
 
     :param policy: name of the table
     :returns: None if the middleware or the situation decides

@@ -21,7 +21,7 @@ LOOK_S = 0.3
 """How long to search [s]; the course's kernels announce themselves ten times a second."""
 MOST_NAMED = 4
 _PROCESS_BYTES = 8
-"""Number of leading bytes that Fast DDS shares among the ids of a process's endpoints."""
+"""Number of bytes at the beginning of an endpoint's id that are equal in one process."""
 
 
 def nodes_of_others() -> list[str]:
