@@ -34,7 +34,7 @@ def held(root):
 
 
 def unfinished(layout):
-    """Return three files of a killed grading's folder: one temporary file and two other files."""
+    """Create a temporary file of a killed grading and two other files; return all three."""
     folder = layout.reports / '01_talker'
     folder.mkdir(parents=True)
     files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'index.html']

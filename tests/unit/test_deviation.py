@@ -30,7 +30,7 @@ def all_small(run):
 
 
 def enough(run):
-    """Fail if there are too few or too many messages."""
+    """Fail if there are more than two messages."""
     if len(run.recording.messages('/t')) > 2:
         raise Failed(expected='at most 2', observed='more')
 

@@ -97,7 +97,7 @@ def score(one, two):
 
 
 def test_other_names_spacing_and_comments_make_no_difference():
-    """Normalised texts are equal; the number of renamed names is reported."""
+    """Normalised texts are equal; the share of renamed names is reported."""
     (pair,) = found(ann=ORIGINAL, bob=RENAMED).pairs
 
     assert (pair.first, pair.second, pair.score) == (('ann', 'bob'), (), 1.0)
