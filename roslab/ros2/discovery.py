@@ -113,10 +113,10 @@ def knowing_node(args: argparse.Namespace, known: Known | None = None) -> Iterat
 
 def wait_for_graph(node: Node, alone_s: float = ALONE_S, known: Known | None = None) -> bool:
     """
-    Wait until the node has discovered the other nodes, for at most LIMIT_S.
+    Wait until the node has discovered the graph, for at most LIMIT_S or ``alone_s``.
 
-    :param alone_s: how long to wait for a first other node [s]
-    :param known: a condition that must hold, too, before the wait may end early
+    :param alone_s: how long to wait for a first other node; the longer limit applies [s]
+    :param known: if there are other nodes, the wait ends early only if this condition holds, too
     :returns: whether there are other nodes
     """
     began = changed = time.monotonic()
